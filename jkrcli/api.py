@@ -96,17 +96,10 @@ from .methods.fem.method import FEM
 from .methods.hybrid.method import Hybrid
 from .methods.layered.solver import Layered
 from .methods.protocol import Limits, Method
+from .report import rate
 from .report.check import Check
 from .report.forward import Compared, Cycled, CycledByProgram, MeasuredByHistory, MeasuredPullOff, Profile, PullOff
 from .report.inverse import Look, Work
-from .report.rate import (
-    CycledAdhering,
-    CycledAtSpeed,
-    CycledInLimits,
-    CycledRelaxing,
-    followed_with_limits,
-    traced_histories,
-)
 from .report.result import Figure
 from .resolve.analysis import Analysis, analyse, nonadhesive, with_solved_points
 from .series import Solution
@@ -297,7 +290,7 @@ def cycle(
     to_load: Number | None = None, to_depth: Number | None = None, stiffness: Number = DISPLACEMENT_CONTROL,
     slopes: str = "auto", modulus_factor: float = 1.0, stress: Number | None = None, length: Number | None = None,
     rest_load: Number | None = None, rest_depth: Number | None = None,
-) -> Cycled | CycledByProgram | CycledInLimits:  # fmt: skip
+) -> Cycled | CycledByProgram | rate.CycledInLimits:  # fmt: skip
     """Compute the quasi-static cycle of approach and retraction.
 
     Parameters
@@ -356,12 +349,12 @@ def cycle(
 def _in_limits(
     solution: Solution, cycled: Callable[[LoadingHistory | None], AnyResult], rest: Rest | None = None,
     load: float | None = None, depth: float | None = None, rests: bool = False,
-) -> AnyResult | CycledInLimits:  # fmt: skip
+) -> AnyResult | rate.CycledInLimits:  # fmt: skip
     """What was ``cycled`` on the moduli as they are; of a specimen that relaxes after each history that is known."""
     if solution.problem.specimen.relaxation is None:
         return cycled(None)
-    known = traced_histories(solution, rest, load, depth, rests)
-    return CycledInLimits.of(solution.record.path, known, cycled)
+    known = rate.traced_histories(solution, rest, load, depth, rests)
+    return rate.CycledInLimits.of(solution.record.path, known, cycled)
 
 
 def _rest(load: Number | None, depth: Number | None) -> Rest | None:
@@ -377,7 +370,7 @@ def cycle_at_speed(
     program: Program | None = None, w_approach: Number | None = None, law_approach: AnyLaw | None = None,
     speed_approach: Number | None = None, to_load: Number | None = None, to_depth: Number | None = None,
     hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", stress: Number | None = None,
-) -> CycledAtSpeed | CycledInLimits:  # fmt: skip
+) -> rate.CycledAtSpeed | rate.CycledInLimits:  # fmt: skip
     """Compute a cycle over time whose work of adhesion depends on the speed of the contact line.
 
     Parameters
@@ -430,13 +423,13 @@ def cycle_at_speed(
     inwards = None if law_approach is None else _law(law_approach)
     solution = _solution(solved, None)
 
-    def cycled(history: LoadingHistory | None) -> CycledAtSpeed:
+    def cycled(history: LoadingHistory | None) -> rate.CycledAtSpeed:
         share, words = (1.0, "") if history is None else (history.moduli, history.words)
         result = with_solved_points(analyse(solution, [w0], slopes, share)[0], k)
         contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
         driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
         zone_stress = _maybe("stress", stress, "modulus")
-        return CycledAtSpeed.of(contact, driven, result, stress=zone_stress, history=words)
+        return rate.CycledAtSpeed.of(contact, driven, result, stress=zone_stress, history=words)
 
     return _in_limits(solution, cycled)
 
@@ -448,7 +441,7 @@ def cycle_relaxing(
     rest_depth: Number | None = None, program: Program | None = None, speed_approach: Number | None = None,
     to_load: Number | None = None, to_depth: Number | None = None, hold: Number = 0.0,
     stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", compare_rate: bool = False,
-) -> CycledRelaxing | CycledAdhering:  # fmt: skip
+) -> rate.CycledRelaxing | rate.CycledAdhering:  # fmt: skip
     """Compute a cycle over time on a viscoelastic specimen.
 
     Parameters
@@ -498,14 +491,14 @@ def cycle_relaxing(
         if rest is not None:
             raise InputError("cycle_relaxing: rest_load and rest_depth need adhesion: give w")
         free = RelaxingContact(nonadhesive(solution, slopes), law, k)
-        return CycledRelaxing.of(free, _driven("cycle_relaxing", free, *does), solution.record.path)
+        return rate.CycledRelaxing.of(free, _driven("cycle_relaxing", free, *does), solution.record.path)
     if not ranged:
         raise InputError(
             "cycle_relaxing: adhesion at a given speed needs its cohesive stress or range: give stress or length"
         )
     contact = RelaxingAdhesion.of(solution, ranged.law(work), law, k)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
-    at_rest = [one for one in traced_histories(solution, rest, *turn) if one.rest is not None]
+    at_rest = [one for one in rate.traced_histories(solution, rest, *turn) if one.rest is not None]
     limits = pull_off_in_limits(solution, work, ranged, next(iter(at_rest), None), slopes)
     if rest is None:
         driven = _driven("cycle_relaxing", contact, *does)
@@ -514,7 +507,7 @@ def cycle_relaxing(
     else:
         contact = replace(contact, rests=True)
         driven = Program.on(contact.pulled_from(rest), -_number("speed", speed, "load rate" if k == 0 else "speed"))
-    return followed_with_limits(solution, contact, driven, limits, slopes, compare_rate=compare_rate)
+    return rate.followed_with_limits(solution, contact, driven, limits, slopes, compare_rate=compare_rate)
 
 
 def _driven(

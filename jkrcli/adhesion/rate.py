@@ -25,25 +25,9 @@ from ..base.errors import Estimate, InputError, SolveError, Unknown, did_you_mea
 from ..base.numerics import LOOKED_AT, MOST_STEPS, Array
 from ..base.registry import Registry
 from ..base.units import Ranged, check_ranges, show
+from . import device_path
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, AdhesiveCurve, position
-from .device_path import (
-    ADVANCE,
-    FREE,
-    RECEDE,
-    REST,
-    Contact,
-    Edge,
-    EdgeRule,
-    Follow,
-    Jump,
-    Now,
-    Path,
-    Piece,
-    Program,
-    Ramp,
-    TimedState,
-    path,
-)
+from .device_path import path
 from .interpolation import Nonadhesive
 from .stability import UNBOUNDED, turning_radius
 
@@ -168,7 +152,7 @@ MOTION_NEARER = np.geomspace(1, 1e-6, 200)
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(Piece):
+class Motion(device_path.Piece):
     """The path of the edge from one state until it rests, leaves the series or the ramp ends.
 
     ``path``: of s gives t/T from the ramp's begin on, log a, the works [J] of device and edge over ``energy``, and the
@@ -279,11 +263,11 @@ class Motion(Piece):
 
 
 @dataclass(frozen=True, eq=False)
-class ByLaw(EdgeRule):
+class ByLaw(device_path.EdgeRule):
     """An edge that moves by a ``law`` of its speed: infinitely slowly in equilibrium, from which it differs where the
     law's excess of w is more than ``slow``."""
 
-    edge: Edge
+    edge: device_path.Edge
     law: RateLaw
     tolerance: float
     evaluations: int
@@ -309,13 +293,13 @@ class ByLaw(EdgeRule):
             v = MOTION_FASTEST
         return v if self.grows else -v
 
-    def move(self, ramp: Ramp, now: Now) -> Motion | Follow:
+    def move(self, ramp: device_path.Ramp, now: device_path.Now) -> Motion | device_path.Follow:
         slowly = self._slowly(ramp, now)
         if slowly is not None:
             return slowly
         return move(self, ramp, now.t, now.place)
 
-    def _slowly(self, ramp: Ramp, now: Now) -> Follow | None:
+    def _slowly(self, ramp: device_path.Ramp, now: device_path.Now) -> device_path.Follow | None:
         """How far the edge is in equilibrium; None: not at all."""
         a = now.place
         if not (self.slow and ramp.rate and self.stands(now)):
@@ -327,14 +311,14 @@ class ByLaw(EdgeRule):
         fast = np.flatnonzero(self._excess(ramp, near) > self.slow)
         return whole if not fast.size else replace(whole, end=float(near[fast[0]]), ends="fast", lands=None)
 
-    def _excess(self, ramp: Ramp, a: Array) -> Array:
+    def _excess(self, ramp: device_path.Ramp, a: Array) -> Array:
         """The excess of w over that at rest, at the speed of an edge in equilibrium at the radii ``a`` [m]."""
         rises = position(*self.curve.rates(a), self.stiffness)
         v = np.divide(abs(ramp.rate), rises, out=np.full_like(a, np.inf), where=rises > 0)
         return np.asarray(self.law.work(self.w, v) / self.w - 1)
 
 
-def move(rule: ByLaw, ramp: Ramp, t: float, a: float) -> Motion:
+def move(rule: ByLaw, ramp: device_path.Ramp, t: float, a: float) -> Motion:
     """The motion of the edge from radius ``a`` [m] at the time ``t`` [s] of a ``ramp`` on. SolveError where the
     integrator gives up, or takes too many evaluations."""
     # T [s]: in which the device moves by the lag at G = w, or where it stands the edge by its radius
@@ -363,7 +347,7 @@ def move(rule: ByLaw, ramp: Ramp, t: float, a: float) -> Motion:
     pressed = ramp.at(ramp.t + unit * solution.y[0, -1]) > 0  # a smaller contact outside the data remains
     names = ("ramp", "series" if rule.grows or pressed else "lost", "rest")
     ends = next(name for name, times in zip(names, solution.t_events, strict=False) if len(times))
-    phase = ADVANCE if rule.grows else RECEDE
+    phase = device_path.ADVANCE if rule.grows else device_path.RECEDE
     return Motion(rule, unit, energy, solution.sol, solution.t, phase=phase, ramp=ramp, ends=ends)
 
 
@@ -375,7 +359,7 @@ def _unfollowed(a: float) -> SolveError:
     )
 
 
-def _equations(rule: ByLaw, ramp: Ramp, unit: float, energy: float) -> Callable[..., list[float]]:
+def _equations(rule: ByLaw, ramp: device_path.Ramp, unit: float, energy: float) -> Callable[..., list[float]]:
     """d/ds of t/T, log a, the works of device and edge over ``energy``, and the excess of a receding edge."""
     rate, x0, loaded, edge, w = ramp.rate, ramp.x, rule.stiffness == LOAD_CONTROL, rule.edge, rule.w
     give = edge.give
@@ -402,7 +386,7 @@ def _equations(rule: ByLaw, ramp: Ramp, unit: float, energy: float) -> Callable[
     return rates
 
 
-def _events(rule: ByLaw, ramp: Ramp, unit: float) -> list[Callable[..., float]]:
+def _events(rule: ByLaw, ramp: device_path.Ramp, unit: float) -> list[Callable[..., float]]:
     """What ends a motion: the end of the ramp, the end of the series, and rest where the device moves towards it."""
     end = math.log(rule.edge.body.a[-1 if rule.grows else 0])
     lasts = (ramp.t_end - ramp.t) / unit
@@ -440,7 +424,7 @@ HISTORY_FLOOR = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class RateContact(Contact):
+class RateContact(device_path.Contact):
     """A contact whose edge recedes by ``law`` above ``w0`` [J/m^2], in a device of ``stiffness`` [N/m].
 
     It advances where G is below ``w_advance`` <= w0 [J/m^2]: by ``law_advance``, or, None, at once to equilibrium.
@@ -469,8 +453,8 @@ class RateContact(Contact):
             raise InputError("a law of closing needs a work of adhesion > 0 on approach, got 0 J/m^2")
 
     @cached_property
-    def edge(self) -> Edge:
-        return Edge(self.body, self.stiffness)
+    def edge(self) -> device_path.Edge:
+        return device_path.Edge(self.body, self.stiffness)
 
     @cached_property
     def advancing(self) -> AdhesiveCurve:
@@ -478,23 +462,23 @@ class RateContact(Contact):
         return AdhesiveCurve(self.body, self.w_advance)
 
     @cached_property
-    def advance(self) -> EdgeRule:
+    def advance(self) -> device_path.EdgeRule:
         if self.law_advance is None:
-            return EdgeRule(self.advancing, self.stiffness, True)
+            return device_path.EdgeRule(self.advancing, self.stiffness, True)
         return self._by(self.law_advance, self.advancing, True)
 
     @cached_property
-    def recede(self) -> EdgeRule:
+    def recede(self) -> device_path.EdgeRule:
         return self._by(self.law, AdhesiveCurve(self.body, self.w0), False)
 
     def _by(self, law: RateLaw, curve: AdhesiveCurve, grows: bool) -> ByLaw:
         return ByLaw(curve, self.stiffness, grows, self.edge, law, self.tolerance, self.evaluations, self.slow)
 
-    def history(self, program: Program, start: float | None = None) -> History:
+    def history(self, program: device_path.Program, start: float | None = None) -> History:
         """What happens under ``program``; ``start``: the radius [m] of a contact that is there already."""
         return replace(self.once(program, start), beside=self.coarser.once(program, start))
 
-    def once(self, program: Program, start: float | None = None) -> History:
+    def once(self, program: device_path.Program, start: float | None = None) -> History:
         """What happens over time under ``program`` from the radius ``start`` [m] on, without its error."""
         return History(**vars(path(self, program, start or 0.0)))
 
@@ -515,7 +499,7 @@ class RateContact(Contact):
         if value is None:
             raise InputError("cycle: a contact line that closes by a law needs a reversal: --to-load or --to-depth")
         try:
-            x = self.once(Program.on(self.least, speed)).position_where(quantity, value)
+            x = self.once(device_path.Program.on(self.least, speed)).position_where(quantity, value)
         except SolveError as error:
             raise InputError(f"cycle: {error}") from None
         if x is None:
@@ -523,13 +507,13 @@ class RateContact(Contact):
             raise InputError(f"cycle: the reversal at {turn} is not reached on approach within the solution")
         return x
 
-    def within(self, _: Callable[[float], Program], x: float) -> float:
+    def within(self, _: Callable[[float], device_path.Program], x: float) -> float:
         """The turn ``x``: the body does not creep."""
         return x
 
 
 @dataclass(frozen=True, eq=False)
-class History(Path):
+class History(device_path.Path):
     """What happened to ``contact`` over time; ``beside``: the same, integrated less exactly."""
 
     contact: RateContact
@@ -538,18 +522,22 @@ class History(Path):
     @cached_property
     def turn(self) -> float:
         """The time [s] at which the contact last stopped to grow; that of the begin where it never grew."""
-        grew = [piece.last[0] for piece in self.pieces if piece.phase == ADVANCE]
+        grew = [piece.last[0] for piece in self.pieces if piece.phase == device_path.ADVANCE]
         return max(grew, default=self.pieces[0].first[0])
 
     @cached_property
-    def pull_off(self) -> TimedState:
+    def pull_off(self) -> device_path.TimedState:
         """The state of least load since the contact last grew."""
-        after = [piece for piece in self.pieces if piece.phase in (REST, RECEDE) and piece.last[0] >= self.turn]
+        after = [
+            piece
+            for piece in self.pieces
+            if piece.phase in (device_path.REST, device_path.RECEDE) and piece.last[0] >= self.turn
+        ]
         lows = [self.state(piece, *piece.lowest()) for piece in after or self.pieces]
         return min(lows, key=lambda state: state.P)
 
     @property
-    def lost(self) -> Jump | None:
+    def lost(self) -> device_path.Jump | None:
         """The last loss of contact."""
         return next((jump for jump in reversed(self.jumps) if jump.end is None), None)
 
@@ -585,7 +573,7 @@ class History(Path):
         """The largest speed [m/s] of the receding edge up to pull-off."""
         end, speeds = self.pull_off, [0.0]
         for piece in self.pieces:
-            if piece.phase == RECEDE and piece.first[0] <= end.t:
+            if piece.phase == device_path.RECEDE and piece.first[0] <= end.t:
                 t, a = piece.rows(LOOKED_AT)
                 t, a = np.append(t[t <= end.t], end.t), np.append(a[t <= end.t], end.a)
                 t, a = t[t <= piece.last[0]], a[t <= piece.last[0]]
@@ -595,14 +583,14 @@ class History(Path):
     def position_where(self, quantity: str, value: float) -> float | None:
         """The device's position where "P" [N] or "delta" [m] first rises to ``value``; None: it never does."""
 
-        def excess(piece: Piece, t: Array) -> Array:
+        def excess(piece: device_path.Piece, t: Array) -> Array:
             _, delta, P, _ = self.states(piece, t, piece.at(t))
             return (P if quantity == "P" else delta) - value
 
         for piece in self.pieces:
             t = piece.rows(LOOKED_AT)[0]
             met = np.flatnonzero(np.diff(np.sign(excess(piece, t))) > 0)
-            if met.size and piece.phase == ADVANCE:
+            if met.size and piece.phase == device_path.ADVANCE:
                 i = int(met[0])
                 when = brentq(lambda x, piece=piece: excess(piece, np.array([x]))[0], t[i], t[i + 1], rtol=1e-14)
                 return float(piece.ramp.at(when))
@@ -611,14 +599,14 @@ class History(Path):
     @property
     def dissipated(self) -> float:
         """Work of the receding edge, int G dA [J]."""
-        return sum(piece.dissipated for piece in self.pieces if piece.phase == RECEDE)
+        return sum(piece.dissipated for piece in self.pieces if piece.phase == device_path.RECEDE)
 
     @cached_property
     def energy_lost(self) -> Estimate:
         """Work that the device does over the whole program [J]: the area of the loop where contact is lost."""
         if self.contact.stiffness == LOAD_CONTROL:
             return UNBOUNDED
-        if self.ends != "lost" and self.pieces[-1].phase != FREE:
+        if self.ends != "lost" and self.pieces[-1].phase != device_path.FREE:
             return Unknown("contact is not lost")
         return self.work
 

@@ -15,19 +15,9 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from ..base import numerics
 from ..base.errors import Estimate, InputError, SolveError, Unknown
-from ..base.numerics import (
-    LOOKED_AT,
-    MOST_STEPS,
-    NOTICEABLE,
-    ROUNDED,
-    SAME,
-    SETTLED,
-    Array,
-    PiecewiseCubic,
-    composite_gauss,
-    zeros_between,
-)
+from ..base.numerics import SAME, Array
 from ..base.units import show
 from ..bodies.materials import Modes, Relaxation
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
@@ -187,14 +177,14 @@ class Depths:
     body: Nonadhesive
 
     @cached_property
-    def curve(self) -> PiecewiseCubic:
+    def curve(self) -> numerics.PiecewiseCubic:
         """log P_H and log(a - a0) over log delta_H."""
         z = self.body.logs.columns.x
         values, slopes = (self.body.logs.columns(z, order) for order in (0, 1))
         x, by_x = values[:, 0], np.stack([slopes[:, 1], np.ones_like(z)], 1) / slopes[:, :1]
         y = np.stack([values[:, 1], z], 1)
         ends = np.array([x[0] - PATH_BELOW]), y[:1] - PATH_BELOW * by_x[:1], by_x[:1]
-        return PiecewiseCubic(*(np.concatenate(pair) for pair in zip(ends, (x, y, by_x), strict=True)))
+        return numerics.PiecewiseCubic(*(np.concatenate(pair) for pair in zip(ends, (x, y, by_x), strict=True)))
 
     @property
     def least(self) -> float:
@@ -263,7 +253,7 @@ class RelaxedPath:
             now, places = t[later], marks[later]
             integral, steps = self.depth.integral(places, now), self.depth.integrals_to_ends(now)
             low = np.clip(np.sum(steps[:, : int(self.last) + 1] < integral[:, None], axis=1) - 1.0, 0.0, self.last - 1)
-            marks[later] = zeros_between(
+            marks[later] = numerics.zeros_between(
                 lambda place: integral - self.depth.integral(place, now), low, low + 1, PATH_PLACES
             )
             self._check(now, marks[later])
@@ -278,7 +268,9 @@ class RelaxedPath:
         """The places at which the contact grew through depths [m] (n,)."""
         places, depths = self._inner
         k = np.clip(np.searchsorted(depths, depth) - 1, 0, depths.size - 2)
-        return zeros_between(lambda place: self.depth.values(place) - depth, places[k], places[k + 1], PATH_PLACES)
+        return numerics.zeros_between(
+            lambda place: self.depth.values(place) - depth, places[k], places[k + 1], PATH_PLACES
+        )
 
     @cached_property
     def _inner(self) -> tuple[Array, Array]:
@@ -332,7 +324,7 @@ def _lost(depth: Steps, turn: int) -> float:
             f"program: at t = {show(float(depth.t[places[gone[0] + back[0]]]), 'time')} the contact {AGAIN}"
         )
     end = places[gone[:1]].astype(float)
-    place = zeros_between(lambda place: depth.integral(place, depth.times(place)), end - 1, end, 0.0)
+    place = numerics.zeros_between(lambda place: depth.integral(place, depth.times(place)), end - 1, end, 0.0)
     return float(depth.times(place)[0])
 
 
@@ -545,7 +537,7 @@ class Drive:
         """Take steps up to where the contact turns or is lost, about ``part`` beyond the part ``begin`` of piece
         ``i``."""
         run, low, high, before = None, 0.0, math.inf, math.inf
-        for _ in range(MOST_STEPS if part > 0 else 0):
+        for _ in range(numerics.MOST_STEPS if part > 0 else 0):
             device = self._device_steps(i, begin, begin + part * last)
             if (solved := solver(now, device)) is None:
                 raise _not_solved(now)
@@ -554,7 +546,7 @@ class Drive:
             # How far beyond the end of the last step, in parts of all steps, nothing is left if it goes on straight
             rate = float(left[-1] @ np.arange(left.shape[1]))
             beyond = 0.0 if rate == 0 else -float(left[-1].sum()) / rate * np.diff(last, prepend=0.0)[-1]
-            if abs(beyond) < ROUNDED or high - low < ROUNDED * part:
+            if abs(beyond) < numerics.ROUNDED or high - low < numerics.ROUNDED * part:
                 break
             after = part * (1 + min(max(beyond, 1 / DRIVEN_FAR - 1), DRIVEN_FAR - 1))
             if high < math.inf and (abs(after - part) > before / 2 or not low < after < high):
@@ -601,8 +593,8 @@ class Drive:
         # log depths to begin with: of an elastic contact `stiff` times as stiff, loaded in one step
         low, high = (np.full(x.size, math.log(edge)) for edge in (self.depths.least, self.depths.most))
         low = np.where(excess(low) > 0, high, low)
-        log = zeros_between(excess, low, np.where(excess(high) > 0, high, low), DRIVEN_FAR)
-        for _ in range(MOST_STEPS):
+        log = numerics.zeros_between(excess, low, np.where(excess(high) > 0, high, low), DRIVEN_FAR)
+        for _ in range(numerics.MOST_STEPS):
             depth = np.exp(log)
             load, S = self.depths.with_slopes(depth)
             missing = position(depth, seen + by @ load, self.stiffness) - x
@@ -639,7 +631,9 @@ def _first_fall(left: Array) -> tuple[int, float]:
     at = int(np.argmax(negative[step]))
     if at == 0:
         return step, 0.0
-    return step, float(zeros_between(np.polynomial.Polynomial(left[step]), y[at - 1 : at], y[at : at + 1], 0.0)[0])
+    return step, float(
+        numerics.zeros_between(np.polynomial.Polynomial(left[step]), y[at - 1 : at], y[at : at + 1], 0.0)[0]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -657,7 +651,7 @@ class Falling:
         seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
         contact, least = np.full(x.size, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
         top = self.grown.deepest
-        for _ in range(MOST_STEPS):
+        for _ in range(numerics.MOST_STEPS):
             # int r d(delta) [m] and int r dP_H [N] up to where the contact grew through these depths, and their slopes;
             # below 0, where there is no contact, straight on
             path, inside, t = self.grown, np.maximum(contact, 0.0), now.t + kernel.since
@@ -673,7 +667,7 @@ class Falling:
             change = np.linalg.solve(rates, missing)
             contact = np.clip(contact - change, least, top)
             still = np.abs(change) > DRIVEN_CONVERGED * top
-            if not (still & (np.abs(missing) > SETTLED * self.drive.x.max())).any():
+            if not (still & (np.abs(missing) > numerics.SETTLED * self.drive.x.max())).any():
                 break
         else:
             return None
@@ -723,11 +717,11 @@ class RelaxingContact:
 
     def within(self, program: Callable[[float], Program], x: float) -> float:
         """The turn ``x``, or before it that after which the contact creeps no farther than the series goes."""
-        for _ in range(MOST_STEPS):
+        for _ in range(numerics.MOST_STEPS):
             beyond = self._path(program(x)).deepest / self.depths.most
             if beyond <= 1 + SAME:
                 return x
-            x *= (1 - NOTICEABLE) / beyond  # theory: the depth grows no faster than the position
+            x *= (1 - numerics.NOTICEABLE) / beyond  # theory: the depth grows no faster than the position
         raise InputError("cycle: no reversal keeps the contact within the solution: give it, --to-depth")
 
     def _path(self, program: Program) -> RelaxedPath:
@@ -755,7 +749,7 @@ class RelaxingContact:
             loads = path.load.integral(places, path.load.times(places))
             return np.asarray((loads if load is not None else path.depth.values(places)) - wanted)
 
-        places = np.linspace(0, path.last, LOOKED_AT)
+        places = np.linspace(0, path.last, numerics.LOOKED_AT)
         met = np.flatnonzero(reached(places) >= 0)[:1]
         if not met.size or met[0] == 0:
             raise InputError(
@@ -763,14 +757,14 @@ class RelaxingContact:
                 "this "
                 f"solution ends at {show(float(reached(places[-1:])[0]) + (wanted or 0.0), unit)}"
             )
-        return speed * float(path.load.times(zeros_between(reached, places[met - 1], places[met], 0.0))[0])
+        return speed * float(path.load.times(numerics.zeros_between(reached, places[met - 1], places[met], 0.0))[0])
 
     def _approach(self, speed: float) -> RelaxedPath:
         """An approach at ``speed`` to the end of the series."""
         most = self.depths.most
         P = float(self.depths.loads(np.array([most]))[0])
         lasting = float(position(most, P, self.stiffness)) / speed
-        for _ in range(MOST_STEPS):
+        for _ in range(numerics.MOST_STEPS):
             t, x = np.array([0.0, lasting]), np.array([0.0, speed * lasting])
             if math.isinf(self.stiffness):
                 return depth_controlled(self.depths, self._modes(t), t, x)
@@ -833,12 +827,12 @@ class RelaxedHistory:
     @property
     def whole(self) -> bool:
         """Whether it grew up to the end of the series."""
-        return self.path.deepest >= (1 - NOTICEABLE) * self.path.depths.most
+        return self.path.deepest >= (1 - numerics.NOTICEABLE) * self.path.depths.most
 
     @cached_property
     def peak(self) -> TimedState:
         """The state of the largest load, to a part of a program's piece."""
-        t = np.sort(np.append(self._times(LOOKED_AT), self.turn))
+        t = np.sort(np.append(self._times(numerics.LOOKED_AT), self.turn))
         return max(self._timed(t), key=lambda state: state.P)
 
     @cached_property
@@ -871,12 +865,12 @@ class RelaxedHistory:
         steps = (np.diff(path.depth.t) == 0) & (np.abs(path.depth.p[:, 1:].sum(axis=1)) > SAME * path.depths.most)
         if steps[turn:].any():
             return Unknown("the instrument steps back")
-        y, weights = composite_gauss(places)
+        y, weights = numerics.composite_gauss(places)
         P = path.load.integral(y.ravel(), path.load.times(y.ravel()))
         t = path.depth.t[turn:]
         parts = 1 - np.geomspace(1.0, 1e-4, math.ceil(PATH_INTERVALS / t.size))
         t = np.minimum(np.append(t[:-1, None] + np.diff(t)[:, None] * parts, t[-1]), path.lost)
-        later, lasts = composite_gauss(np.unique(np.append(t, path.lost)))
+        later, lasts = numerics.composite_gauss(np.unique(np.append(t, path.lost)))
         work = weights.ravel() * path.depth.rates(y.ravel())
         h = np.diff(path.depth.t)[path.depth.places(later.ravel()).astype(int)]
         left = lasts.ravel() * path.depth.rates(path.depth.places(later.ravel())) / h

@@ -37,18 +37,8 @@ from ..base.errors import InputError, did_you_mean
 from ..base.files import read_bytes
 from ..base.registry import Registry
 from ..base.units import Ranged
+from ..bodies import materials
 from ..bodies.indenters import SHAPES, Indenter
-from ..bodies.materials import (
-    LAWS,
-    RELAXATIONS,
-    Coated,
-    Elastic,
-    Graded,
-    GradedTransverselyIsotropic,
-    Layer,
-    Solid,
-    TransverselyIsotropic,
-)
 from ..bodies.problem import NO_FINITE_RANGE, HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
 from ..formulas import capillary, kelvin_radius
 from ..methods.protocol import METHODS, Descriptor, Method, method_class
@@ -226,25 +216,29 @@ def _any_law(laws: Registry, check: Callable[[Any], Any], tag_of: Callable[[Any]
 def _modulus(value: Any) -> Any:
     """A table that names no known law is refused before its other keys are checked."""
     if isinstance(value, dict) and not {"law", "depth"} & set(value):
-        raise wrong(f"must name one law of {', '.join(LAWS)}, got keys {', '.join(value) or 'none'}")
-    if isinstance(value, dict) and str(value.get("law", "table")) not in LAWS:
-        hint = did_you_mean(value["law"], LAWS)
-        raise wrong(f'law must be one of {", ".join(LAWS)}, got "{value["law"]}"{hint}')
+        raise wrong(f"must name one law of {', '.join(materials.LAWS)}, got keys {', '.join(value) or 'none'}")
+    if isinstance(value, dict) and str(value.get("law", "table")) not in materials.LAWS:
+        hint = did_you_mean(value["law"], materials.LAWS)
+        raise wrong(f'law must be one of {", ".join(materials.LAWS)}, got "{value["law"]}"{hint}')
     return value
 
 
 def _relaxation(value: Any) -> Any:
     if not isinstance(value, dict | LawTable):
         raise wrong(f'must be a table, such as {{ law = "sls", ratio = 0.25, time = "1 s" }}, got {value}')
-    if isinstance(value, dict) and (name := str(value.get("law", "none"))) not in RELAXATIONS:
-        raise wrong(f"law must be one of {', '.join(RELAXATIONS)}, got {name}{did_you_mean(name, RELAXATIONS)}")
+    if isinstance(value, dict) and (name := str(value.get("law", "none"))) not in materials.RELAXATIONS:
+        laws = materials.RELAXATIONS
+        raise wrong(f"law must be one of {', '.join(laws)}, got {name}{did_you_mean(name, laws)}")
     return value
 
 
 ModulusOrLaw = _any_law(
-    LAWS, _modulus, lambda value: str(value.get("law", "table")) if isinstance(value, dict) else NUMBER, Modulus
+    materials.LAWS,
+    _modulus,
+    lambda value: str(value.get("law", "table")) if isinstance(value, dict) else NUMBER,
+    Modulus,
 )
-AnyRelaxation = _any_law(RELAXATIONS, _relaxation, lambda value: str(value["law"]))
+AnyRelaxation = _any_law(materials.RELAXATIONS, _relaxation, lambda value: str(value["law"]))
 
 
 # --------------------------------------------------------------------------------------------------
@@ -258,7 +252,7 @@ class _Part(Table):
             self.build()
         return self
 
-    def build(self) -> Layer | HalfSpace:
+    def build(self) -> materials.Layer | HalfSpace:
         return HalfSpace(self.material(math.inf))
 
     def material(self, thickness: float) -> Any:
@@ -270,8 +264,8 @@ class _Layer(_Part):
     thickness: Length
     name: str = ""
 
-    def build(self) -> Layer:
-        return Layer(self.material(self.thickness), self.thickness, self.name)
+    def build(self) -> materials.Layer:
+        return materials.Layer(self.material(self.thickness), self.thickness, self.name)
 
 
 class IsotropicTable(_Part):
@@ -281,9 +275,11 @@ class IsotropicTable(_Part):
     E: ModulusOrLaw
     nu: Poisson
 
-    def material(self, thickness: float) -> Elastic | Graded:
+    def material(self, thickness: float) -> materials.Elastic | materials.Graded:
         E: Any = self.E
-        return Graded(E.built(thickness), self.nu) if isinstance(E, LawTable) else Elastic(E, self.nu)
+        return (
+            materials.Graded(E.built(thickness), self.nu) if isinstance(E, LawTable) else materials.Elastic(E, self.nu)
+        )
 
 
 class TransverseTable(_Part):
@@ -297,12 +293,12 @@ class TransverseTable(_Part):
     nu_zp: quantity("number")
     G_z: ModulusOrLaw
 
-    def material(self, thickness: float) -> TransverselyIsotropic | GradedTransverselyIsotropic:
+    def material(self, thickness: float) -> materials.TransverselyIsotropic | materials.GradedTransverselyIsotropic:
         given: list[Any] = [self.E_p, self.E_z, self.nu_p, self.nu_zp, self.G_z]
         if not any(isinstance(one, LawTable) for one in given):
-            return TransverselyIsotropic(*given)
+            return materials.TransverselyIsotropic(*given)
         values = (one.built(thickness) if isinstance(one, LawTable) else one for one in given)
-        return GradedTransverselyIsotropic(*values)
+        return materials.GradedTransverselyIsotropic(*values)
 
 
 class LayerTable(_Layer, IsotropicTable): ...
@@ -407,9 +403,11 @@ class IndenterTable(BuiltTable):
 
     def build(self) -> Indenter:
         """The indenter of the table."""
-        material: Solid | None = None if self.E is None or self.nu is None else Elastic(self.E, self.nu)
-        if self.layers and isinstance(material, Elastic):
-            material = Coated(tuple(table.build() for table in cast(Any, self.layers)), material)
+        material: materials.Solid | None = (
+            None if self.E is None or self.nu is None else materials.Elastic(self.E, self.nu)
+        )
+        if self.layers and isinstance(material, materials.Elastic):
+            material = materials.Coated(tuple(table.build() for table in cast(Any, self.layers)), material)
         indenter: Indenter = self.built(material)
         return indenter
 

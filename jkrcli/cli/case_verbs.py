@@ -26,38 +26,22 @@ from ..report.result import Output
 from ..report.solved import Imported, Meshed, Solved
 from ..resolve.comparison import effect_facts, sticking_effect
 from ..resolve.neglected import seconds_of_works
+from . import options
 from .inputs import SEPARATED, Flags, begin_reading, body_options, case_of, named_flags, reading_of
-from .options import (
-    LENGTH,
-    ONE_FILE,
-    ColumnUnitType,
-    FileType,
-    KeyNumberType,
-    KeyValueType,
-    ScaleType,
-    as_one,
-    begin,
-    into_file,
-    into_folder,
-    json_option,
-    limits_options,
-    output_options,
-    verb,
-)
 from .printing import announce, command_line, detail, give, note, say
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of cases: ``new``, ``run`` and ``mesh``, and ``import`` of others' series.
 
 
-@verb("case")
-@into_file("Solution file [default: <case>.h5 here].")
+@options.verb("case")
+@options.into_file("Solution file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
 @click.option("--tolerance", type=float,
               help="Relative error allowed in the load at given depth, for any method, instead of the case's."
 )  # fmt: skip
-@limits_options
-@output_options(force=ONE_FILE, json="Print the summary as JSON.")
+@options.limits_options
+@options.output_options(force=options.ONE_FILE, json="Print the summary as JSON.")
 def run(case: Path, method: str | None, tolerance: float | None, limits: Limits, output: Output) -> None:
     """Solve CASE (TOML) without adhesion: load, displacement and contact radius, with their errors, to HDF5.
 
@@ -88,7 +72,7 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
 TEMPLATE = resources.files(__package__).joinpath("new.toml").read_text(encoding="utf-8")
 
 
-@verb("file")
+@options.verb("file")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 def new(file: Path, force: bool) -> None:
     """Write a commented case to FILE, ready to edit and run.
@@ -113,21 +97,22 @@ KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
 
 
-class ZeroType(ScaleType):
+class ZeroType(options.ScaleType):
     """delta=LENGTH or P=LOAD; a length alone is that of the displacement."""
 
     def parsed(self, text: str) -> Any:
-        return super().parsed(text) if "=" in text else ("delta", LENGTH.parsed(text))
+        return super().parsed(text) if "=" in text else ("delta", options.LENGTH.parsed(text))
 
 
-reading_options = as_one(
+reading_options = options.as_one(
     "reading",
-    lambda **options: SeriesReading(**reading_of(options)),
-    click.option("--column", "columns", multiple=True, type=KeyValueType(KEYS),
+    lambda **columns: SeriesReading(**reading_of(columns)),
+    click.option("--column", "columns", multiple=True, type=options.KeyValueType(KEYS),
                  help="Column name or number, delta=U2."),
-    click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
+    click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
                  help="Unit, whatever the header says, P=mN; of a quantity or of a column by name or number."),
-    click.option("--factor", "factors", multiple=True, type=KeyNumberType(KEYS), help="Factor of a column, P=180."),
+    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(KEYS),
+                 help="Factor of a column, P=180."),
     click.option("--zero", multiple=True, type=ZeroType(("delta", "P")),
                  help='Contact point, subtracted: delta="1.2 um"; a length without a key is delta.'),
     click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
@@ -141,12 +126,12 @@ reading_options = as_one(
 )  # fmt: skip
 
 
-@verb("table", "import")
-@into_file("Solution file [default: <table>.h5 here].")
-@click.option("--case", type=FileType(), help="Case with indenter and specimen; it needs no loading.")
+@options.verb("table", "import")
+@options.into_file("Solution file [default: <table>.h5 here].")
+@click.option("--case", type=options.FileType(), help="Case with indenter and specimen; it needs no loading.")
 @body_options
 @reading_options
-@output_options(force=ONE_FILE, json="Print the summary as JSON.")
+@options.output_options(force=options.ONE_FILE, json="Print the summary as JSON.")
 def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading, output: Output) -> None:
     """Read P, delta and a (or the contact area) that another program computed from TABLE, and write a solution file.
 
@@ -193,10 +178,10 @@ def _case(path: Path | None, body: Flags) -> Case:
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
 
 
-@verb("case")
-@into_folder("Folder.", default=".", show_default=True)
-@limits_options
-@output_options(json="Print the summary as JSON.")
+@options.verb("case")
+@options.into_folder("Folder.", default=".", show_default=True)
+@options.limits_options
+@options.output_options(json="Print the summary as JSON.")
 def mesh(case: Path, limits: Limits, output: Output) -> None:
     """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.
 
@@ -207,7 +192,7 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
     problem = model.problem()
     targets = output.files(output.folder(Path()) / f"{case.stem}-mesh", (*MARKS, ".png"), [case])
     method = fem_of(model)
-    begin("method fem on this mesh", method.forecast(problem), limits)
+    options.begin("method fem on this mesh", method.forecast(problem), limits)
     result = Meshed(case, method.mesh(problem), method.reach(problem))
     with together():
         for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
@@ -223,8 +208,8 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
 # ``jkr check``: what a case needs and what to expect, without solving it.
 
 
-@verb("case")
-@json_option
+@options.verb("case")
+@options.json_option
 def check(case: Path, as_json: bool) -> None:
     """Check CASE before it is solved: the method that it needs, what each would cost, the pull-off force to expect, and
     how large the neglected effects are.

@@ -22,90 +22,35 @@ from ..case.reading import Case
 from ..data import measured
 from ..data.curve import Reading
 from ..methods.protocol import Limits
-from ..report import tables
+from ..report import forward, tables
 from ..report.explorer import Explored, page, payload, start_work
-from ..report.forward import (
-    COMPONENTS,
-    Fields,
-    MeasuredByHistory,
-    MeasuredPullOff,
-    Profile,
-    PullOff,
-    curve_summary,
-    curve_table,
-    curve_words,
-    draw_curve,
-    draw_curves,
-)
 from ..report.result import PICTURES, Files, Output, Results
 from ..resolve.analysis import analyse, seconds_of_page, where_lost
 from ..resolve.comparison import effect_on, sticking_warnings
 from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
 from ..resolve.profile import profile_columns, radius_under
 from ..series import Solution
+from . import inputs, options
 from .case_verbs import MARKS
-from .inputs import (
-    TABLE_WORK_PER_ROW,
-    Flags,
-    begin_curves,
-    begin_reading,
-    body_and_work,
-    body_options,
-    by_flags,
-    case_of,
-    read_files,
-    read_series,
-    reading_options,
-    series_file,
-    tip_of,
-    tip_options,
-    warn_of_constant_moduli,
-    without_range,
-    works_of,
-)
-from .options import (
-    CONTROL,
-    LENGTH,
-    LOAD,
-    NAMED,
-    ONE_FILE,
-    SCALE,
-    WORK,
-    WORKERS,
-    CurveOptions,
-    RangeOptions,
-    State,
-    curve_options,
-    into_file,
-    into_folder,
-    json_option,
-    limits_options,
-    modulus_factor_option,
-    output_options,
-    range_options,
-    slopes_option,
-    state_options,
-    verb,
-)
 from .printing import answer, give, present, progress, warn
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``, ``explore``.
 
 
-@verb("files...")
-@click.option("--w", "works", multiple=True, type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@curve_options
-@into_folder()
+@options.verb("files...")
+@click.option("--w", "works", multiple=True, type=options.WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@options.curve_options
+@options.into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
-@click.option("--scale", "own", multiple=True, type=SCALE,
+@click.option("--scale", "own", multiple=True, type=options.SCALE,
               help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.')  # fmt: skip
 @click.option("--together", "in_one", is_flag=True,
               help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")  # fmt: skip
-@limits_options
-@output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
+@options.limits_options
+@options.output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
-    files: tuple[Path, ...], works: tuple[float, ...], how: CurveOptions, dimensionless: str | None,
+    files: tuple[Path, ...], works: tuple[float, ...], how: options.CurveOptions, dimensionless: str | None,
     own: tuple[tuple[str, float], ...], in_one: bool, limits: Limits, output: Output,
 ) -> None:  # fmt: skip
     """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a solution, for each work of adhesion.
@@ -122,11 +67,11 @@ def transform(
     if in_one and dimensionless:
         raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
     users = tables.own_scales(dict(own)) if own else None
-    files, solutions = read_files("transform", files)
-    wanted = [works or works_of(solution) for solution in solutions]
+    files, solutions = inputs.read_files("transform", files)
+    wanted = [works or inputs.works_of(solution) for solution in solutions]
     ranges = list(map(how.of, solutions))
     figures = output.plots and not in_one
-    begin_curves("transform", solutions, wanted, limits, ranges, tables=True, figures=figures)
+    inputs.begin_curves("transform", solutions, wanted, limits, ranges, tables=True, figures=figures)
     targets, pictures = _files(files, wanted, ranges, how.modulus_factor, in_one, output)
     summaries, lines, warnings = [], list[list[str]](), list[str]()
     with together():
@@ -136,11 +81,15 @@ def transform(
             curves = [replace(curve, effect=effect) for curve in analysed]
             for curve, target in zip(curves, places, strict=True):
                 scales = tables.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
-                summaries.append(curve_summary(curve, scales))
-                target.write(curve_table(curve, scales), summaries[-1], draw_curve(curve, scales) if figures else None)
+                summaries.append(forward.curve_summary(curve, scales))
+                target.write(
+                    forward.curve_table(curve, scales),
+                    summaries[-1],
+                    forward.draw_curve(curve, scales) if figures else None,
+                )
             if picture is not None:
-                picture.write(figure=draw_curves(curves, users))
-            lines += map(curve_words, curves)
+                picture.write(figure=forward.draw_curves(curves, users))
+            lines += map(forward.curve_words, curves)
             warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
             warnings += [f"{curve.path}: {text}" for curve in curves for text in curve.warnings if not output.json]
     if output.json:
@@ -181,26 +130,26 @@ def _files(
 SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
 
 
-@verb("[files...]", "pull-off")
-@body_options
-@click.option("--w", "works", multiple=True, type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@click.option("--stiffness", "stiffnesses", multiple=True, type=CONTROL,
+@options.verb("[files...]", "pull-off")
+@inputs.body_options
+@click.option("--w", "works", multiple=True, type=options.WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option("--stiffness", "stiffnesses", multiple=True, type=options.CONTROL,
               help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].'
 )  # fmt: skip
-@click.option("--load", "force", type=LOAD, help='A measured pull-off force, "12 uN": which w does it mean?')
-@click.option("--uncertain", multiple=True, type=NAMED,
+@click.option("--load", "force", type=options.LOAD, help='A measured pull-off force, "12 uN": which w does it mean?')
+@click.option("--uncertain", multiple=True, type=options.NAMED,
               help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um."
 )  # fmt: skip
-@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled instantly "
-              "[default: at rest at P = 0].")  # fmt: skip
-@click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
-@curve_options
-@limits_options
-@json_option
+@click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
+              "instantly [default: at rest at P = 0].")  # fmt: skip
+@click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta.")
+@options.curve_options
+@options.limits_options
+@options.json_option
 def pull_off(
     files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], force: float | None,
-    uncertain: tuple[tuple[str, str], ...], rest_load: float | None, rest_depth: float | None, how: CurveOptions,
-    limits: Limits, flags: Flags, as_json: bool,
+    uncertain: tuple[tuple[str, str], ...], rest_load: float | None, rest_depth: float | None,
+    how: options.CurveOptions, limits: Limits, flags: inputs.Flags, as_json: bool,
 ) -> None:  # fmt: skip
     """Print pull-off and jump-in of each FILE, a case or a solution, or of a specimen from options, under load control,
     displacement control and each --stiffness, with the energy lost in a cycle.
@@ -221,10 +170,10 @@ def pull_off(
     if force == 0:
         raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
     rest = rest_of(rest_load, rest_depth)
-    if by_flags("pull-off", flags, files):
+    if inputs.by_flags("pull-off", flags, files):
         solutions = [_by_flags(flags, works, force, stiffnesses, how)]
     elif files:
-        _, solutions = read_files("pull-off", files)
+        _, solutions = inputs.read_files("pull-off", files)
     else:
         raise InputError(
             "pull-off: give FILES, a case or a solution, or the specimen from options: --radius, --E, --nu"
@@ -235,29 +184,29 @@ def pull_off(
     for solution in solutions:
         checked_histories(solution, rest)
     ranges = list(map(how.of, solutions))
-    wanted = [works or works_of(solution) for solution in solutions]
+    wanted = [works or inputs.works_of(solution) for solution in solutions]
     histories = sum(seconds_of_histories(*each, len(stiffnesses)) for each in zip(solutions, wanted, strict=True))
-    begin_curves("pull-off", solutions, wanted, limits, ranges, devices=len(stiffnesses), beside=histories)
+    inputs.begin_curves("pull-off", solutions, wanted, limits, ranges, devices=len(stiffnesses), beside=histories)
     curves = [one for solution, some, ranged in zip(solutions, wanted, ranges, strict=True)
              for one in where_lost(solution, some, stiffnesses, how.slopes, how.modulus_factor, ranged)]  # fmt: skip
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
-    results = [PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
+    results = [forward.PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
     give(Results(results, list(dict.fromkeys(text for one in results for text in one.warnings))), as_json)
 
 
 def _means(
     solutions: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
-    rest: Rest | None, how: CurveOptions, limits: Limits,
+    rest: Rest | None, how: options.CurveOptions, limits: Limits,
 ) -> Results:  # fmt: skip
     """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
     from ..fitting.work import measured_work, seconds_of_inputs, works_by_history
 
     controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
     for solution in solutions:
-        without_range(solution.record, "pull-off: --load")
+        inputs.without_range(solution.record, "pull-off: --load")
     seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in solutions)
     tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
-    begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
+    inputs.begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
     results, warnings = list[Result](), list[str]()
     for solution in solutions:
         settings = how.slopes, how.modulus_factor, uncertain
@@ -265,25 +214,26 @@ def _means(
         if all(isinstance(one, list) for one in by_history):
             for k, found in zip(controls, by_history, strict=True):
                 assert isinstance(found, list)
-                results.append(MeasuredByHistory.of(solution, force, k, found, how.slopes, how.modulus_factor))
+                results.append(forward.MeasuredByHistory.of(solution, force, k, found, how.slopes, how.modulus_factor))
             continue
         warnings += [f"{solution.record.path}: {text}" for text in relaxing(solution.problem.specimen.relaxation)]
         means = [measured_work(solution, force, one, *settings) for one in controls]
         effect = effect_on(solution, [means[0].work.w])
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        measured = [MeasuredPullOff(one) for one in means]
+        measured = [forward.MeasuredPullOff(one) for one in means]
         warnings += dict.fromkeys(text for one in measured for text in one.warnings)
         results += measured
     return Results(results, warnings)
 
 
 def _by_flags(
-    flags: Flags, works: Sequence[float], force: float | None, stiffnesses: Sequence[float], how: CurveOptions
+    flags: inputs.Flags, works: Sequence[float], force: float | None, stiffnesses: Sequence[float],
+    how: options.CurveOptions,
 ) -> Solution:  # fmt: skip
     """The body by flags, solved as far as the question needs; no file is written."""
     from ..resolve.histories import solved_for, solved_for_force
 
-    problem = case_of("pull-off", flags, "a case or solution file", loading={"radius": 1.0}).model.problem()
+    problem = inputs.case_of("pull-off", flags, "a case or solution file", loading={"radius": 1.0}).model.problem()
     if force is not None:
         solution = solved_for_force(problem, abs(force), stiffnesses, how.slopes, how.modulus_factor)
     elif works and not (w := max(works)) > 0:
@@ -300,13 +250,13 @@ def _by_flags(
 # ``jkr profile``: contact pressure and surface shape at one state.
 
 
-@verb("file")
-@state_options
-@range_options
-@limits_options
-@into_folder()
-@output_options(json="Print the summary as JSON.")
-def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, output: Output) -> None:
+@options.verb("file")
+@options.state_options
+@options.range_options
+@options.limits_options
+@options.into_folder()
+@options.output_options(json="Print the summary as JSON.")
+def profile(file: Path, state: options.State, attraction: options.RangeOptions, limits: Limits, output: Output) -> None:
     """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a solution, at one
     state.
 
@@ -321,15 +271,15 @@ def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, 
     """
     state.refuse_wrong("profile")
     output.folder(Path())
-    file, solution, w = body_and_work("profile", file, state.work, ranged=True)
+    file, solution, w = inputs.body_and_work("profile", file, state.work, ranged=True)
     ranged, radius = attraction.of(solution), state.radius
     stem = output.folder(file.parent) / f"{file.stem}-profile{ranged.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     if radius is None:
         assert state.load is not None
-        begin_curves("profile", [solution], [(w,)], limits, [ranged])
+        inputs.begin_curves("profile", [solution], [(w,)], limits, [ranged])
         radius = radius_under(solution, state.load, w, ranged)
-    result = Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
+    result = forward.Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
     targets.write(result.columns, figure=result.figure())
     give(result, output.json, f"  written {targets}")
 
@@ -338,13 +288,13 @@ def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, 
 # ``jkr fields``: displacement and stress in the body at one state.
 
 
-@verb("file")
-@state_options
-@click.option("--component", type=click.Choice(COMPONENTS), default="zz", show_default=True,
+@options.verb("file")
+@options.state_options
+@click.option("--component", type=click.Choice(forward.COMPONENTS), default="zz", show_default=True,
               help="Stress in the picture; the .vtu holds all.")  # fmt: skip
-@into_folder()
-@output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
-def fields(file: Path, state: State, component: str, output: Output) -> None:
+@options.into_folder()
+@options.output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
+def fields(file: Path, state: options.State, component: str, output: Output) -> None:
     """Displacement and stress in the body of FILE, a case or a solution, at one state of adhesive contact, by finite
     elements.
 
@@ -358,12 +308,12 @@ def fields(file: Path, state: State, component: str, output: Output) -> None:
     """
     state.refuse_wrong("fields")
     output.folder(Path())
-    file, solution, w = body_and_work("fields", file, state.work)
+    file, solution, w = inputs.body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from ..case.models import fem_of
 
     method = fem_of(cast(Case, solution.record.case).model)
-    result = Fields.of(analyse(solution, [w])[0], method, a=state.radius, load=state.load, component=component)
+    result = forward.Fields.of(analyse(solution, [w])[0], method, a=state.radius, load=state.load, component=component)
     figure = targets.draw(result.figure)
     with together():
         with atomic(targets[".vtu"]) as temporary:
@@ -376,14 +326,14 @@ def fields(file: Path, state: State, component: str, output: Output) -> None:
 # ``jkr export``: an adhesive contact as the law of another program.
 
 
-@verb("file")
+@options.verb("file")
 @click.option("--dem", is_flag=True, help="For particle codes: a C header and a table of load and radius over overlap.")
 @click.option("--nanite", is_flag=True, help="For nanite and PyJibe: a fit model of E, w and the contact point.")
-@click.option("--w", "work", type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
-@slopes_option
-@limits_options
-@into_folder()
-@output_options(json="Print the summary as JSON.")
+@click.option("--w", "work", type=options.WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
+@options.slopes_option
+@options.limits_options
+@options.into_folder()
+@options.output_options(json="Print the summary as JSON.")
 def export(
     file: Path, dem: bool, nanite: bool, work: float | None, slopes: str, limits: Limits, output: Output
 ) -> None:
@@ -402,7 +352,7 @@ def export(
         raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe), or --nanite, for "
                          "nanite and PyJibe")  # fmt: skip
     output.folder(Path())
-    file, solution, w = body_and_work("export", file, work)
+    file, solution, w = inputs.body_and_work("export", file, work)
     if w == 0:
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     from ..report.export import Exported, NaniteModel, model_name
@@ -410,7 +360,7 @@ def export(
     folder, name = output.folder(file.parent), model_name(file.stem)
     stem, endings = (f"{file.stem}-dem", (".h", ".csv")) if dem else (f"model_{name}", (".py",))
     targets = output.files(folder / stem, endings, [file])
-    begin_curves("export", [solution], [(w,)], limits)
+    inputs.begin_curves("export", [solution], [(w,)], limits)
     curve = analyse(solution, [w], slopes)[0]
     result: Exported | NaniteModel = Exported.of(curve) if dem else NaniteModel.of(curve, name)
     with together():
@@ -424,13 +374,13 @@ def export(
 # ``jkr explore``: one page with sliders.
 
 
-@verb("file [data...]")
-@into_file("The page [default: <file>-explore.html].")
-@click.option("--w", "work", type=WORK, help="To begin with [default: the case's first].")
-@slopes_option
-@reading_options
-@limits_options
-@output_options(force=ONE_FILE, json="Print what was written as JSON.")
+@options.verb("file [data...]")
+@options.into_file("The page [default: <file>-explore.html].")
+@click.option("--w", "work", type=options.WORK, help="To begin with [default: the case's first].")
+@options.slopes_option
+@inputs.reading_options
+@options.limits_options
+@options.output_options(force=options.ONE_FILE, json="Print what was written as JSON.")
 def explore(
     file: Path, data: tuple[Path, ...], work: float | None, slopes: str, reading: Reading, limits: Limits,
     output: Output,
@@ -450,15 +400,15 @@ def explore(
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
     if output.where is not None:
         output.file(output.where, [file, *data])
-    file = series_file(file)
+    file = inputs.series_file(file)
     target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
-    solution = read_series(file)
-    warn_of_constant_moduli(solution)
-    without_range(solution.record, "explore")
-    begin_reading("explore", data, limits)
+    solution = inputs.read_series(file)
+    inputs.warn_of_constant_moduli(solution)
+    inputs.without_range(solution.record, "explore")
+    inputs.begin_reading("explore", data, limits)
     curves = [curve for path in data for curve in measured.read(path, reading)]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
-    begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
+    inputs.begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
     result = analyse(solution, works or (1.0,), slopes)[0]
     if not works:
         result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
@@ -471,12 +421,12 @@ def explore(
 # Verbs of measured files: ``look``, before any body is thought of, and ``work`` along a curve.
 
 
-@verb("files...")
-@tip_options
-@reading_options
-@into_folder()
-@output_options(plots="Draw nothing.", json="Print everything as JSON.")
-def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output) -> None:
+@options.verb("files...")
+@inputs.tip_options
+@inputs.reading_options
+@options.into_folder()
+@options.output_options(plots="Draw nothing.", json="Print everything as JSON.")
+def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output: Output) -> None:
     """Show what measured FILES hold: the first thing to do with a force curve; no specimen is needed.
 
     Prints how columns and units were read; of each curve its segments, base line and noise, contact point, jumps,
@@ -489,9 +439,9 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
     """
     from ..report.inverse import Look
 
-    tip = tip_of("look", flags)
+    tip = inputs.tip_of("look", flags)
     targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
-    begin_reading("look", files)
+    inputs.begin_reading("look", files)
     several = files[0] if len(files) == 1 else files[0].with_name("curves")
     curves = output.files(output.beside(several, "-look"), (".html",) if output.plots else (), files)
     results, pictures = [], list[str]()
@@ -522,21 +472,21 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
 # ``jkr work``: the work of adhesion along measured curves.
 
 
-@verb("series measured...")
+@options.verb("series measured...")
 @click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
               help="Columns from which w is computed [default: the first of these that were measured].")  # fmt: skip
 @click.option("--segment", help='Rows of this segment only, "retract".')
-@click.option("--noise", multiple=True, type=SCALE, help='Standard deviation of a measured quantity, P="2 nN".')
+@click.option("--noise", multiple=True, type=options.SCALE, help='Standard deviation of a measured quantity, P="2 nN".')
 @click.option("--window", type=int, default=11, show_default=True, help="Rows for the speed da/dt: an odd number.")
-@modulus_factor_option
-@slopes_option
-@reading_options
-@into_folder()
-@click.option("--workers", type=WORKERS, default=1, show_default=True, help="Local processes.")
-@output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
+@options.modulus_factor_option
+@options.slopes_option
+@inputs.reading_options
+@options.into_folder()
+@click.option("--workers", type=options.WORKERS, default=1, show_default=True, help="Local processes.")
+@options.output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def work(
     series: Path, measured: tuple[Path, ...], modulus_factor: float, slopes: str, reading: Reading, workers: int,
-    output: Output, **options: Any,
+    output: Output, **figures: Any,
 ) -> None:  # fmt: skip
     """The work of adhesion along each MEASURED file, on the body of the SERIES file.
 
@@ -557,19 +507,18 @@ def work(
     from ..fitting.work import along_file, evaluation_of
     from ..report.inverse import Work
     from ..resolve.analysis import nonadhesive
-    from .inputs import read_series, series_file, warn_of_constant_moduli, without_range
 
     targets = output.each(
         [output.beside(path, "-work") for path in measured], (".csv", ".json", *PICTURES), (series, *measured)
     )
-    series = series_file(series)
-    begin_reading("work", measured, per_row=TABLE_WORK_PER_ROW)
-    solution = read_series(series)
-    warn_of_constant_moduli(solution)
-    without_range(solution.record, "work")
+    series = inputs.series_file(series)
+    inputs.begin_reading("work", measured, per_row=inputs.TABLE_WORK_PER_ROW)
+    solution = inputs.read_series(series)
+    inputs.warn_of_constant_moduli(solution)
+    inputs.without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)
-    options["noise"] = dict(options["noise"])
-    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
+    figures["noise"] = dict(figures["noise"])
+    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **figures)
     results = []
     with together():
         for path, target in zip(measured, targets, strict=True):

@@ -34,33 +34,8 @@ from ..report.result import PICTURES, Output
 from ..resolve.analysis import Analysis, analyse, with_solved_points
 from ..resolve.histories import curves_from_rest, pull_off_in_limits, rest_of
 from ..series import Solution
-from .inputs import (
-    TABLE_CYCLE_MIB_PER_ROW,
-    TABLE_CYCLE_PER_POINT,
-    TABLE_CYCLE_PER_ROW,
-    begin_curves,
-    begin_reading,
-    read_series,
-    series_file,
-    works_of,
-)
-from .options import (
-    CONTROL,
-    LENGTH,
-    LOAD,
-    PAIRS,
-    WORK,
-    CurveOptions,
-    FileType,
-    as_one,
-    curve_options,
-    flag,
-    into_folder,
-    limits_options,
-    output_options,
-    typed,
-    verb,
-)
+from . import inputs, options
+from .options import flag, typed
 from .printing import give
 
 # --------------------------------------------------------------------------------------------------
@@ -74,20 +49,22 @@ class RateOptions:
     """What the command line says the device does, as text where it depends on the control; None: not given."""
 
     to_load: float | None = typed(
-        LOAD, "Reverse at this load [default: at the end of the solution, later creep included]."
+        options.LOAD, "Reverse at this load [default: at the end of the solution, later creep included]."
     )
-    to_depth: float | None = typed(LENGTH, "Reverse at this displacement delta.")
+    to_depth: float | None = typed(options.LENGTH, "Reverse at this displacement delta.")
     rate: Mapping[str, str] | None = typed(
-        PAIRS, 'w0 (1 + (v/v0)^n) on retraction: v0="1 um/s",n=0.6; law=log,v0=...,b="5 mJ/m^2": '
+        options.PAIRS, 'w0 (1 + (v/v0)^n) on retraction: v0="1 um/s",n=0.6; law=log,v0=...,b="5 mJ/m^2": '
         "w0 + b log(1 + v/v0). w0 is --w-retract.")  # fmt: skip
-    rate_advance: Mapping[str, str] | None = typed(PAIRS, "The same for approach [default: no dependence on speed].")
+    rate_advance: Mapping[str, str] | None = typed(
+        options.PAIRS, "The same for approach [default: no dependence on speed]."
+    )
     speed: str | None = typed(str, 'Of the instrument, "10 um/s"; of the load under load control, "1 mN/s".')
     speed_approach: str | None = typed(str, "The same on approach [default: --speed].")
     hold: str | None = typed(str, 'Time to wait at the reversal, "10 s".')
     dwell: str | None = typed(str, "Retract to this position (load under load control) and dwell there.")
     dwell_time: str | None = typed(str, "Duration of the dwell.")
     program: Path | None = typed(  # noqa: RUF009  # a field
-        FileType(), "Table t, x of the instrument instead: times [s] and positions (loads) between which "
+        options.FileType(), "Table t, x of the instrument instead: times [s] and positions (loads) between which "
         "it moves evenly; equal times are steps.")  # fmt: skip
     stress: float | None = None
 
@@ -168,7 +145,7 @@ class RateOptions:
         return Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
 
 
-rate_options = as_one("rates", RateOptions)
+rate_options = options.as_one("rates", RateOptions)
 
 
 def run(
@@ -202,26 +179,27 @@ def read_program(path: Path, stiffness: float) -> Program:
     return Program(*foreign.read_program(path, dimension))
 
 
-@verb("file")
-@click.option("--w-approach", type=WORK, help="On approach [default: the case's first w].")
-@click.option("--w-retract", type=WORK, help="On retraction, not smaller [default: that of approach].")
-@click.option("--stiffness", type=CONTROL, default="rigid", show_default=True,
+@options.verb("file")
+@click.option("--w-approach", type=options.WORK, help="On approach [default: the case's first w].")
+@click.option("--w-retract", type=options.WORK, help="On retraction, not smaller [default: that of approach].")
+@click.option("--stiffness", type=options.CONTROL, default="rigid", show_default=True,
               help='"0.2 N/m", "rigid" or "load".')  # fmt: skip
 @rate_options
-@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled instantly, "
-              "with --stress at --speed [default: at the reversal of --to-load or --to-depth, or P = 0].")  # fmt: skip
-@click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
+@click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
+              "instantly, with --stress at --speed [default: at the reversal of --to-load or "
+              "--to-depth, or P = 0].")  # fmt: skip
+@click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta.")
 @click.option("--compare-rate", is_flag=True, help="Viscoelastic specimens, with --stress and --speed: result of a law "
               "w(v) of the same material, with the relaxed modulus.")  # fmt: skip
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
-@curve_options
-@limits_options
-@into_folder()
-@output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
+@options.curve_options
+@options.limits_options
+@options.into_folder()
+@options.output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
 def cycle(
-    file: Path, w_approach: float | None, w_retract: float | None, stiffness: float, points: int, how: CurveOptions,
-    rates: RateOptions, rest_load: float | None, rest_depth: float | None, compare_rate: bool, limits: Limits,
-    output: Output,
+    file: Path, w_approach: float | None, w_retract: float | None, stiffness: float, points: int,
+    how: options.CurveOptions, rates: RateOptions, rest_load: float | None, rest_depth: float | None,
+    compare_rate: bool, limits: Limits, output: Output,
 ) -> None:  # fmt: skip
     """Compute the cycle of approach and retraction on FILE, a case or a solution file: load, displacement and contact
     radius, jumps, energy lost.
@@ -242,8 +220,8 @@ def cycle(
     """
     rates.refuse_wrong(stiffness)
     output.folder(Path())
-    file = series_file(file)
-    solution = read_series(file)
+    file = inputs.series_file(file)
+    solution = inputs.read_series(file)
     law = solution.problem.specimen.relaxation
     if law is None:
         rates.refuse_without_time()
@@ -273,7 +251,7 @@ def cycle(
     stem = output.folder(file.parent) / f"{file.stem}-cycle{ends}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
-    begin_curves("cycle", [solution], [works], limits, [ranged])
+    inputs.begin_curves("cycle", [solution], [works], limits, [ranged])
 
     def after(history: LoadingHistory) -> Result:
         if history.rest is None:
@@ -342,9 +320,9 @@ def _told(
 def _begin_program(program: Path | None, points: int, limits: Limits) -> None:
     """Say what it takes to follow a ``program``, if there is one, with so many rows for each of its own."""
     if program is not None:
-        per_row = TABLE_CYCLE_PER_ROW + TABLE_CYCLE_PER_POINT * points
-        begin_reading("cycle --program", [program], limits, "fewer rows of the program, or fewer --points",
-                      per_row=per_row, mib_per_row=TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
+        per_row = inputs.TABLE_CYCLE_PER_ROW + inputs.TABLE_CYCLE_PER_POINT * points
+        inputs.begin_reading("cycle --program", [program], limits, "fewer rows of the program, or fewer --points",
+                      per_row=per_row, mib_per_row=inputs.TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
 
 
 def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
@@ -362,5 +340,5 @@ def _works(solution: Solution, approach: float | None, retract: float | None) ->
     """The works of adhesion [J/m^2] of approach and retraction; of a specimen that relaxes 0 where none is named."""
     if approach is None:
         free = solution.problem.specimen.relaxation is not None and not solution.record.w
-        approach = 0.0 if free else works_of(solution, "--w-approach")[0]
+        approach = 0.0 if free else inputs.works_of(solution, "--w-approach")[0]
     return approach, approach if retract is None else retract

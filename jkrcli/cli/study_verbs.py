@@ -26,22 +26,8 @@ from ..report.check import Machine
 from ..report.forward import Compared
 from ..report.result import PICTURES, Output
 from ..series import Solution
-from . import LateGroup
+from . import LateGroup, options
 from .inputs import announce_files, begin_reading, read_files, read_series, series_file
-from .options import (
-    PAIRS,
-    WORK,
-    NumberRange,
-    Parallel,
-    Verb,
-    into_folder,
-    json_option,
-    limits_options,
-    output_options,
-    parallel_options,
-    several,
-    verb,
-)
 from .printing import announce, answer, give, note, progress, warn
 
 TYPE_CHECKING = False
@@ -89,10 +75,10 @@ def study() -> None:
 def _command(row: maps.Map) -> click.Command:
     """The verb of a map: an option for each axis."""
 
-    @parallel_options
-    @into_folder("Folder [default: .].", default=Path())
-    @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
-    def study_map(output: Output, parallel: Parallel, **axes: Any) -> None:
+    @options.parallel_options
+    @options.into_folder("Folder [default: .].", default=Path())
+    @options.output_options(plots="Write the CSV only.", json="Print the table as JSON.")
+    def study_map(output: Output, parallel: options.Parallel, **axes: Any) -> None:
         chosen = {name: value for name, value in axes.items() if value not in (None, ())}
         files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
         with executor(*parallel, progress, row.forecast(**chosen)) as pool:
@@ -100,15 +86,15 @@ def _command(row: maps.Map) -> click.Command:
         files.write(result.columns, figure=files.draw(result.figure))
         give(result, output.json, f"  written {files}")
 
-    options = several(*(_option(name, axis) for name, axis in row.axes.items()))
-    return click.command(f"{row.name}-map", cls=Verb, help=row.help)(options(study_map))
+    axes = options.several(*(_option(name, axis) for name, axis in row.axes.items()))
+    return click.command(f"{row.name}-map", cls=options.Verb, help=row.help)(axes(study_map))
 
 
 def _option(name: str, axis: maps.Axis) -> Any:
     kind: Any = float if axis.read is None else str
     default = axis.default if axis.several else (axis.default,)
     if isinstance(axis.default, dict):
-        kind = PAIRS
+        kind = options.PAIRS
         default = [f"{key}={value}" for key, value in axis.default.items()]
     elif isinstance(axis.allowed, tuple):
         kind = click.Choice(axis.allowed)
@@ -116,15 +102,15 @@ def _option(name: str, axis: maps.Axis) -> Any:
     return click.option(f"--{name}", type=kind, multiple=axis.several, help=f"{axis.help}  [default: {shown}]".strip())
 
 
-@verb("case", "converge")
+@options.verb("case", "converge")
 @click.option("--levels", type=click.IntRange(2, 8), default=4, show_default=True, help="Meshes; the last: the case's.")
 @click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
-@click.option("--w", "work", type=WORK, help="Work of adhesion [default: the case's first].")
-@parallel_options
-@into_folder("Folder.", default=Path())
-@output_options(plots="Write CSV and JSON only.", json="Print as JSON.")
+@click.option("--w", "work", type=options.WORK, help="Work of adhesion [default: the case's first].")
+@options.parallel_options
+@options.into_folder("Folder.", default=Path())
+@options.output_options(plots="Write CSV and JSON only.", json="Print as JSON.")
 def study_converge(
-    case: Path, levels: int, contact: str | None, work: float | None, parallel: Parallel, output: Output
+    case: Path, levels: int, contact: str | None, work: float | None, parallel: options.Parallel, output: Output
 ) -> None:
     """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
 
@@ -161,16 +147,18 @@ def study_converge(
 # ``jkr sweep``: many cases from one file, to one table.
 
 
-@verb("sweep")
-@into_folder("Folder [default: <sweep>-results here].")
-@parallel_options
-@click.option("--hours", type=NumberRange(min=0), default=10.0, show_default=True, help="Most core hours to begin.")
+@options.verb("sweep")
+@options.into_folder("Folder [default: <sweep>-results here].")
+@options.parallel_options
+@click.option(
+    "--hours", type=options.NumberRange(min=0), default=10.0, show_default=True, help="Most core hours to begin."
+)
 @click.option("--retry-failed", is_flag=True, help="Try the failed cases of an earlier run again.")
 @click.option("--only", type=click.IntRange(min=0), metavar="CASE", help="Solve this case alone and print its row.")
 @click.option("--show-case", type=click.IntRange(min=0), metavar="CASE", help="Print this case as a case file.")
-@output_options(plots="Draw nothing.", json="Print the summary (or the row) as JSON.")
+@options.output_options(plots="Draw nothing.", json="Print the summary (or the row) as JSON.")
 def sweep(
-    sweep: Path, output: Output, parallel: Parallel, hours: float, retry_failed: bool, only: int | None,
+    sweep: Path, output: Output, parallel: options.Parallel, hours: float, retry_failed: bool, only: int | None,
     show_case: int | None,
 ) -> None:  # fmt: skip
     """Solve all cases that SWEEP (TOML) makes of a base case; a table with a row per case: CSV, HDF5, Parquet.
@@ -210,12 +198,14 @@ def _number(plan: plans.Plan, number: int, option: str) -> int:
 COLUMNS = ("P", "a", "S", "dS")
 
 
-@verb("first second")
-@click.option("--rtol", type=NumberRange(min=0), default=1e-3, show_default=True, help="Largest relative difference.")
+@options.verb("first second")
+@click.option(
+    "--rtol", type=options.NumberRange(min=0), default=1e-3, show_default=True, help="Largest relative difference."
+)
 @click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
-@click.option("--overlap", type=NumberRange(0, 1), default=0.9, show_default=True, help="Least common range.")
+@click.option("--overlap", type=options.NumberRange(0, 1), default=0.9, show_default=True, help="Least common range.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the differences (.png or .svg).")
-@output_options(force="Replace an existing plot that jkr did not write.", json="Print as JSON.")
+@options.output_options(force="Replace an existing plot that jkr did not write.", json="Print as JSON.")
 @click.pass_context
 def compare(
     ctx: click.Context, first: Path, second: Path, rtol: float, columns: tuple[str, ...], overlap: float,
@@ -249,11 +239,11 @@ def compare(
 # ``jkr bench``: where the time of a run goes.
 
 
-@verb("case")
+@options.verb("case")
 @click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
 @click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True, help="Runs.")
-@limits_options
-@json_option
+@options.limits_options
+@options.json_option
 def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: bool) -> None:
     """Time the stages of CASE in CPU seconds (one BLAS thread): minimum and median of several runs.
 
@@ -271,9 +261,9 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
 # Verbs about files and the installation: ``show``, ``doctor``, ``completion``.
 
 
-@verb("files...")
+@options.verb("files...")
 @click.option("--case", "case_only", is_flag=True, help="Print the resolved case alone: a case file that runs again.")
-@json_option
+@options.json_option
 def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     """Print what each solution FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
 
@@ -303,8 +293,8 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
 # ``jkr doctor``: what of jkr works on this machine.
 
 
-@verb()
-@json_option
+@options.verb()
+@options.json_option
 def doctor(as_json: bool) -> int:
     """Look at versions, the mesher's system libraries, optional parts, threads, memory and temporary files.
 
@@ -322,7 +312,7 @@ def doctor(as_json: bool) -> int:
 # ``jkr completion``: the script that completes verbs, options and files in a shell.
 
 
-@verb()
+@options.verb()
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 @click.pass_context
 def completion(ctx: click.Context, shell: str) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import device_path
+from ..adhesion import device_path, stability
 from ..adhesion.curve import (
     LOAD_CONTROL,
     AdhesiveCurve,
@@ -23,16 +23,7 @@ from ..adhesion.curve import (
 from ..adhesion.device_path import Jump, Program
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.stability import (
-    Cycle,
-    Stability,
-    cycle,
-    energy_lost_error,
-    separation_error,
-    stable_radius,
-    trace,
-    turning_radius,
-)
+from ..adhesion.stability import cycle, trace
 from ..adhesion.validity import Strains, faces, strain_words
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
@@ -409,11 +400,11 @@ class MeasuredPullOff(Result):
         return lines + _validity(means.result, work.point)
 
 
-def _solved(result: Analysis, behaviour: Stability) -> bool:
+def _solved(result: Analysis, behaviour: stability.Stability) -> bool:
     return isinstance(behaviour.pull_off, Equilibrium) and is_refined(result.curve, behaviour.pull_off)
 
 
-def _control(result: Analysis, behaviour: Stability, error: Errors | Unknown | None) -> list[str]:
+def _control(result: Analysis, behaviour: stability.Stability, error: Errors | Unknown | None) -> list[str]:
     """Points, jumps and energies under one control."""
     point = behaviour.pull_off
     digits = tables.digits(point.P, result.large_strains(point)) if isinstance(point, CriticalPoint) else 4
@@ -473,7 +464,7 @@ class Cycled(Result):
     branch; ``history``: of a viscoelastic specimen, in words; ``large_strains``: of the pull-off force."""
 
     file: Path
-    cycle: Cycle
+    cycle: stability.Cycle
     points: int = ROWS
     history: str = ""
     large_strains: Strains = None
@@ -486,7 +477,7 @@ class Cycled(Result):
         """The cycle on the ``curves`` of approach and retraction that turns at a ``load`` [N] or ``depth`` [m]."""
         inwards, outwards = (result.curve for result in curves)
         whole = load is None and depth is None
-        turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
+        turn = None if whole else stability.turning_radius(inwards, stiffness, load=load, depth=depth)
         found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
         return replace(found, large_strains=_strains_at_loss(curves[1], stiffness))
 
@@ -532,8 +523,8 @@ class Cycled(Result):
         """Both energies [J] by their names, with their half-widths."""
         cycle = self.cycle
         return (
-            ("energy lost per cycle", cycle.energy_lost, energy_lost_error(cycle)),
-            ("work of separation", cycle.separation, separation_error(cycle.retraction)),
+            ("energy lost per cycle", cycle.energy_lost, stability.energy_lost_error(cycle)),
+            ("work of separation", cycle.separation, stability.separation_error(cycle.retraction)),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -790,7 +781,7 @@ class Fields(Result):
 
         if a is None:
             assert load is not None
-            a = stable_radius(curve.curve, load)
+            a = stability.stable_radius(curve.curve, load)
         delta, P = (float(value) for value in curve.curve.at(np.array(a)))
         state = contact_state(method, curve.problem, a, delta, _surface(curve, a))
         return cls(curve, P if load is None else load, state, component)  # but for round-off

@@ -37,16 +37,8 @@ from ..resolve.analysis import Analysis, adhesive
 from ..resolve.histories import Rough, rough
 from ..series import Solution
 from ..tables import some
-from . import archive
+from . import archive, rate
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
-from .rate import (
-    ADHESION_NEGLECTED,
-    RELAXATION_NEGLECTED,
-    law_words,
-    relaxation_law_summary,
-    through_summary,
-    through_words,
-)
 from .result import SHOWN, Figure, Several
 from .tables import DIMENSIONS, quantities, stacked, stiffness, transpose_rows, with_unit
 
@@ -597,7 +589,7 @@ def rate_fit_words(fit: RateFit) -> list[str]:
     free = [item for item in fit.estimates if item.free and item.name in ("E_star", "w0")]
     return [
         brief(free, fit.settings.level),
-        f"  {records}, {rows} rows; {law_words(fit.law)}; edge {speeds}",
+        f"  {records}, {rows} rows; {rate.law_words(fit.law)}; edge {speeds}",
         *estimate_lines(fit.estimates, fit.settings.level),
         f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
     ]
@@ -635,7 +627,7 @@ class RelaxationFits(Several):
         return identity("jkr-relaxation-fit", self.body) | {
             "level": level,
             "fits": fits,
-            "neglected": ADHESION_NEGLECTED if self.fits[0].settings.adheres else RELAXATION_NEGLECTED,
+            "neglected": rate.ADHESION_NEGLECTED if self.fits[0].settings.adheres else rate.RELAXATION_NEGLECTED,
         }
 
     @property
@@ -671,7 +663,7 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
         "rows": record.t.size,
         "control": record.control,
         "stiffness_N_per_m": stiffness(record.stiffness),
-        "relaxation": relaxation_law_summary(fit.relaxation),
+        "relaxation": rate.relaxation_law_summary(fit.relaxation),
         "free": list(fit.free),
         "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
         "scatter": fit.scatter,
@@ -764,14 +756,14 @@ class Work(Result):
             "curves": [curve_summary(item) for item in self.curves],
             "skipped": list(self.skipped),
             "warnings": self._body_warnings,
-            "rate_law": through_summary(self.law),
+            "rate_law": rate.through_summary(self.law),
         }
 
     def words(self) -> list[str]:
         lines = [line for item in self.curves[:SHOWN] for line in work_words(item)]
         if len(self.curves) > SHOWN:
             lines.append(f"  ... and {len(self.curves) - SHOWN} more curves")
-        return lines + ([] if self.law is None else [f"  {through_words(self.law)}"])
+        return lines + ([] if self.law is None else [f"  {rate.through_words(self.law)}"])
 
     @property
     def warnings(self) -> list[str]:

@@ -163,10 +163,10 @@ def test_every_fault_of_three_works_is_told_as_it_is(
         for path in paths:
             files.write_bytes(path, b"picture")
 
-    curves = curve_verbs.analyse(curve_verbs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
+    curves = curve_verbs.analyse(curve_verbs.inputs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
     monkeypatch.setattr(plots, "save", save)
-    monkeypatch.setattr(curve_verbs, "draw_curve", lambda *_: "a picture")
-    monkeypatch.setattr(curve_verbs, "curve_summary", lambda one, _: {"w_J_per_m2": one.w})
+    monkeypatch.setattr(curve_verbs.forward, "draw_curve", lambda *_: "a picture")
+    monkeypatch.setattr(curve_verbs.forward, "curve_summary", lambda one, _: {"w_J_per_m2": one.w})
     monkeypatch.setattr(curve_verbs, "analyse", lambda *_: curves)
     every_fault(three, jkr, where, error)
 

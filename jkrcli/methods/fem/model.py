@@ -27,6 +27,7 @@ from ..layered.solver import largest_radius
 from ..layered.surface_tension import SurfaceTensionSolver
 from ..protocol import FEMOptions, Solver
 from ..radii import DENSE, ROOM, graded_radii
+from . import mesh
 from .contact import (
     Events,
     Increment,
@@ -41,18 +42,6 @@ from .contact import (
     solve_loads,
 )
 from .elasticity import ElasticSystem, assemble
-from .mesh import (
-    BUDGET_JUDGED_DEPTH,
-    Layout,
-    MeshedBody,
-    expected_reach,
-    homogenised_half_space,
-    layout_for,
-    mixed_layers,
-    oscillation,
-    surface_material,
-    within,
-)
 
 # --------------------------------------------------------------------------------------------------
 # What cutting a half-space at finite depth and width changes: an estimate by Betti's theorem.
@@ -198,7 +187,7 @@ EDGE_RESOLVED = 5e-4
 EDGE_TELLING = 1e-2
 
 
-def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: Indenter) -> Array:
+def edge_correction(surface: Surface, body: mesh.MeshedBody, reach: float, indenter: Indenter) -> Array:
     """Edge correction of surfaces that slide: contact radius over vertex radius for the candidate vertices beyond the
     flat radius, by increasing radius, out to ``reach`` [m], from the ``surface`` of a half-space like that of the
     ``body``."""
@@ -208,7 +197,7 @@ def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: 
     if body.tension:  # delta_H [m] on a half-space with that surface tension
         from scipy.interpolate import CubicSpline
 
-        specimen = Specimen((), HalfSpace(surface_material(body.materials[0])), surface_tension=body.tension)
+        specimen = Specimen((), HalfSpace(mesh.surface_material(body.materials[0])), surface_tension=body.tension)
         solver = SurfaceTensionSolver(profile, specimen)
         beyond = np.geomspace(EDGE_NEAR * (events.a[0] - a0), (events.a[-1] - a0) / EDGE_NEAR, DENSE)
         solved = solver.solved(a0 + beyond, solver.plan(a0 + beyond, EDGE_ACCURACY))
@@ -252,7 +241,7 @@ def edge_rows(surface: Surface, material: Material) -> Array:
     displaced[rows[:, 1], 2:] = r[:, None] ** [1, 3]
     halves = solve_triangular(cholesky(surface.C, lower=True), displaced, lower=True)[rows]
     # xi pi/2 (n, 2, 4) at `r` (n,) for the displacements 1, r^2 downwards and r, r^3 outwards, and its slope.
-    beta, eta = oscillation(material)
+    beta, eta = mesh.oscillation(material)
     zz, _, rr = half_space_compliances(material)
     waves = [(F[:4], polynomial.polyder(F)[:4]) for F in (coulomb_series(-eta), coulomb_series(eta))]
     C, Q = (np.array(pair) for pair in ring_transforms(beta, *waves))
@@ -293,7 +282,7 @@ class Discretisation:
     ``reach``: radius out to which surface nodes are candidates [m]; ``solver``: of the sparse factor; ``sticks``:
     whether contact forces are also radial; ``reduced``: whether elements are integrated at their centres alone."""
 
-    layout: Layout
+    layout: mesh.Layout
     order: int
     mixed: tuple[int, ...]
     reach: float
@@ -304,7 +293,7 @@ class Discretisation:
     def coarser(self, factor: float) -> Discretisation:
         return replace(self, layout=self.layout.coarser(factor))
 
-    def on_half_space(self, body: MeshedBody) -> Discretisation:
+    def on_half_space(self, body: mesh.MeshedBody) -> Discretisation:
         """The same surface vertices on a homogeneous ``body``."""
         mixed = tuple(i for i in self.mixed if i == 0)
         return replace(self, layout=self.layout.on(body), mixed=mixed)
@@ -352,7 +341,7 @@ class Model:
     missing: float
 
     @property
-    def body(self) -> MeshedBody:
+    def body(self) -> mesh.MeshedBody:
         return self.discretisation.layout.body
 
     def contact(self, indenter: Indenter) -> SurfaceContact:
@@ -360,7 +349,7 @@ class Model:
         heights = indenter.f(self.surface.radii)
         if not self.surface.sticks:
             return SurfaceContact(self.surface, heights)
-        rows = edge_rows(self.half_space, surface_material(self.body.materials[0]))
+        rows = edge_rows(self.half_space, mesh.surface_material(self.body.materials[0]))
         return StuckContact(self.surface, heights, rows, indenter.a0)
 
     def with_roller(self) -> Model:
@@ -374,7 +363,7 @@ class Model:
         """Surface of a half-space of the uppermost material with the same vertices: this one where it is one."""
         if self.body.cut_below and len(self.body.materials) == 1:
             return self.completed()
-        body = homogenised_half_space(self.body, self.discretisation.reach)
+        body = mesh.homogenised_half_space(self.body, self.discretisation.reach)
         return self.discretisation.on_half_space(body).build(StageClock()).completed()
 
     def completed(self) -> Surface:
@@ -495,7 +484,7 @@ class Run:
 # ---------------------------------------------------------------------- from the options
 def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float | None = None) -> Run:
     """Solve on one mesh of the given sizes; ``reach``: radius to mesh finely, where it is known [m]."""
-    reach = expected_reach(options, problem) if reach is None else reach
+    reach = mesh.expected_reach(options, problem) if reach is None else reach
     model, contact, touches = _solve_large_enough(options, problem, clock, reach)
     by_increments = options.contact == "incremental" or not touches.valid
     level = MeshLevel(model, problem.indenter, contact, touches, options.edge_correction and touches.valid)
@@ -522,9 +511,9 @@ def _solve_large_enough(
     options: FEMOptions, problem: Problem, clock: StageClock, reach: float
 ) -> tuple[Model, SurfaceContact, Events]:
     """Solve on meshes for growing contact radii until the loading's end lies within the candidates."""
-    loading, mixed = problem.loading, mixed_layers(options, problem)
+    loading, mixed = problem.loading, mesh.mixed_layers(options, problem)
     for _ in range(MOST_SOLVES):
-        layout = layout_for(options, problem, reach)
+        layout = mesh.layout_for(options, problem, reach)
         reduced = options.integration == "reduced"
         recipe = Discretisation(layout, options.order, mixed, reach, options.solver, problem.sticks, reduced)
         model = recipe.build(clock)
@@ -546,7 +535,7 @@ def _solve_large_enough(
                 f"contact leaves the refined zone: mesh.contact_radius is {options.contact_radius:g} m, "
                 f"this loading needs about {enough:.2g} m: give that or leave it out"
             )
-        wider = within(problem, options.margin * needed)
+        wider = mesh.within(problem, options.margin * needed)
         if wider <= reach:
             break
         reach = wider
@@ -704,7 +693,7 @@ def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Es
         return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
     run, rows = _with_events(run)
     fine, (a, delta, P) = run.level, run.columns
-    judged = delta >= BUDGET_JUDGED_DEPTH * delta[-1]
+    judged = delta >= mesh.BUDGET_JUDGED_DEPTH * delta[-1]
     loads, radii = BUDGET_LOADS / (ratio - 1), BUDGET_RADII / (ratio - 1)
     radii *= BUDGET_TENSION if fine.model.body.tension else 1.0
     if not all(level.touches.valid and level.touches.a.size >= 4 for level in larger):

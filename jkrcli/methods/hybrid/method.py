@@ -19,18 +19,8 @@ from ..integral.fredholm import FLOPS_PER_SECOND, first_stiffness, search, serie
 from ..layered.solver import expected_radius
 from ..protocol import Forecast, HybridOptions, without_coating, without_tension
 from ..radii import check_radius
-from .kernel import (
-    HYBRID_EDGE,
-    HYBRID_LOWEST,
-    HYBRID_ROUGH,
-    STEP,
-    AdaptiveKernel,
-    ErrorEstimates,
-    KernelContact,
-    KernelLevels,
-    fem_for,
-    instead,
-)
+from . import kernel
+from .kernel import AdaptiveKernel
 
 # How the largest radius is found, for which the kernel must be known before it is.
 # Reach of the first one over the radius expected on the unbounded body:
@@ -67,7 +57,7 @@ class Hybrid(HybridOptions):
             if loading.to == "radius":
                 check_radius(problem.indenter, loading.maximum)
             levels = body.levels(_expected_radius(problem, body))
-            body.guard(levels, HYBRID_LOWEST + STEP * int(body.expected_steps(levels)))
+            body.guard(levels, kernel.HYBRID_LOWEST + kernel.STEP * int(body.expected_steps(levels)))
         except JkrError as error:
             return str(error).removeprefix("hybrid: ")
         return None
@@ -85,7 +75,7 @@ class Hybrid(HybridOptions):
         solves, last = body.expected_cost(levels)
         seconds = 0.02 + solves
         if problem.loading.to != "radius":
-            seconds += REACH_SEARCHES * levels.cost(HYBRID_LOWEST + STEP).seconds
+            seconds += REACH_SEARCHES * levels.cost(kernel.HYBRID_LOWEST + kernel.STEP).seconds
         if levels.wide is not None:
             seconds += 0.8  # the kernel of the wide body; measured by `make bench`
         memory = 20 + last.memory_mib + of_equation
@@ -127,7 +117,7 @@ class Hybrid(HybridOptions):
 
     def _found(
         self, problem: Problem, body: AdaptiveKernel, clock: StageClock
-    ) -> tuple[KernelContact, ErrorEstimates, Array, dict[str, Any]]:
+    ) -> tuple[kernel.KernelContact, kernel.ErrorEstimates, Array, dict[str, Any]]:
         """The contact with its kernel, the errors, the radii [m], and facts about them."""
         with clock("largest radius"):
             reach = self._reach(problem, body)
@@ -160,7 +150,7 @@ class Hybrid(HybridOptions):
             return expected
         reach = min(REACH_ROOM * expected, _end(problem, body))
         for _ in range(MOST_SOLVES):
-            largest = search(body.rough(reach), loading, HYBRID_ROUGH).largest
+            largest = search(body.rough(reach), loading, kernel.HYBRID_ROUGH).largest
             if largest <= reach and (REACH_SPARE * largest <= reach or reach == _end(problem, body)):
                 return min(REACH_SPARE * largest, _end(problem, body))
             reach = self._further(problem, body, reach, largest)
@@ -183,13 +173,13 @@ def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
     """The largest contact radius [m] as on the laterally unbounded body, about."""
     if problem.loading.to == "radius":
         return problem.loading.maximum
-    return min(expected_radius(body.wide, problem.loading, HYBRID_ROUGH), _end(problem, body))
+    return min(expected_radius(body.wide, problem.loading, kernel.HYBRID_ROUGH), _end(problem, body))
 
 
 def _no_radius(problem: Problem, reach: float) -> str:
     return (
         f"hybrid: the largest contact radius was not found within {MOST_SOLVES} solves, the last up to "
-        f"{show(reach, 'length')}: prescribe loading.radius, or use method {fem_for(problem.indenter)}"
+        f"{show(reach, 'length')}: prescribe loading.radius, or use method {kernel.fem_for(problem.indenter)}"
     )
 
 
@@ -198,7 +188,7 @@ def _unable(problem: Problem) -> str | None:
     if reason := without_tension(problem) or without_coating(problem):
         return reason
     if problem.sticks:
-        return f"the correction is for frictionless contact: use method {instead(problem.indenter, specimen)}"
+        return f"the correction is for frictionless contact: use method {kernel.instead(problem.indenter, specimen)}"
     if specimen.is_half_space:
         return "a homogeneous half-space needs no correction: use method closed-form or layered"
     if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
@@ -208,7 +198,7 @@ def _unable(problem: Problem) -> str | None:
     if isinstance(specimen.materials[0], Graded) and specimen.radius is None:
         return "the correction is not smooth where the modulus changes from the contact on: use method layered"
     if isinstance(specimen.materials[0], AnyTransverse):
-        other = instead(problem.indenter, specimen)
+        other = kernel.instead(problem.indenter, specimen)
         return f"the exact part needs an isotropic material at the contact: use method {other}"
     return None
 
@@ -223,12 +213,12 @@ def _too_much(problem: Problem) -> str:
         )
     word = {"depth": "depth", "load": "load", "radius": "contact radius"}[loading.to]
     return (
-        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {HYBRID_EDGE:g} of "
-        f"the body's radius, {show(radius, 'length')}): load less, or use method {fem_for(problem.indenter)}"
+        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {kernel.HYBRID_EDGE:g} "
+        f"of the body's radius, {show(radius, 'length')}): load less, or use method {kernel.fem_for(problem.indenter)}"
     )
 
 
-def _facts(levels: KernelLevels, degree: int, largest: float) -> dict[str, Any]:
+def _facts(levels: kernel.KernelLevels, degree: int, largest: float) -> dict[str, Any]:
     correction = levels.correction(degree)
     region = levels.region
     facts: dict[str, Any] = {

@@ -24,19 +24,8 @@ from ...base.units import show
 from ...bodies.indenters import Indenter
 from ...bodies.materials import AnyGraded
 from ...bodies.problem import Specimen, stacks
-from .fredholm import (
-    EXACT,
-    Contact,
-    EquationResult,
-    FredholmKernel,
-    LegendrePanels,
-    angle,
-    crowded,
-    gauss,
-    rule,
-    split,
-    to_legendre,
-)
+from . import fredholm
+from .fredholm import angle
 
 # Nodes for phi between those of the equation.
 # On each piece of the smooth part, one kernel scale wide:
@@ -60,7 +49,9 @@ class Density:
     coefficients: Array
 
     @classmethod
-    def of(cls, kernel: FredholmKernel, result: EquationResult, shift: float, reach: float) -> Density:
+    def of(
+        cls, kernel: fredholm.FredholmKernel, result: fredholm.EquationResult, shift: float, reach: float
+    ) -> Density:
         """Density at the first radius of ``result`` for the displacement delta_H - ``shift`` [m], up to ``reach``
         [m]."""
         return next(cls.each(kernel, result, reach, shift))
@@ -68,8 +59,8 @@ class Density:
     @classmethod
     def each(
         cls,
-        kernel: FredholmKernel,
-        result: EquationResult,
+        kernel: fredholm.FredholmKernel,
+        result: fredholm.EquationResult,
         reach: float,
         shift: float = 0.0,
         order: int = DENSITY_PIECE,
@@ -82,7 +73,7 @@ class Density:
             sources[: t.size, n] = 2 / math.pi * weights * phi
         smooth = kernel.times(x, result.panels.x, sources)
         for a, delta, values in zip(result.panels.radii.tolist(), result.delta.tolist(), smooth.T, strict=True):
-            yield cls(result.indenter, a, delta - shift, edges, values.reshape(-1, order) @ to_legendre(order))
+            yield cls(result.indenter, a, delta - shift, edges, values.reshape(-1, order) @ fredholm.to_legendre(order))
 
     def anchored(self) -> Density:
         """Density with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""
@@ -111,8 +102,8 @@ class Density:
         inner = inner[(inner > lo) & (inner < hi)]
         theta = angle(np.unique(np.concatenate([[lo], inner, [hi]])))
         pieces = np.maximum(np.ceil(np.diff(theta) / DENSITY_WIDEST), 1).astype(int)
-        left, right = split(theta[:-1], theta[1:], pieces)
-        x, w = crowded(left, right, self.coefficients.shape[1] + DENSITY_MORE)
+        left, right = fredholm.split(theta[:-1], theta[1:], pieces)
+        x, w = fredholm.crowded(left, right, self.coefficients.shape[1] + DENSITY_MORE)
         return x.ravel(), w.ravel()
 
     def arc(self, lo: float, hi: float, r: float) -> float:
@@ -141,7 +132,7 @@ def panel_pieces(reach: float, scale: float, order: int) -> tuple[Array, Array]:
     """Edges [m] of equal pieces from 0 to ``reach`` [m], no wider than ``scale`` [m], and the ``order`` Gauss nodes on
     each."""
     edges = np.linspace(0, reach, max(math.ceil(reach / scale), 1) + 1)
-    return edges, gauss(edges[:-1], edges[1:], *rule(order))[0]
+    return edges, fredholm.gauss(edges[:-1], edges[1:], *fredholm.rule(order))[0]
 
 
 def _angle(r: float, t: Array) -> Array:
@@ -188,7 +179,7 @@ def refuse_shrinking(a: Array, delta: Array) -> None:
 
 
 def disc_warnings(
-    contact: Contact, specimen: Specimen, largest: float, kernel: Callable[[float], FredholmKernel]
+    contact: fredholm.Contact, specimen: Specimen, largest: float, kernel: Callable[[float], fredholm.FredholmKernel]
 ) -> tuple[str, ...]:
     """What is wrong with discs up to ``largest`` [m] as the ``contact`` with ``specimen``; () where nothing is.
 
@@ -208,7 +199,7 @@ def disc_warnings(
     except JkrError as error:
         return (f"it was not checked whether the contact is a full disc ({error})",)
     end = min(DISC_PLACES[-1] * largest, contact.indenter.r_max, contact.limit)
-    densities = Density.each(kernel(largest + end), result, end, order=EXACT)
+    densities = Density.each(kernel(largest + end), result, end, order=fredholm.EXACT)
     for phi, P in zip(densities, result.P.tolist(), strict=True):
         if words := _broken(phi.anchored(), contact.E_star / 2, P, end):
             return (
@@ -245,11 +236,11 @@ ARC_NODES = 64  # choice: integrals over many zones at once, where jumps end, ar
 class DentPoints:
     """The points ``x`` [m] from 0 to the end of the panels of ``basis``, whose edges are among them."""
 
-    basis: LegendrePanels
+    basis: fredholm.LegendrePanels
     x: Array
 
     @classmethod
-    def spaced(cls, basis: LegendrePanels, spacing: float, kinks: Array) -> DentPoints:
+    def spaced(cls, basis: fredholm.LegendrePanels, spacing: float, kinks: Array) -> DentPoints:
         """Points no farther than ``spacing`` [m] from each other, ``kinks`` [m] of the indenter's F among them."""
         edges = basis.panels.edges
         cuts = np.unique([*edges, *kinks[(kinks > 0) & (kinks < edges[-1])]])
@@ -330,7 +321,7 @@ class DentedProfile:
 
     def arcs(self, a: Array, b: Array) -> Array:
         """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b, by x = c cos(psi), which passes over bends."""
-        nodes, weights = rule(ARC_NODES)
+        nodes, weights = fredholm.rule(ARC_NODES)
         half = angle(b, a + b)[:, None] / 2
         return half[:, 0] * (self.F((a + b)[:, None] * np.cos(half * (nodes + 1))) @ weights)
 

@@ -16,20 +16,9 @@ from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline
 from ...bodies.indenters import Indenter
 from ...bodies.materials import Solid, contact_modulus
 from ...bodies.problem import Specimen
+from ..integral import fredholm
 from ..integral.finite_range import Attraction, panels_for
-from ..integral.fredholm import (
-    ContactResult,
-    CosineKernel,
-    EquationResult,
-    InaccurateError,
-    Panels,
-    Quadrature,
-    crowded_rule,
-    rule,
-    solve,
-    to_legendre,
-    tolerance_remedy,
-)
+from ..integral.fredholm import Quadrature
 from .spectrum import LayeredSpectrum
 
 # --------------------------------------------------------------------------------------------------
@@ -60,7 +49,7 @@ def _points(order: int) -> int:
     return max(PRODUCT_LEAST, math.ceil(PRODUCT_CROWDED * order))
 
 
-def product_matrix(transform: Transform, panels: Panels) -> Array:
+def product_matrix(transform: Transform, panels: fredholm.Panels) -> Array:
     """Matrix of K at all nodes and, in its last columns and rows, at the radii (of those only the nodes inside count).
 
     ``transform``: tau(s) [1/m] for s > 0, at most a logarithm at 0; entries [1/m], shape (nodes + radii, nodes +
@@ -68,7 +57,7 @@ def product_matrix(transform: Transform, panels: Panels) -> Array:
     """
     n = panels.x.size
     # A spline over ln(s) in place of tau, several times as fast and good to 1e-9
-    smallest = float(np.diff(panels.edges).min()) * crowded_rule(2 * _points(panels.order), 3)[0][0]
+    smallest = float(np.diff(panels.edges).min()) * fredholm.crowded_rule(2 * _points(panels.order), 3)[0][0]
     ln_s = logarithms(smallest, 2 * float(panels.edges[-1]))
     spline = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], cubic_spline(ln_s, transform(np.exp(ln_s))).c)
 
@@ -88,7 +77,7 @@ def logarithms(smallest: float, largest: float) -> Array:
     return np.linspace(*ends, math.ceil(PRODUCT_PER_DECADE * (ends[1] - ends[0]) / math.log(10)))
 
 
-def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
+def _entries(transform: Transform, panels: fredholm.Panels, mirrored: bool) -> Array:
     """Block of the nodes: the part of x - t or, ``mirrored``, of x + t."""
     order, count = panels.order, panels.edges.size - 1
     lo, width = panels.edges[:-1], np.diff(panels.edges)
@@ -102,7 +91,7 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     points = _points(order)
     project = _projection(order, points)
     facing = project if mirrored else project[:, ::-1]
-    u = crowded_rule(points, 3)[0]
+    u = fredholm.crowded_rule(points, 3)[0]
     gap = np.maximum(gaps[right, left], 0.0)[:, None, None]
     values = transform(gap + width[right][:, None, None] * u[:, None] + width[left][:, None, None] * u)
     blocks = np.einsum("bqr,qi,rj->bij", values, project, facing, optimize=True)
@@ -115,7 +104,7 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     return plain.reshape(panels.x.size, -1)
 
 
-def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
+def _columns(transform: Transform, panels: fredholm.Panels, mirrored: bool) -> Array:
     """Columns of the radii a at the nodes t inside each: the part of a - t or, ``mirrored``, of a + t."""
     order, count = panels.order, panels.edges.size - 1
     lo, width = panels.edges[:-1], np.diff(panels.edges)
@@ -126,7 +115,7 @@ def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     panel, radius = np.nonzero(inside & (gaps < PRODUCT_CLOSE * width[:, None]))
     points = _points(order)
     project = _projection(order, points)
-    values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * crowded_rule(points, 3)[0])
+    values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * fredholm.crowded_rule(points, 3)[0])
     plain[panel, :, radius] = values @ (project if mirrored else project[:, ::-1])
     return plain.reshape(panels.x.size, -1)
 
@@ -134,15 +123,15 @@ def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
 @cache
 def _projection(order: int, points: int) -> Array:
     """(1/w_i) int l_i f = sum over the crowded nodes q of f_q times this (q, i)."""
-    u, v = crowded_rule(points, 3)
-    return v[:, None] * lagrange(order, u) / (rule(order)[1] / 2)
+    u, v = fredholm.crowded_rule(points, 3)
+    return v[:, None] * lagrange(order, u) / (fredholm.rule(order)[1] / 2)
 
 
 @cache
 def _alone(order: int, points: int) -> tuple[Array, Array]:
     """Nodes s and weights (s, i, j) of int tau(s) sum over x - t = +s and -s of l_i(x) l_j(t), over w_i w_j."""
-    s, v = crowded_rule(points, 3)
-    nodes, w = rule(order)
+    s, v = fredholm.crowded_rule(points, 3)
+    nodes, w = fredholm.rule(order)
     inside = np.outer(1 - s, (nodes + 1) / 2)
     first, second = lagrange(order, inside), lagrange(order, inside + s[:, None])
     overlap = np.einsum("q,s,sqi,sqj->sij", w / 2, v * (1 - s), first, second, optimize=True)
@@ -151,7 +140,7 @@ def _alone(order: int, points: int) -> tuple[Array, Array]:
 
 def lagrange(order: int, u: Array) -> Array:
     """l_i(u) on [0, 1] for the Gauss nodes, last axis i."""
-    return np.polynomial.legendre.legvander(2 * u - 1, order - 1) @ to_legendre(order).T
+    return np.polynomial.legendre.legvander(2 * u - 1, order - 1) @ fredholm.to_legendre(order).T
 
 
 # How a result is refined and checked, and what is refused.
@@ -210,7 +199,7 @@ class IndenterOnLayers(ABC):
         """The plan expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
 
     @abstractmethod
-    def solved(self, radii: Array, plan: Any) -> ContactResult:
+    def solved(self, radii: Array, plan: Any) -> fredholm.ContactResult:
         """Contact at the increasing ``radii`` [m]."""
 
     def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[IndenterOnLayers, Any]:
@@ -254,7 +243,9 @@ class IndenterOnLayers(ABC):
             raise self.unresolved(plan, failure)
         missed = f"layered: the estimated relative error{self.what} is {best:.1e} with {plan.nodes} {self.rows}, above "
         missed, smaller = f"{missed}the tolerance {tolerance:.1e}; ", "use a smaller contact radius"
-        raise InaccurateError(f"{missed}{tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}", best)
+        raise fredholm.InaccurateError(
+            f"{missed}{fredholm.tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}", best
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,7 +297,7 @@ class LayeredContact(IndenterOnLayers):
                 f"(limit {LAYERED_MOST_NODES}); use a smaller contact{fewer}"
             )
 
-    def solved(self, radii: Array, plan: Quadrature) -> ContactResult:
+    def solved(self, radii: Array, plan: Quadrature) -> fredholm.ContactResult:
         """Contact at the increasing ``radii`` [m]; of one group with its densities, an ``EquationResult``."""
         self.guard(radii, plan)
         kernel = self.spectrum.kernel(2 * float(radii[-1]), self.order)
@@ -318,13 +309,13 @@ class LayeredContact(IndenterOnLayers):
             part = self._group(radii[dealt], plan, kernel)
             columns[:, dealt], rounding[dealt] = part.columns, part.rounding
         delta, P, S, dS = columns
-        return ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
+        return fredholm.ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
 
-    def _group(self, radii: Array, plan: Quadrature, kernel: CosineKernel) -> EquationResult:
-        panels = Panels.through(radii, plan, self.indenter.a0)
-        return solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
+    def _group(self, radii: Array, plan: Quadrature, kernel: fredholm.CosineKernel) -> fredholm.EquationResult:
+        panels = fredholm.Panels.through(radii, plan, self.indenter.a0)
+        return fredholm.solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
 
-    def matrix(self, panels: Panels, kernel: CosineKernel | None = None) -> Array:
+    def matrix(self, panels: fredholm.Panels, kernel: fredholm.CosineKernel | None = None) -> Array:
         """K [1/m] at the places of the ``panels``; ``kernel``: its smooth part, where it is known."""
         tail = self.spectrum.tail
         smooth = kernel or self.spectrum.kernel(2 * float(panels.edges[-1]), self.order)
@@ -337,7 +328,7 @@ class LayeredContact(IndenterOnLayers):
         panels = self.attraction_panels(reach, tolerance)
         return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
 
-    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
+    def attraction_panels(self, reach: float, tolerance: float) -> fredholm.Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
         crowding = 1.0 if self.spectrum.tail is None else LAYERED_NARROWER * self.scale / self.spectrum.tail.finest
         return panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
@@ -351,10 +342,10 @@ class LayeredContact(IndenterOnLayers):
     def finer(self, plan: Quadrature) -> Quadrature:
         return plan.finer() if self.spectrum.tail is None else plan.narrower()
 
-    def unresolved(self, plan: Quadrature, failure: SolveError) -> InaccurateError:
+    def unresolved(self, plan: Quadrature, failure: SolveError) -> fredholm.InaccurateError:
         missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; use "
         less = "a smaller contact radius"
-        return InaccurateError(f"{missed}more points or {less}", f"{missed}{less}")
+        return fredholm.InaccurateError(f"{missed}more points or {less}", f"{missed}{less}")
 
 
 @lru_cache(maxsize=8)  # the radii of one body are often solved in several steps
@@ -362,7 +353,7 @@ def _spectrum(specimen: Specimen, indenter: Solid | None) -> LayeredSpectrum:
     return LayeredSpectrum(specimen, indenter)
 
 
-def _errors(main: ContactResult, other: ContactResult, some: Array) -> Array:
+def _errors(main: fredholm.ContactResult, other: fredholm.ContactResult, some: Array) -> Array:
     """Relative error of each column at every radius (4, radii): the largest difference at the ``some`` radii about it,
     ``about`` and one on each side, with a safety, and rounding."""
     seen, about = np.abs(other.columns / main.columns[:, some] - 1), LAYERED_ABOUT

@@ -175,7 +175,14 @@ class File:
         else:
             # Positions [m] of a piezo that moves in equal steps, the rows of the file over its range.
             section, counts = self.channels[DEFLECTION]
-            size = self._size(section.get("ramp size", ""), "ramp size")
+            # The ramp is in volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or in nanometres.
+            ramp = section.get("ramp size", "")
+            length, unit = _last(ramp)
+            size = length * self._per_volt(ramp) if unit == "V" else _metres(length, unit)
+            if not _is_size(size):
+                raise InputError(
+                    f"{self.path}: names no ramp size, and no height sensor was recorded: export it as text"
+                )
             steps = size / counts.shape[2] * np.arange(counts.shape[2])
             z, what = self._in_order(-np.stack([steps, steps])), "ramp of the piezo"
         return z, self._times(), self.samples[1][0], what
@@ -185,7 +192,12 @@ class File:
         which counts rows of the microscope's own curve."""
         scan = self._of("Ciao scan list")
         keys = ("peak force amplitude", "pft freq", "sample points", "sync distance qnm")
-        amplitude, frequency, own, at = (self._positive(scan, key) for key in keys)
+        numbers = []
+        for key in keys:
+            if not _is_size(number := self._number(scan, key)):
+                raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be positive, got {number:g}')
+            numbers.append(number)
+        amplitude, frequency, own, at = numbers
         deepest = at * rows / own
         phase = np.arange(rows) - deepest
         z = 1e-9 * amplitude * np.cos(2 * np.pi * phase / rows)
@@ -246,14 +258,6 @@ class File:
         fits = match and _is_size(float(match[1]))
         return _metres(float(match[1]), (match[2] or "nm/V").removesuffix("/V")) if match and fits else 0.0
 
-    def _size(self, entry: str, what: str) -> float:
-        """A length [m]: volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or nanometres."""
-        number, unit = _last(entry)
-        size = number * self._per_volt(entry) if unit == "V" else _metres(number, unit)
-        if not _is_size(size):
-            raise InputError(f"{self.path}: names no {what}, and no height sensor was recorded: export it as text")
-        return size
-
     def _pixel(self, number: int) -> Pixel | None:
         """The place of a curve in a map, centred on the scan."""
         lines, columns = self.shape
@@ -277,12 +281,6 @@ class File:
             got = section.get(key, "")[:60]
             raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be a number, got "{got}"')
         return float(match[0])
-
-    def _positive(self, section: Section, key: str) -> float:
-        """A number by which others are divided."""
-        if not _is_size(number := self._number(section, key)):
-            raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be positive, got {number:g}')
-        return number
 
 
 def _calibrated(path: Path, reading: Reading, of_file: Mapping[str, float]) -> tuple[list[float], tuple[str, ...]]:
@@ -455,8 +453,13 @@ def _nanosurf_curve(
     if t is not None and (np.diff(t) < 0).any():
         t, flags = None, (*flags, "its time runs back and was left out")
     delta, flags = z if toward(z, P) else -z, (f"displacement from the {SURF_Z}", *flags, UNTRIED)
-    pixel, segment = _snake(told, segments, number), words[measured]
-    curve = Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=pixel)
+    # The place of a curve in a square map; of others the published readers do not agree which side is first.
+    pixel, sides = None, [int(side) for side in np.asarray(told.get("rect_axis_size", ())).reshape(-1)]
+    pattern, side = segments[0][1][SURF_Z][1].get("signal_data_pattern"), max(sides, default=1)
+    if pattern == SNAKE and side != 1 and sides == [side, side] and segments[0][2].size == side**2 + 1:
+        row, along = divmod(number, side)
+        pixel = Pixel(side - 1 - along if row % 2 else along, row)
+    curve = Curve(name, delta=delta, P=P, t=t, segment=words[measured], origin=path, flags=flags, pixel=pixel)
     return curve, values[0]
 
 
@@ -477,16 +480,6 @@ def _values(path: Path, channel: str, source: Channel, first: int, end: int) -> 
     return np.where(counts < -most, np.nan, values * 10.0**power), dimension
 
 
-def _snake(told: Mapping[str, Any], segments: Sequence[Segment], number: int) -> Pixel | None:
-    """The place of a curve in a square map; of others the published readers do not agree which side is first."""
-    sides = [int(side) for side in np.asarray(told.get("rect_axis_size", ())).reshape(-1)]
-    pattern, side = segments[0][1][SURF_Z][1].get("signal_data_pattern"), max(sides, default=1)
-    if pattern != SNAKE or side == 1 or sides != [side, side] or segments[0][2].size != side**2 + 1:
-        return None
-    row, along = divmod(number, side)
-    return Pixel(side - 1 - along if row % 2 else along, row)
-
-
 # --------------------------------------------------------------------------------------------------
 # Whether the file of a microscope is whole, before a package reads it that takes what is there for what was written:
 # checksums, declared sizes and counts, and what it would unpack to.
@@ -502,7 +495,11 @@ def check(path: Path) -> None:
     lets that be seen."""
     ending = path.suffix.lower()
     if ending == ".zip" or ending.startswith(".jpk"):
-        _members(path, process.TEXT if ending == ".zip" else None)
+        members = instruments.members(path, process.TEXT if ending == ".zip" else None)
+        for item, content in zip(members, instruments.contents(path, members), strict=True):  # all are unpacked once
+            if item.filename.endswith(".properties"):
+                for many, power in PIXELS.findall(content):
+                    check_size(path, process.PART * min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
     elif ending == ".ibw":
         _wave(path, read_bytes(path, INTACT_WHAT))
     else:
@@ -510,15 +507,6 @@ def check(path: Path) -> None:
         check_text(path, content.decode("latin-1"))
         if ending == ".tab":
             _export(path, content)
-
-
-def _members(path: Path, size: int | None) -> None:
-    """A zip archive: all of its members are unpacked once."""
-    members = instruments.members(path, size)
-    for item, content in zip(members, instruments.contents(path, members), strict=True):
-        if item.filename.endswith(".properties"):
-            for many, power in PIXELS.findall(content):
-                check_size(path, process.PART * min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
 
 
 def _wave(path: Path, content: bytes) -> None:
@@ -548,6 +536,9 @@ def _export(path: Path, content: bytes) -> None:
 
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
+WITHOUT_STIFFNESS = (
+    "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
+)
 LACKING = "No data found"  # how afmformats begins to say that a column is not there
 BASE = ".base-calibration-slot"  # of a JPK file: how a property ends that names the scale which another is based on
 OWN_SENSITIVITY = "names its own sensitivity, or needs none: leave --sensitivity out"
@@ -581,8 +572,15 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
                 continue
             try:
                 with _guarded(place(path, name)):
-                    as_read = _curve_and_stiffness(path, name, data, reading, lacks)
-                yield as_read
+                    curve = _curve(path, name, data).multiplied(reading.factors)
+                    of_tip = _holds(data, "tip position")
+                    stiffness = None if of_tip else _stiffness(curve, data, reading)
+                if lacks and not of_tip:
+                    missing = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
+                    curve = replace(curve, flags=(*curve.flags, f"the file lacks {lacks}: {ARBITRARY} {missing}"))
+                elif stiffness is None and reading.incomplete and not of_tip:
+                    curve = replace(curve, flags=(*curve.flags, WITHOUT_STIFFNESS))
+                yield curve, stiffness
             except InputError as error:
                 yield error, None
 
@@ -639,16 +637,6 @@ class _Exported:
         if name not in self._raw_data:
             self._raw_data[name] = self.member(self.group, name)[()]
         return self._raw_data[name]
-
-
-def _curve_and_stiffness(path: Path, name: str, data: Any, reading: Reading, lacks: str) -> tuple[Curve, float | None]:
-    """The curve of one data set and its spring constant, with a flag on what 1 stands in for."""
-    curve = _curve(path, name, data).multiplied(reading.factors)
-    if _holds(data, "tip position"):
-        return curve, None
-    stiffness = _stiffness(curve, data, reading)
-    lack = _lack(lacks, stiffness, reading)
-    return replace(curve, flags=(*curve.flags, lack)) if lack else curve, stiffness
 
 
 def takes_any_three_columns(path: Path) -> bool:
@@ -729,16 +717,6 @@ def _guarded(where: str) -> Iterator[None]:
         if hasattr(error, "meta_keys"):  # what the file lacks, which its caller asks for
             raise
         raise UnreadableError(f"{where}: afmformats cannot read this file ({first_line(error)})") from None
-
-
-def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
-    """What is missing to read an incomplete file, and the remedy; "" where nothing is."""
-    if lacks:
-        options = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
-        return f"the file lacks {lacks}: {ARBITRARY} {options}"
-    if stiffness is None and reading.incomplete:
-        return "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
-    return ""
 
 
 def _curve(path: Path, name: str, data: Any) -> Curve:

@@ -64,7 +64,11 @@ class Curve:
     def __post_init__(self) -> None:
         sizes = {}
         for name in (*self.measured, *(() if self.segment is None else ("segment",))):
-            array = self._checked(name, getattr(self, name))
+            array = np.array(getattr(self, name), dtype=str if name == "segment" else float)
+            if name != "segment" and array.ndim != 1:
+                raise InputError(f"{self.where}: {name} must be one-dimensional, got shape {array.shape}")
+            if name != "segment" and not np.isfinite(array).all():
+                raise InputError(f"{self.where}: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
             sizes[name] = array.size
@@ -72,16 +76,6 @@ class Curve:
             raise InputError(f"{self.where}: holds none of a, delta, P")
         if len(set(sizes.values())) != 1:
             raise InputError(f"{self.where}: all columns must have the same length, got {sizes}")
-
-    def _checked(self, name: str, values: Array) -> Array:
-        if name == "segment":
-            return np.array(values, dtype=str)
-        array = np.array(values, dtype=float)
-        if array.ndim != 1:
-            raise InputError(f"{self.where}: {name} must be one-dimensional, got shape {array.shape}")
-        if not np.isfinite(array).all():
-            raise InputError(f"{self.where}: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
-        return array
 
     def __len__(self) -> int:
         return len(getattr(self, self.measured[0]))

@@ -71,8 +71,12 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     wanted = ("delta", "P", "area" if by_area and "a" not in named else "a")
     chosen = {key: named[key] if key in named else NAMES.guess(table, key) for key in wanted}
     check_chosen(table, named | chosen)
-    values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
-    lines = table.lines
+    lines, values = table.lines, dict[str, Array]()
+    for key, index in chosen.items():  # in SI: unit, factor, sign and zero applied
+        column = NAMES.in_si(table, key, index, reading.units.get(key)) * reading.factors.get(key, 1.0)
+        if key in ("delta", "P") and reading.sign == "auto" and column.min() < 0 and -column.min() > column.max():
+            column = -column
+        values[key] = column - reading.zero[key] if key in reading.zero else column
     if beyond := [key for key, column in values.items() if np.abs(column).max() > LARGEST_SI]:
         meaning = NAMES.meaning(beyond[0])
         raise InputError(f"{path}: {meaning} must be at most {LARGEST_SI:g} in SI units: is its unit right?")
@@ -157,14 +161,6 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
         what = f"{len(alone)} of {raw.a.size} rows left out, whose radius, displacement or load is not positive"
         words.append(f"{what}: {', '.join(some(alone))}")
     return beside, series, (*words, *slopes.flags)
-
-
-def _values(table: TextTable, key: str, index: int, reading: SeriesReading) -> Array:
-    """A column in SI: unit, factor, sign and zero applied."""
-    values = NAMES.in_si(table, key, index, reading.units.get(key)) * reading.factors.get(key, 1.0)
-    if key in ("delta", "P") and reading.sign == "auto" and values.min() < 0 and -values.min() > values.max():
-        values = -values
-    return values - reading.zero[key] if key in reading.zero else values
 
 
 # ---------------------------------------------------------------------- rows

@@ -191,7 +191,13 @@ def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] =
         listed = file.infolist()
     wanted = [item for item in listed if chosen(item.filename)]
     check_size(path, sum(item.file_size for item in wanted), size)
-    if len(listed) != (declared := _declared(path)):
+    # How many the archive says that it holds, at its end (APPNOTE of the format, 4.3.14 and 4.3.16)
+    with opened(path, "zip archive") as whole:
+        whole.seek(max(0, whole.seek(0, 2) - LONGEST_END))
+        end = whole.read()
+    at, long = end.rfind(b"PK\5\6"), end.rfind(b"PK\6\6")
+    declared = int.from_bytes(end[at + 10 : at + 12] if long < 0 else end[long + 32 : long + 40], "little")
+    if len(listed) != declared:
         raise InputError(f"{path}: is damaged: its list holds {len(listed):,} members of {declared:,}")
     name, times = next(iter(Counter(item.filename for item in wanted).most_common(1)), ("", 0))
     if times > 1:
@@ -234,15 +240,6 @@ def titles(chosen: Sequence[zipfile.ZipInfo]) -> list[str]:
     stems = [PurePosixPath(item.filename).stem for item in chosen]
     whole = [str(PurePosixPath(item.filename).with_suffix("")) for item in chosen]
     return stems if len(set(stems)) == len(stems) else whole
-
-
-def _declared(path: Path) -> int:
-    """How many members an archive says that it holds, at its end (APPNOTE of the format, 4.3.14 and 4.3.16)."""
-    with opened(path, "zip archive") as whole:
-        whole.seek(max(0, whole.seek(0, 2) - LONGEST_END))
-        end = whole.read()
-    at, long = end.rfind(b"PK\5\6"), end.rfind(b"PK\6\6")
-    return int.from_bytes(end[at + 10 : at + 12] if long < 0 else end[long + 32 : long + 40], "little")
 
 
 @contextlib.contextmanager

@@ -145,32 +145,27 @@ def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
     if packed(path) and inner.lower().endswith((*AFM_ENDINGS, *afm_formats.HDF5_ENDINGS, ".zip", ".tar")):
         raise InputError(f"{path}: is a packed {Path(inner).suffix} file: unpack it, gunzip {path.name}")
     if packed(path) and not (reading.format != "text" and afm_formats.knows(path)):
-        return text_formats.curves(path, reading)
-    if reading.format != "text" and afm_formats.knows(path):
-        return afm_formats.nanoscope_curves(path, reading)
-    if reading.format != "text" and afm_formats.is_nanosurf(path):
-        return afm_formats.nanosurf_curves(path, reading)
-    if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
-        return _text_first(path, reading)
-    return _microscope_first(path, reading)
-
-
-def _text_first(path: Path, reading: Reading) -> Iterator[AsRead]:
-    try:
         yield from text_formats.curves(path, reading)
-    except (text_formats.UnknownColumnsError, archive.NoTablesError) as error:
-        if reading.format == "text" or reading.columns or reading.units or afm_formats.takes_any_three_columns(path):
-            raise
-        yield from _instead(afm_formats.curves(path, reading), afm_formats.UnreadableError, error)
-
-
-def _microscope_first(path: Path, reading: Reading) -> Iterator[AsRead]:
-    try:
-        yield from afm_formats.curves(path, reading)
-    except afm_formats.UnreadableError as error:
-        if reading.format == "afm" or path.suffix != ".tab":
-            raise
-        yield from _instead(text_formats.curves(path, reading), InputError, error)
+    elif reading.format != "text" and afm_formats.knows(path):
+        yield from afm_formats.nanoscope_curves(path, reading)
+    elif reading.format != "text" and afm_formats.is_nanosurf(path):
+        yield from afm_formats.nanosurf_curves(path, reading)
+    elif reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
+        try:
+            yield from text_formats.curves(path, reading)
+        except (text_formats.UnknownColumnsError, archive.NoTablesError) as error:
+            if reading.format == "text" or reading.columns or reading.units:
+                raise
+            if afm_formats.takes_any_three_columns(path):
+                raise
+            yield from _instead(afm_formats.curves(path, reading), afm_formats.UnreadableError, error)
+    else:
+        try:
+            yield from afm_formats.curves(path, reading)
+        except afm_formats.UnreadableError as error:
+            if reading.format == "afm" or path.suffix != ".tab":
+                raise
+            yield from _instead(text_formats.curves(path, reading), InputError, error)
 
 
 def _instead(curves: Iterator[AsRead], unknown: type[InputError], error: InputError) -> Iterator[AsRead]:

@@ -195,7 +195,9 @@ def is_within_noise(size: Array, delta: Array, P: Array) -> bool:
     if max(first, hidden[first:].sum()) - 1 >= NOISY_ROWS_HIDDEN * size.size:
         return False
     falls = np.stack([np.diff(column) < 0 for column in (size, delta, P)])
-    return bool(falls.any()) and not _unloads(falls)
+    last = int(np.argmin(np.all(falls, axis=0)[::-1]))  # steps at the end in which all fall: it unloads
+    unloads = last > 0 and not falls[:, : falls.shape[1] - last].any()
+    return bool(falls.any()) and not unloads
 
 
 def near_first_touch(hidden: Array) -> int:
@@ -213,10 +215,3 @@ def _rises(column: Array) -> bool:
     most = column.size - int(NOISY_ROWS_HIDDEN * column.size)
     followed = np.argsort(np.abs(ranks - rows), kind="stable")[:most]
     return float(np.corrcoef(rows[followed], ranks[followed])[0, 1]) > NOISY_ROWS_ORDERED
-
-
-def _unloads(falls: Array) -> bool:
-    """Whether all falls (columns, steps) are those of all columns together, at the end."""
-    together: Array = np.all(falls, axis=0)
-    last = int(np.argmin(together[::-1]))  # steps at the end in which all fall
-    return last > 0 and not falls[:, : falls.shape[1] - last].any()

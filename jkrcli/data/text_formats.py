@@ -6,7 +6,7 @@ import itertools
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -77,9 +77,10 @@ def one_under_the_other(table: TextTable, quantity: QuantityOf) -> tuple[TextTab
             if sets.key == "segment":
                 return _in_order_of_time(table, quantity, flags)
             break
-    directed = _directed(table)
-    if directed is None:
+    directed = _parted(table, "segment", lambda i: _direction(table.names[i]))
+    if directed is None or len(directed.columns) < 2:
         return table, flags
+    directed = replace(directed, columns={kind: directed.columns[kind] for kind in (APPROACH, RETRACT)})
     if not directed.make_curves(table.names, quantity):
         _refuse_halves(table, directed, quantity)
         return table, flags
@@ -125,22 +126,18 @@ def _repeated(table: TextTable) -> Sets | None:
     sets = _parted(table, "curve", parts)
     if sets is None or len(sets.columns) < 2:
         return None
-    words = _line_above(table, [min(columns.values()) for columns in sets.columns.values()])
+    # The words of a line of the head that stand over the first columns of the sets and over no other.
+    words, starts = list[str](), [min(columns.values()) for columns in sets.columns.values()]
+    for line in table.head:
+        cells = table.dialect.cells(line.lstrip("#% "))
+        if [i for i, cell in enumerate(cells) if cell] == starts:
+            words = [cells[i] for i in starts]
     if words and {word.lower() for word in words} <= DIRECTIONS.keys():
         words = [DIRECTIONS[word.lower()] for word in words]
     if len(set(words)) < len(sets.columns):
         return sets
     key = "segment" if set(words) == {APPROACH, RETRACT} else "curve"
     return replace(sets, key=key, columns=dict(zip(words, sets.columns.values(), strict=True)))
-
-
-def _line_above(table: TextTable, starts: list[int]) -> list[str]:
-    """The words of a line of the head that stand over the first columns of the sets and over no other."""
-    for line in reversed(table.head):
-        cells = table.dialect.cells(line.lstrip("#% "))
-        if [i for i, cell in enumerate(cells) if cell] == starts:
-            return [cells[i] for i in starts]
-    return []
 
 
 def _numbered(table: TextTable, quantity: QuantityOf) -> Sets | None:
@@ -154,14 +151,6 @@ def _numbered(table: TextTable, quantity: QuantityOf) -> Sets | None:
 
     sets = _parted(table, "curve", parts)
     return sets if sets and len(sets.columns) > 1 and min(map(len, sets.columns.values())) > 1 else None
-
-
-def _directed(table: TextTable) -> Sets | None:
-    """Sets of columns by the direction among the words of their names."""
-    sets = _parted(table, "segment", lambda i: _direction(table.names[i]))
-    if sets is None or len(sets.columns) < 2:
-        return None
-    return replace(sets, columns={kind: sets.columns[kind] for kind in (APPROACH, RETRACT)})
 
 
 def _parted(table: TextTable, key: str, parts: Callable[[int], tuple[str | None, str]]) -> Sets | None:
@@ -249,8 +238,13 @@ def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:
     copies = []
     for i, title in enumerate(table.names):
         first = firsts.setdefault(re.sub(r"\.\d+\Z", "", title), i)
-        if first != i and title and i not in table.text and _agree(table.values[:, first], table.values[:, i]):
-            copies.append(i)
+        if first == i or not title or i in table.text:
+            continue
+        one, other = table.values[:, first], table.values[:, i]
+        known = np.isfinite(one)
+        if known.any() and (known == np.isfinite(other)).all():  # the same but for the last digits that were written?
+            span = float(np.ptp(one[known]))
+            copies += [i] * bool(0 < span and (np.abs(one[known] - other[known]) <= SAME * span).all())
     if not copies:
         return table, []
     left = [i for i in range(len(table.names)) if i not in copies]
@@ -258,15 +252,6 @@ def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:
     names = tuple(table.names[i] for i in left)
     flag = f"{len(copies)} columns repeat others of the same names and were left out"
     return replace(table, names=names, values=table.values[:, left], text=text), [flag]
-
-
-def _agree(one: Array, other: Array) -> bool:
-    """Whether columns are the same but for the last digits that were written."""
-    known = np.isfinite(one)
-    if not known.any() or (known != np.isfinite(other)).any():
-        return False
-    span = float(np.ptp(one[known]))
-    return 0 < span and bool((np.abs(one[known] - other[known]) <= SAME * span).all())
 
 
 def _rise(column: Array) -> float:
@@ -315,8 +300,15 @@ def curves(path: Path, reading: Reading, content: bytes | None = None) -> Iterat
 
 def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: bytes | None) -> Iterator[AsRead]:
     """The curves of one table, named after ``stem``; ``path`` stands in messages."""
+    of_words = NAMES.quantities.keys() - set(NAMES.numbers)
+    words_of_user = {name for key, name in reading.columns.items() if key in of_words}
+
+    def is_text(index: int, title: str) -> bool:
+        """Whether a column holds words, by its name or the user's choice."""
+        return NAMES.key_of(title) in of_words or bool({title, split_name(title)[0], str(index + 1)} & words_of_user)
+
     table = read_table(
-        path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False, content=content,
+        path, reading.separator, reading.decimal, 2, is_text, finite=False, content=content,
         is_note=lambda line: instruments.segment_of(line) is not None,
     )  # fmt: skip
     as_read, units, unit_flags = with_units(_where(table, reading.where), reading.units, NAMES.numbers)
@@ -334,8 +326,10 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
         rows, turned = _in_time(kept, whole.get("t"), segments)
         values = {key: column[rows] for key, column in whole.items()}
         words = None if segments is None else segments[rows]
-        if words is not None and _starts_anew(values.get("t"), words):
-            del values["t"]
+        if words is not None and "t" in values:  # which may start anew: run back where a segment ends, nowhere else
+            back = np.diff(values["t"]) < 0
+            if back.any() and (words[1:] != words[:-1])[back].all():
+                del values["t"]
         try:
             _check(place(origin, name), name == table.path.stem, table.lines[rows], values)
             if "area" in values:
@@ -378,10 +372,18 @@ def _segments(table: TextTable, index: int | None, told: bool) -> tuple[Array | 
         if len(different) > TEXT_SEGMENTS or not any(re.search(r"[^\W\d_]{2}", word) for word in different):
             ignored = [f"{table.titled(index)} holds numbers or more than {TEXT_SEGMENTS} words: it names no segments"]
             index = None
-    words = _noted(table) if index is None else table.text[index]
+    if index is not None:
+        words: list[str] = [*table.text[index]]
+    else:  # lines before the rows, "# segment: extend" or "Retract" between them, of which one stands before the first
+        notes = [(0, line) for line in table.head] + sorted(table.notes.items())
+        marks = [(n, word) for n, line in notes if (word := instruments.segment_of(line))]
+        in_words = any(re.match(r"\W*(segment|direction)\W*", line, re.IGNORECASE) for line in table.head)
+        if not marks or marks[0][0] > 0 or not (in_words or marks[-1][0] > 0):
+            return None, ignored
+        words = [marks[i][1] for i in np.searchsorted([n for n, _ in marks], table.lines) - 1]
     if not words:
         return None, ignored
-    whole = itertools.accumulate(words, lambda above, word: word or above)  # sheets write some only where they change
+    whole: Iterable[str] = itertools.accumulate(words, lambda above, word: word or above)  # written where they change
     segments = np.array([instruments.SEGMENTS.get(word.lower(), word) for word in whole])
     others = dict.fromkeys(word for word in words if word)
     if index is None or set(others) <= {APPROACH, RETRACT}:
@@ -389,18 +391,6 @@ def _segments(table: TextTable, index: int | None, told: bool) -> tuple[Array | 
     meant = [f'"{word}" is {instruments.SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in others]
     more = ", ..." * (len(meant) > SHOWN)
     return segments, [f"segments from {table.titled(index)}: {', '.join(meant[:SHOWN])}{more}"]
-
-
-def _noted(table: TextTable) -> list[str]:
-    """The word of every row by the lines before it, "# segment: extend" or "Retract" between the rows; none where they
-    name none for the first row."""
-    notes = [(0, line) for line in table.head] + sorted(table.notes.items())
-    marks = [(n, word) for n, line in notes if (word := instruments.segment_of(line))]
-    in_words = any(re.match(r"\W*(segment|direction)\W*", line, re.IGNORECASE) for line in table.head)
-    if not marks or marks[0][0] > 0 or not (in_words or marks[-1][0] > 0):
-        return []
-    lines, words = zip(*marks, strict=True)
-    return [words[i] for i in np.searchsorted(lines, table.lines) - 1]
 
 
 def _without_gaps(table: TextTable, rows: Array, values: Mapping[str, Array]) -> tuple[Array, tuple[str, ...]]:
@@ -428,14 +418,6 @@ def _in_time(rows: Array, t: Array | None, segments: Array | None) -> tuple[Arra
     words = ", ".join(dict.fromkeys(str(segments[run[0]]) for run, is_back in zip(runs, back, strict=True) if is_back))
     turned = np.concatenate([run[::-1] if is_back else run for run, is_back in zip(runs, back, strict=True)])
     return turned, (f"the rows of the {words} are reversed: their time decreases",)
-
-
-def _starts_anew(t: Array | None, segment: Array) -> bool:
-    """Whether time runs back where one segment ends and the next begins, and nowhere else."""
-    if t is None:
-        return False
-    back = np.diff(t) < 0
-    return bool(back.any()) and bool((segment[1:] != segment[:-1])[back].all())
 
 
 def _quantity_of(title: str) -> str | None:
@@ -494,7 +476,10 @@ class Columns:
                 values[key] = values[key] * self.reading.factors.get(key, 1.0)
             if key in NAMES.numbers and key not in self.reading.units:
                 self.table.refuse_contradicted(index)
-        self._refuse_without_volts()
+        if self.reading.sensitivity is not None and (self.bent is None or self.bent[0] != "voltage"):
+            load = f"its load is {self.table.titled(self.chosen['P'])}" if "P" in self.chosen else "it holds no load"
+            raise InputError(f"{self.table.path}: --sensitivity converts volts to a deflection, and this file holds no "
+                             f"volts, {load}: leave it out, or give the unit: --unit P=V")  # fmt: skip
         flags += [
             flag for key, unit in self.reading.units.items() for flag in overruled(self.table, self.chosen[key], unit)
         ]
@@ -529,18 +514,17 @@ class Columns:
         constants = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
         return factor, f"load from {title}, {kind}, with {constants}"
 
-    def _refuse_without_volts(self) -> None:
-        """Refuse a sensitivity that nothing is multiplied by."""
-        if self.reading.sensitivity is not None and (self.bent is None or self.bent[0] != "voltage"):
-            load = f"its load is {self.table.titled(self.chosen['P'])}" if "P" in self.chosen else "it holds no load"
-            raise InputError(f"{self.table.path}: --sensitivity converts volts to a deflection, and this file holds no "
-                             f"volts, {load}: leave it out, or give the unit: --unit P=V")  # fmt: skip
-
     def _on_stiffness(self) -> list[str]:
         """A sentence on the stiffness of a device: where it is from, or that it is missing or may be."""
         of_user, of_head = self.reading.stiffness, self.in_head.get("stiffness")
         if self.position is None:
-            return [AS_DEPTH] if self._may_be_the_device() else []
+            # A displacement of no telling name beside a deflection, or under a head that names a stiffness, may be.
+            if of_user is not None or not {"delta", "P"} <= self.chosen.keys():
+                return []
+            index = self.chosen["delta"]
+            hinted = "stiffness" in self.in_head and index not in NAMES.named(self.table, "delta")
+            telling = any(word in instruments.plain(self.table.names[index]) for word in instruments.DEPTHS)
+            return [AS_DEPTH] if (self.bent is not None or hinted) and not telling else []
         if not self.position.device:
             return []
         if of_user is None and of_head is None:
@@ -551,16 +535,6 @@ class Columns:
             return []
         told = "rigid" if of_user == math.inf else f"{of_user:g} N/m"
         return [f"stiffness {told}{OVERRULED}{of_head:g} N/m"]
-
-    def _may_be_the_device(self) -> bool:
-        """Whether a displacement of no telling name stands beside a deflection, or under a head that names a
-        stiffness."""
-        if self.reading.stiffness is not None or not {"delta", "P"} <= self.chosen.keys():
-            return False
-        index = self.chosen["delta"]
-        hinted = "stiffness" in self.in_head and index not in NAMES.named(self.table, "delta")
-        telling = any(word in instruments.plain(self.table.names[index]) for word in instruments.DEPTHS)
-        return (self.bent is not None or hinted) and not telling
 
     def with_sign(self, curve: Curve, flags: tuple[str, ...]) -> Curve:
         """The curve with its displacement toward the specimen by the name of its column, else by its load; as in
@@ -584,17 +558,6 @@ class Columns:
         return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
 
 
-def _is_text(reading: Reading) -> Callable[[int, str], bool]:
-    """Whether a column holds words, as a function of its index and title: by its name, or the user's choice."""
-    of_words = NAMES.quantities.keys() - set(NAMES.numbers)
-    named = {name for key, name in reading.columns.items() if key in of_words}
-
-    def is_text(index: int, title: str) -> bool:
-        return NAMES.key_of(title) in of_words or bool({title, split_name(title)[0], str(index + 1)} & named)
-
-    return is_text
-
-
 def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
     """The column of every quantity that is there: the user's, else by its name; flags on the choice."""
     in_head = instruments.constants(table.head)
@@ -614,8 +577,10 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
                     continue
             whole = [i for i in filled if instruments.plain(table.names[i]) in instruments.WHOLE]
             chosen[key] = whole[0] if whole else filled[0] if len(filled) == 1 else NAMES.guess(table, key)
-    if "diameter" not in reading.columns and "diameter" in chosen and _is_constant(table, chosen["diameter"]):
-        del chosen["diameter"]  # that of the indenter
+    if "diameter" not in reading.columns and "diameter" in chosen:
+        diameters = table.values[:, chosen["diameter"]]
+        if np.unique(diameters[np.isfinite(diameters)]).size < 2:
+            del chosen["diameter"]  # that of the indenter
     bent = instruments.deflection(table)
     if "P" not in chosen and bent is not None and bent not in chosen.values():
         chosen["P"] = bent
@@ -623,12 +588,6 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
     _refuse_incomplete(table, chosen, reading)
     flags += [line for key in CONTACT if key not in chosen for line in NAMES.without_unit(table, key)]
     return Columns(table, reading, in_head, chosen), flags
-
-
-def _is_constant(table: TextTable, index: int) -> bool:
-    """Whether a column holds one number in all rows."""
-    column = table.values[:, index]
-    return np.unique(column[np.isfinite(column)]).size < 2
 
 
 def _refuse_incomplete(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> None:

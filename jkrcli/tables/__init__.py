@@ -406,13 +406,6 @@ def _rows(content: Lines, dialect: Dialect, gaps: bool) -> tuple[Array, Array]:
     return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
 
 
-def _row_lines(content: Lines, dialect: Dialect) -> list[int]:
-    """The lines that are rows of numbers: all behind the first one where numpy reads them."""
-    body, values = _begun(content, dialect)
-    regular = values is not None and np.isfinite(values).all()
-    return [n for n, _ in (body if regular else _data(body, dialect))]
-
-
 def _begun(content: Lines, dialect: Dialect) -> tuple[Lines, Array | None]:
     """The lines from the first row of numbers on, and their values where numpy reads them."""
     marked = dialect.decimal == "," and not (dialect.text or dialect.thousands)
@@ -503,7 +496,11 @@ def _best(content: Lines, dialects: list[Dialect], is_text: IsText) -> Dialect |
 def _most_rows(content: Lines, dialects: list[Dialect]) -> tuple[Dialect | None, bool]:
     """The dialect that gives most rows of numbers, None where none gives any; whether it leaves lines behind its first
     row unread."""
-    rows = [_row_lines(content, dialect) for dialect in dialects]
+    rows = []
+    for dialect in dialects:  # all lines behind the first row of numbers where numpy reads them
+        body, values = _begun(content, dialect)
+        regular = values is not None and np.isfinite(values).all()
+        rows.append([n for n, _ in (body if regular else _data(body, dialect))])
     sizes = [len(lines) for lines in rows]
     most = sizes.index(max(sizes))
     if not sizes[most]:

@@ -382,7 +382,14 @@ def decimation_error(
     ``columns``: delta and P, (2, n), at contact radii up to ``end`` [m], under the table ``indenter`` and under the
     profiles through fewer of its points.
     """
-    a, middle = _around(indenter, point.a, end), FEWER_POINTS_RADII
+    # Contact radii from an interval of the table below the point to one above, the middle one its own
+    middle, knots = FEWER_POINTS_RADII, np.array([0.0, *indenter.joints])
+    after = int(np.clip(np.searchsorted(knots, point.a), 1, knots.size - 1))
+    width = max(knots[after] - knots[after - 1], FEWER_POINTS_NEAREST * point.a)
+    below = max(point.a - width, point.a / FEWER_POINTS_FARTHEST)
+    above = min(point.a + width, point.a * FEWER_POINTS_FARTHEST, end)
+    steps = np.arange(middle + 1) / middle
+    a = np.concatenate([below + (point.a - below) * steps, point.a + (above - point.a) * steps[1:]])
     values, *others = columns(a)
     changes = np.stack(others) - values
     rates = np.gradient(np.asarray(position(changes[:, 0], changes[:, 1], stiffness)), a, axis=-1)
@@ -400,13 +407,3 @@ def _largest_mean(changes: Array) -> Array:
     """Over the profiles, the first axis, the largest of the roots of the mean squares along the radii, the last one."""
     largest: Array = np.sqrt(np.mean(changes**2, axis=-1)).max(axis=0)
     return largest
-
-
-def _around(indenter: Indenter, a: float, end: float) -> Array:
-    """Contact radii [m] from an interval of the table below ``a`` to one above, the middle one ``a`` itself."""
-    knots = np.array([0.0, *indenter.joints])
-    after = int(np.clip(np.searchsorted(knots, a), 1, knots.size - 1))
-    width = max(knots[after] - knots[after - 1], FEWER_POINTS_NEAREST * a)
-    below, above = (max(a - width, a / FEWER_POINTS_FARTHEST), min(a + width, a * FEWER_POINTS_FARTHEST, end))
-    steps = np.arange(FEWER_POINTS_RADII + 1) / FEWER_POINTS_RADII
-    return np.concatenate([below + (a - below) * steps, a + (above - a) * steps[1:]])

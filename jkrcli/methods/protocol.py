@@ -100,12 +100,13 @@ class Descriptor:
         if self.options is None:
             return {}
         hints = get_type_hints(self.options, include_extras=True)
-        return {item.name: self._place(item.name, hints[item.name], item.default) for item in fields(self.options)}
-
-    def _place(self, name: str, annotation: Any, default: Any) -> Place:
-        elsewhere = [note for note in getattr(annotation, "__metadata__", ()) if isinstance(note, InTable)]
-        where = elsewhere[0] if elsewhere else InTable(self.table or self.name, name)
-        return Place(where.table, where.key, annotation, default)
+        places = {}
+        for item in fields(self.options):
+            notes = getattr(hints[item.name], "__metadata__", ())
+            elsewhere = [note for note in notes if isinstance(note, InTable)]
+            where = elsewhere[0] if elsewhere else InTable(self.table or self.name, item.name)
+            places[item.name] = Place(where.table, where.key, hints[item.name], item.default)
+        return places
 
 
 METHODS: dict[str, Descriptor] = {}  # by name, least effort first

@@ -320,26 +320,27 @@ def where_lost(
     request: RangeRequest,
 ) -> list[tuple[Analysis, list[Lost]]]:  # fmt: skip
     """For each of the ``works`` [J/m^2] the curve, and what is read off under each control: by a device of one of the
-    ``stiffnesses`` [N/m], else of load and displacement."""
+    ``stiffnesses`` [N/m], else of load and displacement; with half-widths of its pull-off point, None where there is
+    none."""
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
     results = [
         with_solved_points(result, *stiffnesses)
         for result in analyse(solution, works, slopes, modulus_factor, request, stiffnesses)
     ]
-    return [(result, [_lost(result, each) for each in behaviours(result.curve, controls)]) for result in results]
-
-
-def _lost(result: Analysis, behaviour: Stability) -> Lost:
-    """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
-    # The behaviour without what would happen at radii below atoms
-    point = mask_below_atomic_spacing(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
-    if point is behaviour.pull_off or not isinstance(point, Unknown):
-        above_atoms = behaviour
-    else:
-        above_atoms = replace(behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
-    if isinstance(above_atoms.pull_off, Unknown):
-        return above_atoms, None
-    return above_atoms, error_of_point(result.curve, above_atoms.pull_off, above_atoms.stiffness)
+    told = []
+    for result in results:
+        lost = list[Lost]()
+        for behaviour in behaviours(result.curve, controls):
+            k, z0 = behaviour.stiffness, result.solution.record.z0
+            point = mask_below_atomic_spacing(behaviour.pull_off, result.curve, k, z0)
+            if point is not behaviour.pull_off and isinstance(point, Unknown):  # it would happen at radii below atoms
+                behaviour = replace(
+                    behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY
+                )
+            at = behaviour.pull_off
+            lost.append((behaviour, None if isinstance(at, Unknown) else error_of_point(result.curve, at, k)))
+        told.append((result, lost))
+    return told
 
 
 def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:

@@ -256,22 +256,19 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
             failed = Unknown(str(error))
             continue
         omission, share = neighbours.over(name, key, plain, tense), Ups / trial
-        pulls = {w: _part(share, _if_no_wetting(w, change)) for w, change in omission.pull_off.items()}
+        pulls = dict[float, Estimate]()
+        for w, change in omission.pull_off.items():
+            try:
+                refuse_wetting(w, GEL_TENSION)
+                pulls[w] = _part(share, change)
+            except JkrError as error:  # a surface of so little tension wets the indenter
+                pulls[w] = Unknown(str(error))
         return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=pulls)
     return NeglectedEffect(name, key, failed, failed)
 
 
 def _part(share: float, change: Estimate) -> Estimate:
     return change if isinstance(change, Unknown) else share * change
-
-
-def _if_no_wetting(w: float, change: Estimate) -> Estimate:
-    """The change, or why there is none: a surface of so little tension wets the indenter."""
-    try:
-        refuse_wetting(w, GEL_TENSION)
-    except JkrError as error:
-        return Unknown(str(error))
-    return change
 
 
 def _slip(body: Problem, expected: EffectsPreview, works: Sequence[float]) -> NeglectedEffect:

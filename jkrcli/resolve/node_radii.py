@@ -490,7 +490,10 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     variances, _ = estimate(x - x.max(), gap - parabola, rates[0], rates[1], 6.0, DEPARTURE_FLOOR)
     whiten = whitener(variances, rates[0], rates[1])
     white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
-    rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - parabola))
+    # Correlation of neighbours among the rows, its bias by the parabola taken out; 0 where chance explains it
+    rest = np.einsum("ijn,jn->in", whiten, gap - parabola)
+    lag1 = float(np.sum(rest[:, 1:] * rest[:, :-1]) / max(np.sum(rest**2), 1e-300))
+    rho = 0.0 if lag1 < 2 / np.sqrt(2 * n) else min(lag1 + (3 + 4 * lag1) / n, DEPARTURE_LONGEST)
     target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
     parabolas, line, modulus = slice(0, 6), slice(3, 5), slice(3, 4)  # rows of the design
     (both, full), (drift, straight), (_, none) = (_fit(design[rows], target) for rows in (parabolas, line, modulus))
@@ -510,15 +513,6 @@ def _fit(design: Array, target: Array) -> tuple[Array, float]:
     """Coefficients and least sum of squares of ``target`` (m,) by the rows of ``design``."""
     coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
     return coefficients, float(np.sum((target - coefficients @ design) ** 2))
-
-
-def _correlation(white: Array) -> float:
-    """Correlation of neighbours in the rows (2, n), its bias by the parabola taken out; 0 where chance explains it."""
-    n = white.shape[1]
-    lag1 = float(np.sum(white[:, 1:] * white[:, :-1]) / max(np.sum(white**2), 1e-300))
-    if lag1 < 2 / np.sqrt(2 * n):
-        return 0.0
-    return min(lag1 + (3 + 4 * lag1) / n, DEPARTURE_LONGEST)
 
 
 def _independent(rows: Array, rho: float) -> Array:

@@ -575,8 +575,13 @@ def _linear(
         phi = max(rss / max(r.size - spent, 1.0), phi_floor)
         if update == updates:
             break
-        pieces = zip(blocks, lambdas, scales, strict=True)
-        updated = np.array([_update(lam, scale, (c + step)[b], V[b, b], phi) for b, lam, scale in pieces])
+        updated, ahead = np.empty_like(lambdas), c + step
+        for i, (block, lam, scale) in enumerate(zip(blocks, lambdas, scales, strict=True)):
+            x = ahead[block]
+            free = max(x.size - lam * scale * float(np.trace(V[block, block])), 1e-12 * x.size)
+            rough = max(lam * scale * float(x @ x), TINY)
+            ratio = np.clip(phi * free / rough, 1 / PENALTY_FACTOR, PENALTY_FACTOR)
+            updated[i] = np.clip(lam * ratio, max(PENALTY_LEAST, phi / (scale * PENALTY_MOST_PRIOR)), PENALTY_MOST)
         if np.abs(np.log(updated / lambdas)).max() < PENALTY_SETTLED:
             break
         lambdas = updated
@@ -585,13 +590,6 @@ def _linear(
     if damping > 0:
         step = -_solve(_factor(system, damping * np.diag(system)), gradient + penalty * c)
     return _Linear(step, penalty, phi, lambdas, spent, deviations)
-
-
-def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:
-    free = max(c.size - lam * scale * float(np.trace(V)), 1e-12 * c.size)
-    rough = max(lam * scale * float(c @ c), TINY)
-    ratio = np.clip(phi * free / rough, 1 / PENALTY_FACTOR, PENALTY_FACTOR)
-    return float(np.clip(lam * ratio, max(PENALTY_LEAST, phi / (scale * PENALTY_MOST_PRIOR)), PENALTY_MOST))
 
 
 def _line_search(

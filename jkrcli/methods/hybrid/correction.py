@@ -435,22 +435,22 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: boo
 
 
 def _graded(edges: Array, corners: list[tuple[float, int]], degree: int) -> LineElements:
-    """Intervals next to every corner cut geometrically, with degrees that fall towards it."""
+    """Intervals next to every corner cut geometrically, every time at ``LINE_CORNER`` of the distance, with degrees
+    that fall towards it."""
     pieces = [(a, b, degree) for a, b in itertools.pairwise(edges.tolist())]
     for corner, count in corners:
-        pieces = [part for piece in pieces for part in _cut(piece, corner, count)]
+        parts = []
+        for a, b, degree in pieces:
+            if not count or corner not in (a, b):
+                parts.append((a, b, degree))
+                continue
+            far = b if a == corner else a
+            marks = [far, *(corner + (far - corner) * LINE_CORNER**k for k in range(1, count + 1)), corner]
+            degrees = [degree, *(min(degree, LINE_CORNER_DEGREE + k) for k in range(count - 1, -1, -1))]
+            ends = zip(itertools.pairwise(marks), degrees, strict=True)
+            parts += sorted((min(p, q), max(p, q), d) for (p, q), d in ends)
+        pieces = parts
     return LineElements(np.array([0.0, *(b for _, b, _ in pieces)]), np.array([p for *_, p in pieces]))
-
-
-def _cut(piece: tuple[float, float, int], corner: float, count: int) -> list[tuple[float, float, int]]:
-    """A piece that ends at the ``corner`` cut ``count`` times, every time at ``LINE_CORNER`` of the distance."""
-    a, b, degree = piece
-    if not count or corner not in (a, b):
-        return [piece]
-    far = b if a == corner else a
-    marks = [far, *(corner + (far - corner) * LINE_CORNER**k for k in range(1, count + 1)), corner]
-    degrees = [degree, *(min(degree, LINE_CORNER_DEGREE + k) for k in range(count - 1, -1, -1))]
-    return sorted((min(p, q), max(p, q), d) for (p, q), d in zip(itertools.pairwise(marks), degrees, strict=True))
 
 
 # --------------------------------------------------------------------------------------------------
@@ -577,13 +577,20 @@ class Mesh:
     def _along_r(self, U: Array, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
         """What strains and pressures need of the fields ``U`` (n, m) at the Gauss points along r, by nodes along z: of
         u_r its slope, its value and u_r/r, of u_z its slope and its value, and p, each (z, r * m)."""
+        from scipy.sparse import csr_matrix
+
         (nz, nr), n, m = self.shape, self.nodes, U.shape[1]
         (V, D), (Q, Q_z) = self.r.basis, self.pressure
         hoop = V / self.r.rule[0][:, None]
         u_r, u_z = U[: 2 * n].reshape(2, nz, nr, m)
         p = U[2 * n :].reshape(Q_z.shape[1], Q.shape[1], m)
         pairs = ((D, u_r), (V, u_r), (hoop, u_r), (D, u_z), (V, u_z), (Q, p))
-        return [_applied(of(A), np.moveaxis(field, 0, 1)) for A, field in pairs]
+        along = []
+        for basis, field in pairs:  # a matrix (points, r) along the second axis of a field (z, r, m)
+            A, (z, r, _) = of(basis), field.shape
+            values = csr_matrix(A) @ np.moveaxis(field, 0, 1).reshape(r, z * m)
+            along.append(np.moveaxis(values.reshape(len(A), z, m), 0, 1).reshape(z, len(A) * m))
+        return along
 
     def _strains(self, along: list[Array], rows: slice, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
         """Strains rr, tt, zz, 2 rz and the pressure (z, r, m) at some ``rows`` of Gauss points, from ``_along_r``."""
@@ -644,15 +651,6 @@ class _Product:
         columns = np.add.outer(columns_z * self.r.shape[1], columns_r)
         shape = (self.z.shape[0] * self.r.shape[0], self.z.shape[1] * self.r.shape[1])
         return coo_matrix((np.ravel(values), (rows.ravel(), columns.ravel())), shape=shape)
-
-
-def _applied(A: Array, fields: Array) -> Array:
-    """A (points, r) along the first axis of ``fields`` (r, z, m): (z, points * m)."""
-    from scipy.sparse import csr_matrix
-
-    r, z, m = fields.shape
-    values = csr_matrix(A) @ fields.reshape(r, z * m)
-    return np.moveaxis(values.reshape(len(A), z, m), 0, 1).reshape(z, len(A) * m)
 
 
 def _pairs(stress: Array, strain: Array) -> Array:

@@ -201,7 +201,16 @@ def disc_warnings(
     end = min(DISC_PLACES[-1] * largest, contact.indenter.r_max, contact.limit)
     densities = Density.each(kernel(largest + end), result, end, order=fredholm.EXACT)
     for phi, P in zip(densities, result.P.tolist(), strict=True):
-        if words := _broken(phi.anchored(), contact.E_star / 2, P, end):
+        phi = phi.anchored()
+        inside, outside = phi.a * PLACES[PLACES < 1], phi.a * PLACES[PLACES > 1]
+        pull = contact.E_star / 2 * float(phi.pressures(0.0, inside).min()) / (P / (math.pi * phi.a**2))
+        overlap = -float(phi.gaps(outside[outside <= end]).min(initial=0.0)) / phi.delta
+        words = ""
+        if pull < -DISC_PULL:
+            words = f"tension in the middle of the contact, {-pull:.2g} of the mean pressure"
+        elif overlap > DISC_OVERLAP:
+            words = f"the surfaces overlap outside the contact, by {overlap:.2g} of the displacement"
+        if words:
             return (
                 f"at the contact radius {show(phi.a, 'length')} {words}: the contact without adhesion is not a full "
                 "disc there, the adhesive curve is right only where adhesion holds it together; use a smaller load, "
@@ -209,18 +218,6 @@ def disc_warnings(
                 "jkr profile",
             )
     return ()
-
-
-def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:
-    """Where the pressure, ``factor`` [Pa] times that of ``phi``, or the gap up to ``end`` [m] is negative."""
-    inside, outside = phi.a * PLACES[PLACES < 1], phi.a * PLACES[PLACES > 1]
-    pull = factor * float(phi.pressures(0.0, inside).min()) / (P / (math.pi * phi.a**2))
-    if pull < -DISC_PULL:
-        return f"tension in the middle of the contact, {-pull:.2g} of the mean pressure"
-    overlap = -float(phi.gaps(outside[outside <= end]).min(initial=0.0)) / phi.delta
-    if overlap > DISC_OVERLAP:
-        return f"the surfaces overlap outside the contact, by {overlap:.2g} of the displacement"
-    return None
 
 
 # --------------------------------------------------------------------------------------------------

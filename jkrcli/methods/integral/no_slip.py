@@ -58,7 +58,14 @@ def coulomb_waves(eta: float, rho: Array) -> tuple[Array, Array]:
     F[near] = polynomial.polyval(rho[near], series)
     slope[near] = polynomial.polyval(rho[near], polynomial.polyder(series))
     if not near.all():
-        centres, table = _table(eta, float(rho.max()), series)
+        # Taylor's coefficients (terms, i) of F about centres rho_i, each row from the end of the one before
+        centres = COULOMB_FIRST + np.arange(math.ceil(float(rho.max()) - COULOMB_FIRST) + 1)
+        start = [float(polynomial.polyval(centres[0], s)) for s in (series, polynomial.polyder(series))]
+        rows = [_taylor(eta, float(centres[0]), *start)]
+        for centre in centres[1:]:
+            value, rate = rows[-1].sum(), rows[-1] @ np.arange(rows[-1].size)
+            rows.append(_taylor(eta, float(centre), float(value), float(rate)))
+        table = np.array(rows).T
         row = np.rint(rho[~near] - centres[0]).astype(int)
         ahead = rho[~near] - centres[row]
         F[~near], slope[~near] = (_horner(terms, row, ahead) for terms in (table, polynomial.polyder(table)))
@@ -80,17 +87,6 @@ def coulomb_series(eta: float) -> Array:
     for m in range(2, COULOMB_FIRST_TERMS):
         c.append((2 * eta * c[m - 1] - c[m - 2]) / (m * (m - 1)))
     return np.array(c)
-
-
-def _table(eta: float, largest: float, series: Array) -> tuple[Array, Array]:
-    """Centres rho_i and the Taylor coefficients (terms, i) of F about each."""
-    centres = COULOMB_FIRST + np.arange(math.ceil(largest - COULOMB_FIRST) + 1)
-    start = [float(polynomial.polyval(centres[0], s)) for s in (series, polynomial.polyder(series))]
-    rows = [_taylor(eta, float(centres[0]), *start)]
-    for centre in centres[1:]:
-        F, slope = rows[-1].sum(), rows[-1] @ np.arange(rows[-1].size)
-        rows.append(_taylor(eta, float(centre), float(F), float(slope)))
-    return centres, np.array(rows).T
 
 
 def _taylor(eta: float, rho: float, F: float, slope: float) -> Array:

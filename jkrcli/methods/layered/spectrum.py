@@ -335,6 +335,11 @@ def _extrapolated(steps: list[Array]) -> Array:
 
 
 # ---------------------------------------------------------------------- stacks
+def minors_of(specimen: Specimen, k: Array) -> Array:
+    """Minors (5, n) of the whole stack at its surface, up to a positive factor, in units of the modulus there."""
+    return propagate(minors_below(specimen, k), k, specimen.layers[0])
+
+
 def _base(base: Rigid | HalfSpace, size: int) -> tuple[Array, float]:
     """Minors of the base, and the shear modulus [Pa] in whose units they are (any, for a rigid base)."""
     match base:
@@ -345,11 +350,6 @@ def _base(base: Rigid | HalfSpace, size: int) -> tuple[Array, float]:
         case Rigid(bonded=bonded):
             minors, G = [1.0, 0, 0, 0, 0] if bonded else [0.0, 1, 0, 0, 0], 1.0
     return np.repeat(np.array(minors)[:, None], size, axis=1), G
-
-
-def minors_of(specimen: Specimen, k: Array) -> Array:
-    """Minors (5, n) of the whole stack at its surface, up to a positive factor, in units of the modulus there."""
-    return propagate(minors_below(specimen, k), k, specimen.layers[0])
 
 
 def minors_below(specimen: Specimen, k: Array) -> Array:

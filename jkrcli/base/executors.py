@@ -165,19 +165,17 @@ def run_chunk(version: str, function: Callable[[Item], Result], items: list[Item
     if version != __version__:
         raise JkrError(f"a worker runs jkr {__version__}, this command jkr {version}: install the same release")
     pin_blas()
-    return [_outcome(function, item) for item in items]
-
-
-def _outcome(function: Callable[[Item], Result], item: Item) -> Result | Exception:
-    """The result or the exception of one item; its message alone where the exception cannot be sent to a process."""
-    try:
-        return function(item)
-    except Exception as error:
+    outcomes: Outcomes[Result] = []
+    for item in items:
         try:
-            pickle.loads(pickle.dumps(error))
-        except Exception:
-            return SolveError(f"{type(error).__name__}: {error}")
-        return error
+            outcomes.append(function(item))
+        except Exception as error:
+            try:
+                pickle.loads(pickle.dumps(error))
+                outcomes.append(error)
+            except Exception:  # it cannot be sent to a process: its message alone
+                outcomes.append(SolveError(f"{type(error).__name__}: {error}"))
+    return outcomes
 
 
 class _Here(Pool):

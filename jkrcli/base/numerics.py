@@ -282,28 +282,20 @@ class Distribution:
         return tuple(at(u, *(values[name] for name in (*needed, *limits))).tolist())
 
 
-def _random(count: int, size: int, seed: int) -> Array:
-    return np.random.default_rng(seed).random((count, size))
-
-
-def _sobol(count: int, size: int, seed: int) -> Array:
-    from scipy.stats import qmc
-
-    powers = max(count - 1, 0).bit_length()
-    return qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed)).random_base2(powers)[:count]
-
-
-def _latin(count: int, size: int, seed: int) -> Array:
-    from scipy.stats import qmc
-
-    return qmc.LatinHypercube(size, rng=np.random.default_rng(seed)).random(count)
-
-
-METHODS: dict[str, Callable[[int, int, int], Array]] = {"random": _random, "sobol": _sobol, "latin-hypercube": _latin}
+METHODS = ("random", "sobol", "latin-hypercube")
 
 
 def draw(distributions: list[Distribution], count: int, method: str, seed: int) -> list[tuple[Any, ...]]:
     """``count`` draws of all distributions together, a tuple per draw."""
-    inside = 1e-12, 1 - 1e-12  # the normal distribution has no ends
-    points = np.clip(METHODS[method](count, len(distributions), seed), *inside)
+    rng, size = np.random.default_rng(seed), len(distributions)
+    if method == "random":
+        points = rng.random((count, size))
+    else:
+        from scipy.stats import qmc
+
+        if method == "sobol":
+            points = qmc.Sobol(size, scramble=True, rng=rng).random_base2(max(count - 1, 0).bit_length())[:count]
+        else:
+            points = qmc.LatinHypercube(size, rng=rng).random(count)
+    points = np.clip(points, 1e-12, 1 - 1e-12)  # the normal distribution has no ends
     return list(zip(*(item.at(u) for item, u in zip(distributions, points.T, strict=True)), strict=True))

@@ -7,7 +7,6 @@ import platform
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -285,8 +284,15 @@ class _Reader:
         return CoarseSeries(Series(**columns, a0=a0, coarser=self.coarser(a0, larger)), ratio)
 
     def budget(self) -> ErrorBudget:
-        attributes = self.group("errors").attributes
-        return ErrorBudget(*(_estimate(attributes.get(item.name)) for item in fields(ErrorBudget)))
+        attributes, parts = self.group("errors").attributes, list[Estimate]()
+        for item in fields(ErrorBudget):
+            value = attributes.get(item.name)
+            if value is None or isinstance(value, str):
+                parts.append(Unknown(value or "not stated in the file"))
+            else:
+                number = _real(value)
+                parts.append(number if np.isfinite(number) else Unknown(f"stated as {number} in the file"))
+        return ErrorBudget(*parts)
 
     def pressure(self) -> PressureTable | None:
         if "contact" not in self.root.members:
@@ -383,13 +389,6 @@ class _Reader:
         return value
 
 
-def _estimate(value: Any) -> Estimate:
-    if value is None or isinstance(value, str):
-        return Unknown(value or "not stated in the file")
-    number = _real(value)
-    return number if np.isfinite(number) else Unknown(f"stated as {number} in the file")
-
-
 def _real(value: Any) -> float:
     """A real number; TypeError, which is damage, for anything else."""
     if not isinstance(value, int | float):
@@ -420,7 +419,14 @@ def solve(
 
     Refusal where it would cost more than ``limits``; ``announce`` gets the forecast of its cost where that is much.
     """
-    problem, record, named, build = _parts(source)
+
+    def build(name: str) -> Method:
+        return method_class(name)() if isinstance(source, Problem) else method_of(source.model, name)
+
+    if isinstance(source, Problem):
+        problem, record, named = source, Record(), "auto"
+    else:
+        problem, record, named = source.model.problem(), record_of(source), source.model.method
     if announce and (words := long_look(problem)):
         announce(words)
     choice: Choice | None = choose_method(problem, method or named, build)
@@ -435,10 +441,3 @@ def solve(
             choice = choice.after_failure(error, build)
             if choice is None:
                 raise
-
-
-def _parts(source: Case | Problem) -> tuple[Problem, Record, str, Callable[[str], Method]]:
-    """The problem, what goes with it into a file, the method's name and how methods are configured."""
-    if isinstance(source, Problem):
-        return source, Record(), "auto", lambda name: method_class(name)()
-    return source.model.problem(), record_of(source), source.model.method, partial(method_of, source.model)

@@ -434,11 +434,29 @@ class Bench(Result):
     @classmethod
     def of(cls, file: Path, case: Case, method: str, module: str, repeat: int) -> Bench:
         """The stages of the ``case``, whose method stands in ``module``."""
-        runs, few = [_once(case, method) for _ in range(repeat)], range(min(repeat, FEW))
-        names = dict.fromkeys(key for run in runs for key in run)
-        stages = {"import": [_import_seconds(module) for _ in few]}
-        stages |= {stage: [run.get(stage, 0.0) for run in runs] for stage in names}
-        stages["whole process"] = [_process_seconds(file, method) for _ in few]
+        stages: dict[str, list[float]] = {"import": []}
+        with tempfile.TemporaryDirectory() as folder:
+            target, runs = Path(folder) / "series.h5", list[dict[str, float]]()
+            for _ in range(repeat):  # solved in this process, all stages together, and written
+                clock = StageClock()
+                with clock("solve, total"):
+                    _, solution = solve(case, method)
+                with clock("write"):
+                    write_solution(target, solution, "jkr bench")
+                runs.append({**solution.timings, **clock.seconds})
+            names = dict.fromkeys(key for run in runs for key in run)
+            stages |= {stage: [run.get(stage, 0.0) for run in runs] for stage in names}
+
+            # Imports of the command line, the case reader, the file format and the method, and all of `jkr run`, each
+            # in a new process.
+            needed = f"jkrcli.cli.case_verbs, {module}" + ", skfem, gmsh" * (".fem" in module)
+            imports = [sys.executable, "-c", IMPORTS.format(needed)]
+            command = [sys.executable, "-m", "jkrcli", "run", str(file.resolve()), "--method", method, "-o"]
+            few = range(min(repeat, FEW))
+            stages["import"] = [
+                float(subprocess.run(imports, capture_output=True, text=True, check=True).stdout) for _ in few
+            ]
+            stages["whole process"] = [process_cost([*command, str(Path(folder) / f"{k}.h5")]).cpu_s for k in few]
         return cls(file, method, repeat, stages)
 
     def summary(self) -> dict[str, Any]:
@@ -452,29 +470,3 @@ class Bench(Result):
             f"  {'stage':<18}{'min':>9}{'median':>9}",
             *(f"  {stage:<18}{min(each):>9.4f}{median(each):>9.4f}" for stage, each in self.stages.items()),
         ]
-
-
-def _once(case: Case, name: str) -> dict[str, float]:
-    """Stages of one solve in this process, all of them together, and of writing the file."""
-    clock = StageClock()
-    with clock("solve, total"):
-        _, solution = solve(case, name)
-    with tempfile.TemporaryDirectory() as folder, clock("write"):
-        write_solution(Path(folder) / "series.h5", solution, "jkr bench")
-    return {**solution.timings, **clock.seconds}
-
-
-def _import_seconds(module: str) -> float:
-    """CPU seconds to import the command line, the case reader, the file format and the method in a new process."""
-    names = f"jkrcli.cli.case_verbs, {module}, skfem, gmsh" if ".fem" in module else f"jkrcli.cli.case_verbs, {module}"
-    done = subprocess.run([sys.executable, "-c", IMPORTS.format(names)], capture_output=True, text=True, check=True)
-    return float(done.stdout)
-
-
-def _process_seconds(case: Path, name: str) -> float:
-    """CPU seconds of ``jkr run`` as a whole process."""
-    with tempfile.TemporaryDirectory() as folder:
-        target = str(Path(folder) / "series.h5")
-        return process_cost(
-            [sys.executable, "-m", "jkrcli", "run", str(case.resolve()), "--method", name, "-o", target]
-        ).cpu_s

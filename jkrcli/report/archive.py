@@ -203,27 +203,20 @@ def archive_words(listing: Mapping[str, Any]) -> list[str]:
     by = f"format {listing['format']} {listing['version']}, jkr {listing['jkr']}"
     if listing["format"] == FITS:
         lines = [f"{len(listing['curves']):,} curves fitted to {listing['body']}: {listing['file']} ({by})"]
-        lines += [line for curve in listing["curves"][:SHOWN] for line in _curve(curve)]
+        for curve in listing["curves"][:SHOWN]:
+            lines.append(f"  {curve['file']}, {curve['curve']}: {curve['status']}")
+            for name, estimate in curve.get("estimates", {}).items():
+                error = estimate.get("standard_error")
+                within = "" if error is None else f" ± {error:.2g}"
+                lines.append(f"    {name:<12} {estimate['value']:.5g}{within} {estimate['unit']}".rstrip())
         lines += [f"  ... and {len(listing['curves']) - SHOWN:,} more"] * (len(listing["curves"]) > SHOWN)
     else:
         lines = [f"{listing['rows']:,} cases of a sweep: {listing['file']} ({by})"]
-        lines += [f"  {name:<40} {_span(ends)}".rstrip() for name, ends in listing["columns"].items()]
+        for name, ends in listing["columns"].items():
+            in_words = bool(ends) and isinstance(ends[0], str)
+            span = ", ".join(ends) if in_words else " to ".join(f"{end:.6g}" for end in dict.fromkeys(ends))
+            lines.append(f"  {name:<40} {span}".rstrip())
     return lines + [f"  warning   {warning}" for warning in listing["warnings"]]
-
-
-def _curve(curve: Mapping[str, Any]) -> list[str]:
-    lines = [f"  {curve['file']}, {curve['curve']}: {curve['status']}"]
-    for name, estimate in curve.get("estimates", {}).items():
-        error = estimate.get("standard_error")
-        within = "" if error is None else f" ± {error:.2g}"
-        lines.append(f"    {name:<12} {estimate['value']:.5g}{within} {estimate['unit']}".rstrip())
-    return lines
-
-
-def _span(ends: list[Any]) -> str:
-    if ends and isinstance(ends[0], str):
-        return ", ".join(ends)
-    return " to ".join(f"{end:.6g}" for end in dict.fromkeys(ends))
 
 
 # --------------------------------------------------------------------------------------------------

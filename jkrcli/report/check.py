@@ -135,16 +135,13 @@ class Check(Result):
         for w, point, judged in expected.adhesion:
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
-            tabor = f"Tabor number {_ratio(judged.tabor)}{regime}"
+            number = f"none ({judged.tabor})" if isinstance(judged.tabor, Unknown) else f"{judged.tabor:.3g}"
+            tabor = f"Tabor number {number}{regime}"
             lost = [point.reason] if isinstance(point, Unknown) else [tables.format_state(point, name) for name in "Pa"]
             yield f"  w = {show(w, 'work')}: pull-off (load control) {' at '.join(lost)}; {tabor}"
         for *_, judged in expected.adhesion[-1:]:
             if known := tables.size_words(judged, SIZES):
                 yield f"  sizes     {', '.join(known)} at the largest contact radius"
-
-
-def _ratio(value: Estimate) -> str:
-    return f"none ({value})" if isinstance(value, Unknown) else f"{value:.3g}"
 
 
 def _table(rows: Sequence[NeglectedEffect], title: str) -> Iterator[str]:

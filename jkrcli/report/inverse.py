@@ -400,31 +400,22 @@ def _verdict(item: Fit) -> dict[str, Any]:
     return {"verdict": {
         "model": verdict.tied[0].name if verdict.tied else "jkr",
         "named": [one.name for one in verdict.rivals.named], "families": list(verdict.families),
-        "in_full": [_tried_summary(one) for one in verdict.fitted],
+        "in_full": [{
+            "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
+            **quantities(one, "E_star w"),
+            **{with_unit(name, alternatives.OF_RIVALS[name]): value for name, value in one.quantities.items()},
+        } for one in verdict.fitted],
         "misfit": verdict.rivals.misfit / verdict.rivals.dof, "free_rows_tell_the_noise": verdict.rivals.loose > 0,
         "formula": {"name": verdict.formula, "E_star_Pa": verdict.E_star} if verdict.E_star is not None else None,
-        "rivals": [_score_summary(one) for one in verdict.rivals.scores],
+        "rivals": [{
+            "name": one.name, "family": one.family, "word": one.word, "amount_is": one.amount_is, "amount": one.amount,
+            "standard_error": one.error if math.isfinite(one.error) else None, "p": one.chance,
+            "share_of_misfit": one.share,
+            # the relative moves of E* and w with what was found of it
+            "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
+            "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
+        } for one in verdict.rivals.scores],
     }}  # fmt: skip
-
-
-def _tried_summary(one: alternative_tests.FittedRival) -> dict[str, Any]:
-    """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
-    parameters = {with_unit(name, alternatives.OF_RIVALS[name]): value for name, value in one.quantities.items()}
-    return {
-        "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
-        **quantities(one, "E_star w"), **parameters,
-    }  # fmt: skip
-
-
-def _score_summary(one: alternative_tests.Score) -> dict[str, Any]:
-    """A rival: its amount, what the data say, and the relative moves of E* and w with what was found of it."""
-    error = one.error if math.isfinite(one.error) else None
-    return {
-        "name": one.name, "family": one.family, "word": one.word, "amount_is": one.amount_is, "amount": one.amount,
-        "standard_error": error, "p": one.chance, "share_of_misfit": one.share,
-        "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
-        "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
-    }  # fmt: skip
 
 
 def estimate_lines(items: Iterable[FittedValue], level: float, names: Mapping[str, str] = SYMBOLS) -> list[str]:
@@ -617,10 +608,15 @@ class RelaxationFits(Several):
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """A row per record: its estimates with their standard errors, and the scatter."""
-        return transpose_rows([
-            {"curve": fit.record.curve.where, "law": fit.settings.law, **_values(fit), "scatter": fit.scatter,
-             "rows": fit.record.t.size} for fit in self.fits
-        ])  # fmt: skip
+        rows = []
+        for fit in self.fits:
+            row: dict[str, Any] = {"curve": fit.record.curve.where, "law": fit.settings.law}
+            for item in fit.estimates:
+                if item.free and item.name != "modulus":
+                    name = with_unit(item.name, item.dimension)
+                    row |= {name: item.value, f"{name}_error": item.error}
+            rows.append(row | {"scatter": fit.scatter, "rows": fit.record.t.size})
+        return transpose_rows(rows)
 
     def summary(self) -> dict[str, Any]:
         level, fits = self.fits[0].settings.level, [_fit(fit) for fit in self.fits]
@@ -647,13 +643,6 @@ class RelaxationFits(Several):
 TABLES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).columns)
 SUMMARIES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).summary())
 FIGURES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).figure())
-
-
-def _values(fit: RelaxationFit) -> dict[str, float | None]:
-    """The free parameters with their standard errors."""
-    free = [item for item in fit.estimates if item.free and item.name != "modulus"]
-    named = ((with_unit(item.name, item.dimension), item) for item in free)
-    return {key: value for name, item in named for key, value in ((name, item.value), (f"{name}_error", item.error))}
 
 
 def _fit(fit: RelaxationFit) -> dict[str, Any]:

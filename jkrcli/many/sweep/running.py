@@ -309,15 +309,14 @@ def table(plan: Plan, journal: Journal) -> Columns:
     for number in range(plan.count):
         row = journal.rows.get(plan.identity(number))
         if row is not None:
-            cells = (number, row.status, row.reason, *map(_cell, plan.values(number).values()), *row.values)
+            inputs = [  # tables and lists as JSON
+                json.dumps(value) if isinstance(value, dict | list | tuple) else value
+                for value in plan.values(number).values()
+            ]
+            cells = (number, row.status, row.reason, *inputs, *row.values)
             for column, cell in zip(columns.values(), cells, strict=True):
                 column.append(cell)
     return columns
-
-
-def _cell(value: Any) -> Any:
-    """A value of a key as one cell: tables and lists as JSON."""
-    return json.dumps(value) if isinstance(value, dict | list | tuple) else value
 
 
 def endings() -> tuple[str, ...]:

@@ -73,6 +73,28 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
     """
     curve, problem, tension = result.jkr, result.problem, result.problem.specimen.surface_tension
     shown, total = _thinned(measured)
+
+    # What the CSV file needs beside: the nonadhesive columns, as they were solved and as the slopes' fit sees them
+    series, fitted = curve.nonadhesive.series, curve.nonadhesive.points
+    columns = {
+        "a": series.a, "delta_H": series.delta, "P_H": series.P, "S": fitted.S, "dS": fitted.dS,
+        "delta": fitted.delta_H, "P": fitted.P_H,
+    }  # fmt: skip
+
+    # The Tabor number at the start's w and modulus, and what it means above each limit; it goes with (w/s)^(2/3)
+    tabor, number = None, result.validity.tabor
+    if not isinstance(number, Unknown):
+        limits = (LIMITS.tabor_jkr, LIMITS.tabor_dmt, 0.0)
+        words = [regime(2 * limit if limit else LIMITS.tabor_dmt / 2) for limit in limits]
+        tabor = {"number": number, "w": result.w, "limits": [list(pair) for pair in zip(limits, words, strict=True)]}
+
+    # What large strains change of the pull-off force under load control over (w/(E* R))^(1/3) at unit factor, and that
+    # number at w = 1 J/m^2; None where it is not known
+    strains, R = None, problem.indenter.tip_radius
+    if R is not None and strains_are_known(problem):
+        sphere, knots = problem.indenter.noun == "sphere", np.linspace(0.0, MEASURED, 31).tolist()
+        rows = [[wc, *(strained_pull_off(wc, sphere=sphere) or ())] for wc in knots]
+        strains = {"unit": (problem.E_star * R) ** (-1 / 3), "rows": rows, "said": LIMITS.strains_said}
     return {
         "version": __version__,
         "file": shlex.quote(str(result.path)),
@@ -87,12 +109,12 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "notes": [*result.solution.warnings, *curve.slopes.flags],
         "table": _table(curve.nonadhesive),
         "every": EVERY,
-        "columns": _columns(curve.nonadhesive),
+        "columns": {name: values.tolist() for name, values in columns.items()},
         "band": _band(curve.nonadhesive),
-        "tabor": _tabor(result),
+        "tabor": tabor,
         "relaxed": _relaxed(result),
-        "strains": _strains(result),
-        "R": problem.indenter.tip_radius,
+        "strains": strains,
+        "R": R,
         "tension": tension,
         "angle": LIMITS.edge_angle,
         "controls": {
@@ -148,14 +170,6 @@ def _table(body: Nonadhesive) -> dict[str, list[float]]:
     return {name: values.tolist() for name, values in ({"a": a} | columns | by_a).items()}
 
 
-def _columns(body: Nonadhesive) -> dict[str, list[float]]:
-    """What the CSV file needs beside: the nonadhesive columns, as they were solved and as the slopes' fit sees them."""
-    series, fitted = body.series, body.points
-    names = ("a", "delta_H", "P_H", "S", "dS", "delta", "P")
-    values = (series.a, series.delta, series.P, fitted.S, fitted.dS, fitted.delta_H, fitted.P_H)
-    return {name: array.tolist() for name, array in zip(names, values, strict=True)}
-
-
 def _band(body: Nonadhesive) -> dict[str, list[list[float]]] | None:
     """Squares of the 90 % half-widths of delta and P at unit modulus, as coefficients of 1, q and q^2 in each row."""
     covariance, quantile = body.slopes.covariance, body.slopes.quantile
@@ -170,28 +184,6 @@ def _band(body: Nonadhesive) -> dict[str, list[list[float]]] | None:
 
 def _form(left: Array, matrices: Array, right: Array) -> Array:
     return np.einsum("ni,nij,nj->n", left, matrices, right)
-
-
-def _tabor(result: Analysis) -> dict[str, Any] | None:
-    """The Tabor number at the start's w and modulus, and what it means above each limit; it goes with (w/s)^(2/3)."""
-    number = result.validity.tabor
-    if isinstance(number, Unknown):
-        return None
-    limits = (LIMITS.tabor_jkr, LIMITS.tabor_dmt, 0.0)
-    words = [regime(2 * limit if limit else LIMITS.tabor_dmt / 2) for limit in limits]
-    return {"number": number, "w": result.w, "limits": [list(pair) for pair in zip(limits, words, strict=True)]}
-
-
-def _strains(result: Analysis) -> dict[str, Any] | None:
-    """What large strains change of the pull-off force under load control over (w/(E* R))^(1/3) at unit factor, and that
-    number at w = 1 J/m^2; None where it is not known."""
-    problem, R = result.problem, result.problem.indenter.tip_radius
-    if R is None or not strains_are_known(problem):
-        return None
-    sphere = problem.indenter.noun == "sphere"
-    knots = np.linspace(0.0, MEASURED, 31)
-    rows = [[float(wc), *(strained_pull_off(float(wc), sphere=sphere) or ())] for wc in knots]
-    return {"unit": (problem.E_star * R) ** (-1 / 3), "rows": rows, "said": LIMITS.strains_said}
 
 
 def _relaxed(result: Analysis) -> float | None:

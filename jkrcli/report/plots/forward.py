@@ -127,7 +127,11 @@ def _draw(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
             axes.plot(*_xy(points, units, x, y)[:, shown], color="0.75", lw=3.5, label=label)
     axes.plot(*_xy(curve.series, units, x, y), "s-", color=BLUE, ms=3, mfc="none", lw=1.0, markevery=SPACING,
               label=f"nonadhesive ({result.solution.method})")  # fmt: skip
-    _band(axes, curve, units, x, y)
+    # The 90 % band of P, where its half-width is a hundredth of the axis, enough to be seen
+    if curve.errors and np.max(curve.errors["P"]) >= 0.01 * np.ptp(curve.P):
+        limits = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
+        along, fill = (x, axes.fill_between) if y == "P" else (y, axes.fill_betweenx)
+        fill(*_xy(curve, units, along), *limits, color=ORANGE, alpha=0.25, lw=0, label="90 % band of $P$")
     # Solid where stable under any control, dashed where only a stiff device holds the contact, dotted where none.
     line, words = _xy(result.curve, units, x, y), branch(result.curve)
     style: dict[str, Any] = {"color": ORANGE, "ms": 3, "mfc": "none", "lw": 1.2}
@@ -145,16 +149,6 @@ def _draw(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
 def _xy(points: Any, units: Scales, *names: str) -> Array:
     """The columns ``names`` of a curve or a series, or what a point has of them, in the units of their axes."""
     return np.array([getattr(points, name) / getattr(units, name) for name in names])
-
-
-def _band(axes: Axes, curve: EquilibriumCurve, units: Scales, x: str, y: str) -> None:
-    """The 90 % band of P, where its half-width is a hundredth of the axis, enough to be seen."""
-    if not curve.errors or np.max(curve.errors["P"]) < 0.01 * np.ptp(curve.P):
-        return
-    limits = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
-    style: dict[str, Any] = {"color": ORANGE, "alpha": 0.25, "lw": 0, "label": "90 % band of $P$"}
-    along, fill = (x, axes.fill_between) if y == "P" else (y, axes.fill_betweenx)
-    fill(*_xy(curve, units, along), *limits, **style)
 
 
 def _dwarfed(curve: EquilibriumCurve) -> bool:
@@ -379,7 +373,13 @@ def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
     with panelled(WIDE, 3.2, 2) as (figure, [left, right]):
         length, unit = scale(a, "length")
         _pressure(left, columns, a / length, length)
-        _surfaces(right, columns, a / length, length)
+        # Both surfaces, the axis of heights as high as the specimen asks for: the indenter leaves it
+        r, (factor, height_unit) = columns["r_m"] / length, unit_of("length", columns["displacement_m"])
+        height = -columns["displacement_m"] / factor
+        right.plot(r, height, color=BLUE, label="specimen")
+        right.plot(r, height + columns["gap_m"] / factor, "--", color=BLACK, label="indenter")
+        _edge(right, a / length)
+        right.set(ylim=ends(height, 0.1, 0.8), ylabel=f"height ({height_unit})")
         for axes in (left, right):
             axes.set_xlabel(f"$r$ ({pretty(unit)})")
         legend_below(figure, [right], 3)
@@ -402,17 +402,6 @@ def _pressure(axes: Axes, columns: Mapping[str, Array], a: float, length: float)
     axes.set(ylim=ends(np.append(p[seen], 0.0), 0.1), ylabel=f"contact pressure ({unit})")
 
 
-def _surfaces(axes: Axes, columns: Mapping[str, Array], a: float, length: float) -> None:
-    """Both surfaces, the axis of heights as high as the specimen asks for: the indenter leaves it."""
-    r = columns["r_m"] / length
-    factor, unit = unit_of("length", columns["displacement_m"])
-    height = -columns["displacement_m"] / factor
-    axes.plot(r, height, color=BLUE, label="specimen")
-    axes.plot(r, height + columns["gap_m"] / factor, "--", color=BLACK, label="indenter")
-    _edge(axes, a)
-    axes.set(ylim=ends(height, 0.1, 0.8), ylabel=f"height ({unit})")
-
-
 def _edge(axes: Axes, a: float) -> None:
     axes.axvline(a, color="0.5", lw=0.8, ls=":", label="edge of the contact")
 
@@ -430,6 +419,15 @@ RATE_PANELS = (("delta", "P"), ("t", "P"), ("t", "a"))
 LIMIT_MARKERS = ("^", "v", "s")
 READINGS = 300  # choice: readings that are drawn; more hide the model
 COLUMNS = {"t": "t_s", "delta": "delta_m", "P": "P_N", "a": "a_m"}
+
+
+def _runs(columns: Mapping[str, Array]) -> Iterator[tuple[str, slice]]:
+    """Rows of one part and phase that follow each other, with the first of the next of the same part: no gaps."""
+    phases, parts = columns["phase"], columns["part"]
+    changes = np.flatnonzero((phases[1:] != phases[:-1]) | (parts[1:] != parts[:-1])) + 1
+    for first, last in itertools.pairwise([0, *changes.tolist(), len(parts)]):
+        joined = last < len(parts) and parts[last] == parts[first]
+        yield str(phases[first]), slice(first, last + joined)
 
 
 def history_figure(
@@ -462,15 +460,6 @@ def history_figure(
             place.set(xlabel=x_label, ylabel=y_label)
         figure.suptitle(pretty(title))
         return figure
-
-
-def _runs(columns: Mapping[str, Array]) -> Iterator[tuple[str, slice]]:
-    """Rows of one part and phase that follow each other, with the first of the next of the same part: no gaps."""
-    phases, parts = columns["phase"], columns["part"]
-    changes = np.flatnonzero((phases[1:] != phases[:-1]) | (parts[1:] != parts[:-1])) + 1
-    for first, last in itertools.pairwise([0, *changes.tolist(), len(parts)]):
-        joined = last < len(parts) and parts[last] == parts[first]
-        yield str(phases[first]), slice(first, last + joined)
 
 
 def rate_fit_figure(fit: RateFit) -> Figure:

@@ -371,7 +371,14 @@ def work_figure(curves: Sequence[WorkAlong], law: LawAlongRecords | None = None)
     width, count, legend = (WIDE, 2, 3) if timed else (NARROW, 1, 0)
     with panelled(width, 3.0, count, legend=legend) as (figure, axes):
         w, label = axis_of("w", typical(curves))
-        _over_radius(axes[0], groups, w)
+        a, radius_label = axis_of("a", *(rows["a"] for rows in groups.values()))
+        for name, rows in groups.items():
+            colour, marker = GROUPS[name]
+            errors = rows["w_err"] / w if "w_err" in rows else None
+            axes[0].errorbar(rows["a"] / a, rows["w"] / w, errors, fmt=marker, color=colour, ms=3, mfc="none",
+                             elinewidth=0.5, ecolor="0.75", label=name)  # fmt: skip
+        largest = max(float(np.quantile(rows["w"], 0.99)) for rows in groups.values())  # outliers may lie above
+        axes[0].set(xlabel=radius_label, ylim=(0, 1.3 * largest / w))
         if timed:
             _over_speed(axes[1], groups, w, law)
         for panel in axes:
@@ -401,17 +408,6 @@ def _columns(curves: Sequence[WorkAlong], masks: Sequence[Array], most: int = 30
         if all(column is not None for column in values):
             columns[name] = np.concatenate([v[mask] for v, mask in zip(values, masks, strict=True)])[::every]
     return columns
-
-
-def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float) -> None:
-    a, label = axis_of("a", *(rows["a"] for rows in groups.values()))
-    for name, rows in groups.items():
-        colour, marker = GROUPS[name]
-        errors = rows["w_err"] / w if "w_err" in rows else None
-        axes.errorbar(rows["a"] / a, rows["w"] / w, errors, fmt=marker, color=colour, ms=3, mfc="none", elinewidth=0.5,
-                      ecolor="0.75", label=name)  # fmt: skip
-    largest = max(float(np.quantile(rows["w"], 0.99)) for rows in groups.values())  # outliers may lie above the axis
-    axes.set(xlabel=label, ylim=(0, 1.3 * largest / w))
 
 
 def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float, law: LawAlongRecords | None) -> None:

@@ -175,10 +175,12 @@ def test_help_imports_no_heavy_module() -> None:
 
 @pytest.mark.fem  # the method of the checked case
 def test_what_needs_no_fit_imports_nothing_of_scipy(tmp_path: Path) -> None:
-    """A run by layers, its curves with pull-off, and a check of a half-space: SciPy takes as long as all of them."""
+    """A run by layers, its curves with pull-off, and a check of a half-space and of layers, for which what they neglect
+    is solved, tension too: SciPy takes as long as all of them."""
     cases, series = PACKAGE.parent / "cases", str(tmp_path / "gel.h5")
     commands = [
         ["run", str(cases / "gel.toml"), "-o", series], ["check", str(cases / "halfspace.toml")],
+        ["check", str(cases / "gel.toml")], ["pull-off", series, "--load", "-1 mN"],
         ["transform", series, "--no-plots", "-o", str(tmp_path)], ["pull-off", series],
     ]  # fmt: skip
     code = (

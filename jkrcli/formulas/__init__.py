@@ -326,14 +326,24 @@ def capillary(surface_tension: float, radius: float, angles: tuple[float, float]
 #
 # Hui, Liu, Salez, Raphael, Jagota, Proc. R. Soc. A 471 (2015) 20140727. Plain functions of SI values.
 
+NEAR_ORIGIN = 2.0  # choice: |x| up to which E1(x) is summed from its series, whose terms do not cancel there yet
+SERIES_TERMS = 24  # theory: 2^24/(24 24!), the first term left out up to there, is below 1e-18
+FRACTION_STEPS = 100  # theory: of the continued fraction; beyond it 60 leave 4e-13, 100 round-off
+
 
 def displacement(z: Array) -> Array:
-    """A(z) = int_0^inf cos(z t)/(1 + t) dt, z > 0 [-]: like -ln(z) near 0, 1/z^2 far away (Abramowitz and Stegun
-    5.2.13)."""
-    from scipy.special import sici
-
-    sine, cosine = sici(z)
-    return -cosine * np.cos(z) - (sine - math.pi / 2) * np.sin(z)
+    """A(z) = int_0^inf cos(z t)/(1 + t) dt, z > 0 [-]: like -ln(z) near 0, 1/z^2 far away. The real part of
+    exp(x) E1(x), x = i z (Abramowitz and Stegun 5.2.13, 5.1.11 and 5.1.22)."""
+    near, far = 1j * np.minimum(z, NEAR_ORIGIN), 1j * np.maximum(z, NEAR_ORIGIN)
+    power: Array = np.ones_like(near)
+    series: Array = -np.euler_gamma - np.log(near)
+    for k in range(1, SERIES_TERMS):
+        power = power * -near / k
+        series = series - power / k
+    fraction: Array = far + 2 * FRACTION_STEPS + 1
+    for k in range(FRACTION_STEPS, 0, -1):
+        fraction = far + 2 * k - 1 - k * k / fraction
+    return np.where(z < NEAR_ORIGIN, (np.exp(near) * series).real, (1 / fraction).real)
 
 
 def logarithm(a: Array, kappa: float) -> Array:

@@ -12,6 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
+from scipy.special import sici
 
 from jkrcli import formulas
 
@@ -271,6 +272,17 @@ def test_displacement(z: float) -> None:
     """A(z) = int cos(z t)/(1 + t) dt, turned to int t e^(-z t)/(1 + t^2) dt in the plane of t."""
     turned = quad(lambda t: t * math.exp(-z * t) / (1 + t**2), 0, math.inf, epsabs=0, epsrel=1e-11, limit=500)[0]
     assert float(formulas.displacement(np.array(z))) == pytest.approx(turned, rel=1e-9)
+
+
+def test_displacement_by_sine_and_cosine_integrals() -> None:
+    """-Ci(z) cos(z) - (Si(z) - pi/2) sin(z), from first contact of the edge to far away."""
+    z = np.append(np.geomspace(1e-9, 1e6, 4001), [math.nextafter(2, 0), 2.0])
+    sine, cosine = sici(z)
+    assert_allclose(
+        formulas.displacement(z), -cosine * np.cos(z) - (sine - math.pi / 2) * np.sin(z), rtol=0, atol=4e-15
+    )
+    far = z[z > 300]  # there the sum of both cancels; 1/z^2 - 6/z^4 + 120/z^6
+    assert_allclose(formulas.displacement(far), (1 - 6 / far**2 * (1 - 20 / far**2)) / far**2, rtol=1e-11)
 
 
 def test_logarithm() -> None:

@@ -28,7 +28,7 @@ import numpy as np
 
 from ... import formulas
 from ...base.errors import Refusal
-from ...base.numerics import Array, EvenCubic, cubic_spline
+from ...base.numerics import Array, EvenCubic, PiecewiseCubic, cubic_spline
 from ...base.units import show
 from ...bodies.materials import AnyGraded
 from ...bodies.problem import Specimen
@@ -171,9 +171,9 @@ TENSE_MOST_ORDER = 14  # tuned on bodies, by `make constants`: half of it moves 
 # moves S by 3e-6
 TENSE_PER_DECADE = 5
 TENSE_FREQUENCY = 5.0  # times the scale of the layers: highest wave number noticed; theory: as for ``Quadrature``
-# of the smooth part's spline of degree 7, per scale; tuned on bodies, by `make constants`: half as many move S by
-# 4e-9
+# of the smooth part, per scale; tuned on bodies, by `make constants`: half as many move S by 4e-9
 TENSE_KNOTS = 60
+TENSE_STENCIL = 12  # theory: knots of a polynomial between them; it errs by (TENSE_FREQUENCY/TENSE_KNOTS)^12 = 1e-13
 # of the cubic that stands for it, ten times as fast; tuned on bodies, by `make constants`: half as many move S by
 # 4e-9
 TENSE_FINER = 12
@@ -256,16 +256,23 @@ class TenseSpectrum(LayeredSpectrum):
         in k on every panel."""
         if self.bandwidth(self.floor) == 0:
             return lambda s: np.zeros((2, 1))
-        from scipy.interpolate import CubicSpline, make_interp_spline
-
-        step = self.scale / TENSE_KNOTS
-        s = step * np.arange(-8, math.ceil(reach / step) + 9)
-        kernel = self.kernel(float(s[-1]), order)
-        parts = np.array_split(s, s.size // 256 + 1)
+        step, half = self.scale / TENSE_KNOTS, TENSE_STENCIL // 2
+        knots = step * np.arange(1 - half, math.ceil(reach / step) + 1 + half)
+        kernel = self.kernel(float(knots[-1]), order)
+        parts = np.array_split(knots, knots.size // 256 + 1)
         values = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in parts])
-        spline, finer = make_interp_spline(s, values, k=7), np.linspace(0.0, s[-8], TENSE_FINER * (s.size - 16) + 1)
-        both = [CubicSpline(finer, f).c for f in (spline(finer), finer * spline(finer, 1))]
-        return EvenCubic(0.0, finer[1], np.stack(both, axis=1))
+
+        # Between two knots the polynomial through those nearest, x in steps from the middle between the two
+        x, at = np.arange(TENSE_STENCIL) - half + 0.5, np.arange(TENSE_FINER) / TENSE_FINER - 0.5
+        others = [np.delete(x, j) for j in range(TENSE_STENCIL)]
+        basis = [np.poly(rest) / np.prod(own - rest) for own, rest in zip(x, others, strict=True)]
+        near = np.lib.stride_tricks.sliding_window_view(values, TENSE_STENCIL)
+        f, slope, bend = (
+            np.ravel(near @ np.array([np.polyval(np.polyder(one, n), at) for one in basis])) / step**n for n in range(3)
+        )
+        s = step / TENSE_FINER * np.arange(f.size)
+        both = PiecewiseCubic(s, np.stack([f, s * slope], axis=1), np.stack([slope, slope + s * bend], axis=1))
+        return EvenCubic(0.0, s[1], np.moveaxis(both.c, 1, -1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -350,12 +357,9 @@ class SurfaceTensionSolver(IndenterOnLayers):
 
     def _at(self, a: float, grid: Angles, singular: Function, smooth: Function) -> Array:
         """Delta, P, S, S' at the radius ``a`` [m] from the two parts of the kernel and their s d/ds."""
-        from scipy.linalg import lu_factor, lu_solve
-
         K, rate = grid.matrices(singular, smooth, a)
-        factor = lu_factor(K, check_finite=False)
-        one = lu_solve(factor, np.ones(grid.tau.size), check_finite=False)
-        grown = -lu_solve(factor, rate @ one, check_finite=False)  # a d(psi_1)/da
+        one = np.linalg.solve(K, np.ones(grid.tau.size))
+        grown = -np.linalg.solve(K, rate @ one)  # a d(psi_1)/da
         # F and x F' [m] at the nodes, their means on the panels.
         joints = np.array([joint for joint in self.indenter.joints if joint < a])
         edges = math.pi / 2 - grid.edges[::-1]  # angles from the axis: F begins at its kinks

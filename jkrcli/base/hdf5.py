@@ -18,11 +18,14 @@ from .errors import InputError, writable
 from .numerics import Array
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
+HEAP = b"GCOL\1\0\0\0"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 
 KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
 LETTERS, WORD = 4, 60  # choice: bytes of memory of a byte of a text while it is read, and of each text beside them
+WIDEST, REFERENCE = 16, 16  # theory: bytes of the widest number, and of the place of a text of any length in a file
+MOST_VALUES = 100  # choice: of an attribute that others wrote; positions and ranges are two or three
 RUN_AGAIN = "run the case again"
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError)  # h5py's, of damage
 
@@ -155,7 +158,7 @@ def names_in(path: Path) -> frozenset[str]:
     """Names of attributes and members of the root of the file at ``path``; none where it is damaged or no HDF5 file."""
     try:
         with h5py.File(path, "r") as file:
-            return frozenset((*file.attrs, *file))
+            return frozenset(name for name in (*file.attrs, *file) if isinstance(name, str))  # bytes: no UTF-8, damage
     except UNREADABLE:
         return frozenset()
 
@@ -177,6 +180,8 @@ def members_of(
 ) -> Iterator[tuple[h5py.File, Callable[[h5py.Group, str], h5py.Group | h5py.Dataset]]]:
     """Open a file that others wrote once; with it what gives a member of a group by its name, checked as ``tree_of``
     does, but for attributes, which may be of any type. Values are read when they are asked for."""
+    if not _has_sound_heaps(content):
+        raise unreadable(path, content, remedy=remedy)
     with _opened(path, content, remedy) as file:
         yield file, _Check(path, of_ours=False).member
 
@@ -190,6 +195,22 @@ def _opened(path: Path, content: bytes, remedy: str) -> Iterator[h5py.File]:
         raise
     except UNREADABLE:
         raise unreadable(path, content, remedy=remedy) from None
+
+
+def _has_sound_heaps(content: bytes) -> bool:
+    """Whether the heaps of texts of any length hold objects that end where the heap does (HDF5 file format, III.E):
+    they have no checksum, and the library goes around for ever at a free space of no size."""
+    at = content.find(HEAP)
+    while at >= 0:
+        end = at + int.from_bytes(content[at + 8 : at + 16], "little")
+        here, at = at + 16, content.find(HEAP, at + 1)
+        while here + 16 <= end <= len(content):
+            number, size = (int.from_bytes(content[here + i : here + i + n], "little") for i, n in ((0, 2), (8, 8)))
+            step = 16 + -(-size // 8) * 8 if number else size  # the size of what is free counts its head
+            here += step or len(content)
+        if end > len(content) or here > end:
+            return False
+    return True
 
 
 def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAIN) -> InputError:
@@ -220,6 +241,8 @@ class _Check:
 
     def member(self, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
         """One member, itself checked, of a group not yet what it holds."""
+        if isinstance(name, bytes):  # which is no UTF-8
+            raise InputError(f"{self.path}: the HDF5 file is damaged: it has a member whose name is no text")
         where = f"{group.name.strip('/')}/{name}".strip("/")
         link = group.id.links.get_info(name.encode("utf-8", "surrogateescape"))
         if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:  # so a small file becomes a huge tree
@@ -271,3 +294,23 @@ def _read(data: h5py.Dataset) -> Dataset:
 def attributes_of(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
     """Attributes of a group or dataset by name: numbers, texts and arrays."""
     return {str(name): _plain(value) for name, value in item.attrs.items()}
+
+
+def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> dict[str, Any]:
+    """Those of the attributes ``names`` that a group or dataset of others' has: numbers, texts and short arrays.
+
+    Others are not touched: where a file without checksums is damaged, the library follows what it reads for minutes or
+    out of its memory. ValueError where one is of another type or size, or takes another place than it says.
+    """
+    found = {}
+    for name in names:
+        if name in item.attrs:
+            stored = item.attrs.get_id(name)
+            kind, count = stored.get_type(), stored.get_space().get_simple_extent_npoints()
+            is_text = kind.get_class() == h5py.h5t.STRING
+            each = REFERENCE if is_text and kind.is_variable_str() else kind.get_size()
+            fits = each <= (process.TEXT if is_text else WIDEST) and 0 < count <= MOST_VALUES
+            if kind.get_class() not in KINDS or not fits or stored.get_storage_size() != count * each:
+                raise ValueError(f"the attribute {name} is damaged")
+            found[name] = _plain(item.attrs[name])
+    return found

@@ -351,6 +351,11 @@ HDF5_ENDINGS = (".nhf", ".h5-jpk")
 SURF_Z, SURF_DEFLECTION, SURF_TIME = "Position Z", "Deflection", "Time"
 SURF_UNITS = {SURF_Z: ("length",), SURF_DEFLECTION: ("volts", "length", "load"), SURF_TIME: ("time",)}
 SURF_K, SURF_SENS = "spm_probe_calibration_spring_constant", "spm_probe_calibration_deflection_sensitivity"
+SURF_KEYS = (
+    "group_type", "segment_name", "rect_axis_size", SURF_K, SURF_SENS, "dataset_block_size_source",
+    "dataset_block_size_id", "signal_name", "signal_data_pattern", "signal_calibration_unit", "signal_calibration_min",
+    "signal_calibration_max",
+)  # fmt: skip
 SNAKE = "snake_bottom_left"  # of a map: the first line from left to right, the next one back
 
 Channel = tuple[Any, Mapping[str, Any]]  # a dataset and its attributes
@@ -376,11 +381,12 @@ def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     position of the piezo toward the specimen."""
     reading.check_known_columns(path)
     with hdf5.members_of(path, read_bytes(path, SURF), AGAIN) as (file, member):
-        if (version := int(file.attrs[SURF_VERSION])) != 2:
+        if (version := int(hdf5.attributes_among(file, [SURF_VERSION])[SURF_VERSION])) != 2:
             raise InputError(f"{path}: is a Nanosurf file of version {version}, version 2 is read: {SURF_AGAIN}")
         curves: list[tuple[Mapping[str, Any], Sequence[Segment], int]] = []
         for group in (member(file, name) for name in file):
-            if hasattr(group, "keys") and (told := hdf5.attributes_of(group)).get("group_type") == "spectroscopy":
+            told = hdf5.attributes_among(group, SURF_KEYS)
+            if hasattr(group, "keys") and told.get("group_type") == "spectroscopy":
                 segments = list(_segments(path, group, member))
                 if len({edges.size for *_, edges in segments}) != 1:
                     raise InputError(f"{path}: is damaged: its segments do not hold as many curves: {AGAIN}")
@@ -401,14 +407,14 @@ def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
 
 def _segments(path: Path, group: Any, member: Callable[[Any, str], Any]) -> Iterator[Segment]:
     for part in (member(group, name) for name in group):
-        title = str(hdf5.attributes_of(part).get("segment_name", ""))
+        title = str(hdf5.attributes_among(part, SURF_KEYS).get("segment_name", ""))
         if not title or not hasattr(part, "keys"):
             continue
         beside = []
         for name in part:
             with contextlib.suppress(InputError):  # of a type that is not read, as no channel is
                 data = member(part, name)
-                beside += [(data, hdf5.attributes_of(data))] if hasattr(data, "shape") else []
+                beside += [(data, hdf5.attributes_among(data, SURF_KEYS))] if hasattr(data, "shape") else []
         channels = {told["signal_name"]: (data, told) for data, told in beside if "signal_name" in told}
         if missing := [name for name in (SURF_Z, SURF_DEFLECTION) if name not in channels]:
             raise InputError(f'{path}: its segment "{title}" holds no {missing[0]}: {SURF_AGAIN}')
@@ -623,12 +629,12 @@ class _Exported:
 
     @cached_property
     def _metadata(self) -> Mapping[str, Any]:
-        entries = {key: self.group.attrs[key] for key in ENTRIES if key in self.group.attrs}
+        entries = hdf5.attributes_among(self.group, ENTRIES)
         return {key: float(value) for key, value in entries.items() if not math.isnan(float(value))}
 
     @property
     def modality(self) -> str:
-        return str(self.group.attrs["imaging mode"])
+        return str(hdf5.attributes_among(self.group, ["imaging mode"])["imaging mode"])
 
     def __contains__(self, name: str) -> bool:
         return name in self.columns

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -165,6 +166,36 @@ def test_damage_to_a_nanosurf_file_is_said_in_one_line(jkr: Callable[..., Outcom
     with h5py.File(vendors.nanosurf(path), "a") as file:
         file["group_0000/subgroup_0002/dataset_0003"][:] = ROWS + 1
     assert_refused(jkr, path, "is cut off: its curves hold more rows than its channels")
+
+
+HEADS = [b"group_type", b"segment_name", b"signal_name", b"dataset_block_size_source", b"signal_calibration_max"]
+
+
+@pytest.mark.parametrize("name", HEADS, ids=bytes.decode)
+@pytest.mark.parametrize("bits", [0x07, 0x80, 0xD6])
+def test_a_flip_in_an_attribute_of_a_nanosurf_file_leads_the_library_nowhere(
+    tmp_path: Path, name: bytes, bits: int
+) -> None:
+    """Type, size and shape of an attribute stand behind its name and are without checksum: read as they are, some lead
+    the C library out of its memory. What is left to read is read."""
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    whole = path.read_bytes()
+    at = whole.index(name + b"\0") + 8 * (len(name) // 8 + 1)
+    for place in (at, at + 1, at + 4, at + 8, at + 24):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ bits]) + whole[place + 1 :])
+        with contextlib.suppress(InputError):
+            assert read_one(path).P.size == FORCE.size
+
+
+def test_a_heap_of_texts_without_an_end_is_refused(tmp_path: Path) -> None:
+    """The sizes in it are followed by the C library, for ever where one leads to a free space of no size."""
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    whole = path.read_bytes()
+    heap = whole.index(b"GCOL") + 16
+    for size in (0x0502, 2**40, 0):
+        path.write_bytes(whole[: heap + 8] + size.to_bytes(8, "little") + whole[heap + 16 :])
+        with pytest.raises(InputError, match="the HDF5 file is damaged and cannot be read"):
+            read_one(path)
 
 
 def test_jpk_files_in_hdf5_are_refused_with_the_remedy(jkr: Callable[..., Outcome], tmp_path: Path) -> None:

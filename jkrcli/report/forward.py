@@ -29,7 +29,7 @@ from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
 from ..base.numerics import ROWS, Array
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
-from ..base.units import implausible_work, show
+from ..base.units import implausible_work, show, show_within
 from ..bodies.materials import relaxing
 from ..resolve.analysis import Analysis, Lost, analyse
 from ..resolve.comparison import effect_as_json
@@ -326,10 +326,13 @@ class MeasuredByHistory(Result):
             if isinstance(one, Unknown):
                 lines.append(f"  {words}: none: {one}")
                 continue
-            error = "" if isinstance(one.error, Unknown) or not one.parts else f" ± {show(one.error, 'work', 3)}"
+            if isinstance(one.error, Unknown) or not one.parts:
+                w = show(one.work.w, "work")
+            else:
+                w = show_within(one.work.w, one.error, "work")
             series = one.series if isinstance(one.series, Unknown) else one.series / one.work.w
             lines.append(
-                f"  {words}: w = {show(one.work.w, 'work')}{error}, {tables.format_state(one.work.point, 'a')}; "
+                f"  {words}: w = {w}, {tables.format_state(one.work.point, 'a')}; "
                 f"{tables.error_words(series, one.large_strains)}"
             )
         if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
@@ -375,10 +378,14 @@ class MeasuredPullOff(Result):
 
     def words(self) -> list[str]:
         means, work = self.means, self.means.work
-        error = "" if isinstance(means.error, Unknown) or not means.parts else f" ± {show(means.error, 'work', 3)}"
         change = means.large_strains
+        digits = tables.digits(work.w, change)
+        if isinstance(means.error, Unknown) or not means.parts:
+            w = show(work.w, "work", digits)
+        else:
+            w = show_within(work.w, means.error, "work", digits)
         lines = [
-            f"w = {show(work.w, 'work', tables.digits(work.w, change))}{error}: the pull-off force "
+            f"w = {w}: the pull-off force "
             f"{show(work.load, 'load')} of {means.result.path} ({control(work.stiffness)}, "
             f"{tables.format_state(work.point, 'a')})"
         ]

@@ -19,7 +19,7 @@ from ..adhesion.validity import NEGLECTED
 from ..base.errors import InputError, Unknown
 from ..base.numerics import Array
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
-from ..base.units import SI, scale, show
+from ..base.units import SI, scale, show, show_within
 from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
 from ..data.curve import ARBITRARY, NOT_SUBTRACTED
@@ -335,15 +335,15 @@ def _value(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
 
 
 def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
-    """A value with half-widths, by their kinds where ``named``, in one unit: to the second digit of the whole error; a
-    part that is smaller than that to its first."""
-    factor, unit = scale(item.value, item.dimension)
+    """A value with half-widths, by their kinds where ``named``, in one unit, that of the largest of them: to the second
+    digit of the whole error; a part that is smaller than that to its first."""
     if not parts or not all(0 < size < math.inf for size in parts.values()):
         return show(item.value, item.dimension, 4)
+    factor, unit = scale(max(abs(item.value), *parts.values()), item.dimension)
     places = max(1 - math.floor(math.log10(math.hypot(*parts.values()) / factor)), 0)
     errors = (f"± {size / factor:.{max(places, -math.floor(math.log10(size / factor)))}f}" + f" ({kind})" * named
               for kind, size in parts.items())  # fmt: skip
-    return " ".join([f"{item.value / factor:.{places}f}", *errors, unit]).strip()
+    return " ".join([f"{round(item.value / factor, places) + 0.0:.{places}f}", *errors, unit]).strip()
 
 
 def _parts(item: FittedValue, level: float) -> dict[str, float]:
@@ -859,8 +859,10 @@ def work_words(item: WorkAlong) -> list[str]:
             continue
         low, high = (show(value, "work") for value in spread["quartiles_J_per_m2"])
         label = "w" if name == "all" else f"{name} w"
-        error = f" ± {show(spread['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in spread else ""
-        parts.append(f"{label} = {show(spread['median_J_per_m2'], 'work')}{error} (half of the rows: {low} to {high})")
+        median = spread["median_J_per_m2"]
+        known = "err_by_noise_J_per_m2" in spread
+        value = show_within(median, spread["err_J_per_m2"], "work", 4, 4) if known else show(median, "work")
+        parts.append(f"{label} = {value} (half of the rows: {low} to {high})")
     unknown = ["no error of w: the noise is not known, give --noise"] if item.w_err is None else []
     return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *unknown, *item.curve.flags))]
 
@@ -1037,12 +1039,11 @@ def _direction_words(item: Direction) -> list[str]:
     if not item.based:
         where = "begins and the largest load" if approach else "ends and the adhesion force"
         return [f"no straight base line: where contact {where} are unknown"]
-    touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
+    touch = show_within(item.touch, item.touch_err, "length")
     tension = (
         f"unknown, {item.adhesion.reason}"
         if isinstance(item.adhesion, Unknown)
-        else f"{show(item.adhesion, 'load', 3)} ± {show(item.adhesion_err, 'load', 2)} "
-        f"at {show(item.adhesion_at, 'length')}"
+        else f"{show_within(item.adhesion, item.adhesion_err, 'load', 3, 2)} at {show(item.adhesion_at, 'length')}"
     )
     count = len(item.jumps)
     if approach:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -132,3 +133,11 @@ def test_shown_values_are_rounded_before_the_unit_is_chosen() -> None:
     assert units.show(999.4e-9, "length") == "999.4 nm"
     assert units.show(-0.999999e-3, "load") == "-1 mN"
     assert units.show(2.613e-7, "length", 2) == "260 nm"
+
+
+@pytest.mark.parametrize(("value", "error", "words"), [
+    (2e-12, 29.166e-6, "0 ± 29 uJ/m^2"), (-2e-12, 2.9e-6, "0.0 ± 2.9 uJ/m^2"), (0.0, 0.0291, "0 ± 29 mJ/m^2"),
+    (0.3e-3, 2.04e-3, "0.3 ± 2.0 mJ/m^2"), (55e-3, 0.3e-3, "55 mJ/m^2 ± 300 uJ/m^2"), (1e-3, math.inf, "1 mJ/m^2 ± "),
+])  # fmt: skip
+def test_a_value_within_a_larger_error_takes_its_unit(value: float, error: float, words: str) -> None:
+    assert units.show_within(value, error, "work").startswith(words)

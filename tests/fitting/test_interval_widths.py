@@ -89,6 +89,13 @@ def test_a_value_has_the_digits_that_its_whole_error_leaves(parts: tuple[float, 
     assert with_errors(FittedValue("w", 55.001e-3, True, "work"), each, named=False) == words
 
 
+@pytest.mark.parametrize(
+    ("value", "words"), [(1e-18, "0 ± 29 uJ/m^2"), (-3e-9, "0 ± 29 uJ/m^2"), (3e-6, "3 ± 29 uJ/m^2")]
+)
+def test_a_value_near_zero_takes_the_unit_of_its_error(value: float, words: str) -> None:
+    assert with_errors(FittedValue("w", value, True, "work"), {"statistical": 29.166e-6}, named=False) == words
+
+
 def test_limit_of_a_root_that_a_curve_bends_in() -> None:
     """Of a reading 0.1 ± 0.3 of tanh r, r the signed root of w: the profile ends as many errors off in tanh r."""
 

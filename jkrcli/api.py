@@ -974,7 +974,7 @@ def pull_off(
     InputError
         Where contact is not lost within the series, or the force is none of this body.
     """
-    from .fitting.work import measured_work, works_by_history
+    from .fitting.pull_off import measured_work, works_by_history
     from .resolve.analysis import where_lost
     from .resolve.histories import lost_by_history
 

@@ -199,7 +199,7 @@ def _means(
     rest: Rest | None, how: options.CurveOptions, limits: Limits,
 ) -> Results:  # fmt: skip
     """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
-    from ..fitting.work import measured_work, seconds_of_inputs, works_by_history
+    from ..fitting.pull_off import measured_work, seconds_of_inputs, works_by_history
 
     controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
     for solution in solutions:

@@ -42,7 +42,7 @@ from .tables import Scales, format_state, quantities, read_curve, transpose_rows
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..fitting.work import MeasuredWork
+    from ..fitting.pull_off import MeasuredWork
     from ..methods.fem.fields import ContactState
     from ..methods.fem.method import FEM
 

@@ -22,32 +22,9 @@ from ...base.units import scale, show
 from ...fitting.rate import RateFit
 from ...fitting.relaxation import RelaxationFit
 from ...resolve.analysis import Analysis
+from .. import plots
 from ..tables import Scales
-from . import (
-    BLACK,
-    BLUE,
-    COLORS,
-    GREEN,
-    LABELS,
-    ORANGE,
-    SKY,
-    WIDE,
-    Axes,
-    Box,
-    Figure,
-    axis_of,
-    colors,
-    drawing,
-    ends,
-    inset,
-    legend_below,
-    log_ticks,
-    pair,
-    panelled,
-    pretty,
-    unit_of,
-    zero_lines,
-)
+from . import Axes, Box, Figure, axis_of, colors, drawing, ends, inset, pair, panelled, pretty, unit_of, zero_lines
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -58,9 +35,9 @@ if TYPE_CHECKING:
 
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
 PHASES = {  # colour, width and words; the last drawn the thinnest
-    "approach": (BLUE, 2.4, "approach"),
-    "turn": (GREEN, 1.8, "unloading at constant $a$"),
-    "retraction": (ORANGE, 1.1, "retraction"),
+    "approach": (plots.BLUE, 2.4, "approach"),
+    "turn": (plots.GREEN, 1.8, "unloading at constant $a$"),
+    "retraction": (plots.ORANGE, 1.1, "retraction"),
 }
 SPACING = 0.06  # between markers, of the diagonal of the axes
 PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes: P(delta) is convex, a(P) concave
@@ -107,7 +84,7 @@ def curves_figure(results: Sequence[Analysis], units: Scales) -> Figure:
                 point = result.pull_off["load"]
                 if isinstance(point, CriticalPoint):
                     axes.plot(*_xy(point, units, x, y), "o", color=color, ms=4)
-            axes.plot([], [], "o", color=BLACK, ms=4, label="pull-off (load control)")
+            axes.plot([], [], "o", color=plots.BLACK, ms=4, label="pull-off (load control)")
             axes.set(xlabel=units.label(x), ylabel=units.label(y))
             if any(_dwarfed(result.curve) for result in results):
                 shown = [_xy(result.curve, units, x, y)[:, rows] for result, rows in zip(results, near, strict=True)]
@@ -125,16 +102,16 @@ def _draw(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
         shown = exact.a <= curve.a[-1]
         for points, label in ((exact.series, "closed form"), (exact, None)):
             axes.plot(*_xy(points, units, x, y)[:, shown], color="0.75", lw=3.5, label=label)
-    axes.plot(*_xy(curve.series, units, x, y), "s-", color=BLUE, ms=3, mfc="none", lw=1.0, markevery=SPACING,
+    axes.plot(*_xy(curve.series, units, x, y), "s-", color=plots.BLUE, ms=3, mfc="none", lw=1.0, markevery=SPACING,
               label=f"nonadhesive ({result.solution.method})")  # fmt: skip
     # The 90 % band of P, where its half-width is a hundredth of the axis, enough to be seen
     if curve.errors and np.max(curve.errors["P"]) >= 0.01 * np.ptp(curve.P):
         limits = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
         along, fill = (x, axes.fill_between) if y == "P" else (y, axes.fill_betweenx)
-        fill(*_xy(curve, units, along), *limits, color=ORANGE, alpha=0.25, lw=0, label="90 % band of $P$")
+        fill(*_xy(curve, units, along), *limits, color=plots.ORANGE, alpha=0.25, lw=0, label="90 % band of $P$")
     # Solid where stable under any control, dashed where only a stiff device holds the contact, dotted where none.
     line, words = _xy(result.curve, units, x, y), branch(result.curve)
-    style: dict[str, Any] = {"color": ORANGE, "ms": 3, "mfc": "none", "lw": 1.2}
+    style: dict[str, Any] = {"color": plots.ORANGE, "ms": 3, "mfc": "none", "lw": 1.2}
     for word, (look, label) in BRANCHES.items():
         if word == STABLE or word in words:
             axes.plot([], [], look, label=label or f"adhesive, $w$ = {pretty(show(result.w, 'work'))}", **style)
@@ -143,7 +120,7 @@ def _draw(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
         axes.plot(*line[:, first : last + 1], BRANCHES[str(words[first])][0], markevery=SPACING, **style)
     point = result.pull_off["load"]
     if isinstance(point, CriticalPoint):
-        axes.plot(*_xy(point, units, x, y), "o", color=BLACK, ms=4, zorder=3, label="pull-off (load control)")
+        axes.plot(*_xy(point, units, x, y), "o", color=plots.BLACK, ms=4, zorder=3, label="pull-off (load control)")
 
 
 def _xy(points: Any, units: Scales, *names: str) -> Array:
@@ -164,7 +141,7 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     """
     over = "device_m" if "device_m" in columns else "delta_m"
     soft = not np.allclose(columns[over], columns["delta_m"], rtol=0, atol=1e-9 * np.ptp(columns["delta_m"]))
-    name = r"instrument position $\delta + P/k$" if soft else LABELS["delta"]
+    name = r"instrument position $\delta + P/k$" if soft else plots.LABELS["delta"]
     with pair(4, pretty(title)) as (figure, panels):
         length, x_unit = unit_of("length", columns[over])
         x = columns[over] / length
@@ -195,7 +172,7 @@ def _enlarge_loop(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) 
 
 def _phases(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> None:
     """One line per part, in the colour of its phase, over a dotted line that shows where the jumps between them lie."""
-    axes.plot(x, y, ":", color=BLACK, lw=0.9, label="jump")
+    axes.plot(x, y, ":", color=plots.BLACK, lw=0.9, label="jump")
     for part in range(1, int(columns["part"][-1]) + 1):
         rows = columns["part"] == part
         colour, width, label = PHASES[str(columns["phase"][rows][0]).removeprefix("free ")]
@@ -216,7 +193,7 @@ SYMBOLS = {
 def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, component: str) -> Figure:
     """A stress (``component``: rr, tt, zz, rz, mises) on the deformed body, the mirror image left of the axis."""
     depth = min(DEEP * state.a, state.grid.depth + 0.15 * state.a)
-    with drawing(WIDE, 0.8 + 1.4 * (depth / state.a + HIGH), {"axes.grid": False}) as figure:
+    with drawing(plots.WIDE, 0.8 + 1.4 * (depth / state.a + HIGH), {"axes.grid": False}) as figure:
         axes = figure.subplots()
         length, unit = scale(state.a, "length")
         factor = magnification(state)
@@ -315,7 +292,7 @@ def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float
     axes.plot(across, height, color="0.35", lw=1.0, zorder=3)
     for line in (surface, *(_moved_line(state, depth, factor) for depth in depths)):
         for side in (1, -1):
-            axes.plot(side * line[:, 0] / length, line[:, 1] / length, color=BLACK, lw=1.0, zorder=4)
+            axes.plot(side * line[:, 0] / length, line[:, 1] / length, color=plots.BLACK, lw=1.0, zorder=4)
     edge = ASIDE * state.a / length
     axes.plot([-edge, edge], [0, 0], color="0.4", lw=0.8, ls="--", zorder=5)
     if "base" in state.lines:
@@ -340,14 +317,14 @@ def mesh_figure(grid: Grid, reach: float) -> Figure:
     """The whole body and its contact zone; ``reach`` [m]: radius out to which contact is expected."""
     zone = min(1.5 * reach, grid.width), min(1.5 * reach, grid.depth)
     tallest = max(grid.depth / grid.width, zone[1] / zone[0])
-    height = 1.0 + float(np.clip(0.42 * WIDE * tallest, 0.6, 5.0))
-    with panelled(WIDE, height, 2, legend=1, grid=False) as (figure, [left, right]):
+    height = 1.0 + float(np.clip(0.42 * plots.WIDE * tallest, 0.6, 5.0))
+    with panelled(plots.WIDE, height, 2, legend=1, grid=False) as (figure, [left, right]):
         _cells(left, grid, grid.width, grid.depth)
         left.set_title(f"whole body, {len(grid.cells):,} {grid.element}s")
         _cells(right, grid, *zone)
         right.set_title(f"contact zone, quality {np.min(grid.quality()):.2f} to {np.max(grid.quality()):.2f}")
         factor = scale(zone[0], "length")[0]
-        right.plot([0, reach / factor], [0, 0], color=ORANGE, lw=2.5, solid_capstyle="butt", clip_on=False,
+        right.plot([0, reach / factor], [0, 0], color=plots.ORANGE, lw=2.5, solid_capstyle="butt", clip_on=False,
                    label="contact expected")  # fmt: skip
         return figure
 
@@ -370,19 +347,19 @@ def _cells(axes: Axes, grid: Grid, width: float, depth: float) -> None:
 
 def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
     """Pressure inside, and the surfaces of specimen and indenter around a contact of radius ``a`` [m]."""
-    with panelled(WIDE, 3.2, 2) as (figure, [left, right]):
+    with panelled(plots.WIDE, 3.2, 2) as (figure, [left, right]):
         length, unit = scale(a, "length")
         _pressure(left, columns, a / length, length)
         # Both surfaces, the axis of heights as high as the specimen asks for: the indenter leaves it
         r, (factor, height_unit) = columns["r_m"] / length, unit_of("length", columns["displacement_m"])
         height = -columns["displacement_m"] / factor
-        right.plot(r, height, color=BLUE, label="specimen")
-        right.plot(r, height + columns["gap_m"] / factor, "--", color=BLACK, label="indenter")
+        right.plot(r, height, color=plots.BLUE, label="specimen")
+        right.plot(r, height + columns["gap_m"] / factor, "--", color=plots.BLACK, label="indenter")
         _edge(right, a / length)
         right.set(ylim=ends(height, 0.1, 0.8), ylabel=f"height ({height_unit})")
         for axes in (left, right):
             axes.set_xlabel(f"$r$ ({pretty(unit)})")
-        legend_below(figure, [right], 3)
+        plots.legend_below(figure, [right], 3)
         figure.suptitle(f"$a$ = {pretty(show(a, 'length'))}, $w$ = {pretty(show(w, 'work'))}")
         return figure
 
@@ -394,9 +371,9 @@ def _pressure(axes: Axes, columns: Mapping[str, Array], a: float, length: float)
     factor, unit = unit_of("modulus", columns["pressure_Pa"][seen])
     p = columns["pressure_Pa"] / factor
     axes.axhline(0, color="0.7", lw=0.6)
-    axes.plot(r[r < a], p[r < a], color=ORANGE)
+    axes.plot(r[r < a], p[r < a], color=plots.ORANGE)
     if "shear_Pa" in columns:
-        axes.plot(r[r < a], columns["shear_Pa"][r < a] / factor, "--", color=ORANGE, label="shear, outwards")
+        axes.plot(r[r < a], columns["shear_Pa"][r < a] / factor, "--", color=plots.ORANGE, label="shear, outwards")
         axes.legend(frameon=False)
     _edge(axes, a)
     axes.set(ylim=ends(np.append(p[seen], 0.0), 0.1), ylabel=f"contact pressure ({unit})")
@@ -410,10 +387,10 @@ def _edge(axes: Axes, a: float) -> None:
 # Figures of contacts over time: of a device's history, of adhesion that depends on speed, of bodies that relax.
 
 RATE_PHASES = {
-    "advance": (BLUE, "-", "contact line closes"),
-    "rest": (GREEN, "--", "contact line pinned"),
-    "recede": (ORANGE, "-", "contact line opens"),
-    "free": (BLACK, ":", "no contact"),
+    "advance": (plots.BLUE, "-", "contact line closes"),
+    "rest": (plots.GREEN, "--", "contact line pinned"),
+    "recede": (plots.ORANGE, "-", "contact line opens"),
+    "free": (plots.BLACK, ":", "no contact"),
 }
 RATE_PANELS = (("delta", "P"), ("t", "P"), ("t", "a"))
 LIMIT_MARKERS = ("^", "v", "s")
@@ -437,7 +414,7 @@ def history_figure(
     contact ``jumps``, and where it is lost, and the pull-off points of its ``limits`` by their names. ``columns``: as
     ``History.table`` gives them."""
     limits = limits or {}
-    with panelled(WIDE, 3.2, len(RATE_PANELS), legend=4 if limits else 6) as (figure, axes):
+    with panelled(plots.WIDE, 3.2, len(RATE_PANELS), legend=4 if limits else 6) as (figure, axes):
         for place, names in zip(axes, RATE_PANELS, strict=True):
             (x_unit, x_label), (y_unit, y_label) = (axis_of(name, columns[COLUMNS[name]]) for name in names)
             across, up = (columns[COLUMNS[name]] for name in names)
@@ -456,7 +433,7 @@ def history_figure(
                 for marker, (name, point) in zip(LIMIT_MARKERS, limits.items(), strict=False):
                     x, y = (np.array([getattr(point, quantity)]) for quantity in names)
                     label = f"pull-off {name}"
-                    place.plot(x / x_unit, y / y_unit, marker, color=BLACK, mfc="none", label=label)
+                    place.plot(x / x_unit, y / y_unit, marker, color=plots.BLACK, mfc="none", label=label)
             place.set(xlabel=x_label, ylabel=y_label)
         figure.suptitle(pretty(title))
         return figure
@@ -464,18 +441,18 @@ def history_figure(
 
 def rate_fit_figure(fit: RateFit) -> Figure:
     """Loads over time since each record's begin, in units of its length, with the prediction; the law with its band."""
-    with panelled(WIDE, 3.2, 2, legend=3) as (figure, [left, right]):
+    with panelled(plots.WIDE, 3.2, 2, legend=3) as (figure, [left, right]):
         factor, label = axis_of("P", *(record.P for record in fit.records))
         for i, (record, prediction) in enumerate(zip(fit.records, fit.predictions, strict=True)):
             part = (record.t - record.t[0]) / (record.t[-1] - record.t[0])
-            colour = COLORS[i % len(COLORS)]
+            colour = plots.COLORS[i % len(plots.COLORS)]
             left.plot(part, record.P / factor, ".", color=colour, ms=1.5, alpha=0.4)
             speed = pretty(f"at {show(record.speed, 'speed', 3)}")
             left.plot(part, (prediction.P + fit.zero) / factor, color=colour, label=speed)
         left.set(xlabel="time over the record's length", ylabel=label)
         low, high = (max(v, 1e-30) for v in fit.speeds)
         v = np.geomspace(low, high, 100)
-        law_band(right, v, *fit.band(v), BLACK, f"{fit.settings.law} law, {fit.settings.level:.0%} band")
+        law_band(right, v, *fit.band(v), plots.BLACK, f"{fit.settings.law} law, {fit.settings.level:.0%} band")
         return figure
 
 
@@ -485,22 +462,22 @@ def law_band(axes: Axes, v: Array, w: Array, low: Array, high: Array, colour: st
     axes.fill_between(v / speed, low / work, high / work, color=colour, alpha=0.25, lw=0)
     axes.loglog(v / speed, w / work, color=colour, label=label)
     axes.set(xlabel=v_label, ylabel=w_label)
-    log_ticks(axes.xaxis, axes.yaxis)
+    plots.log_ticks(axes.xaxis, axes.yaxis)
 
 
 def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
     """What each of the first records held and what that made, over time, readings and model."""
     shown = fits[:6]
-    with panelled(WIDE, 2.8 * len(shown), 2 * len(shown), columns=2, legend=2) as (figure, axes):
+    with panelled(plots.WIDE, 2.8 * len(shown), 2 * len(shown), columns=2, legend=2) as (figure, axes):
         for left, right, fit in zip(axes[::2], axes[1::2], shown, strict=True):
             record, names = fit.record, ("P", "delta") if fit.record.loaded else ("delta", "P")
             pairs = ((left, record.imposed, fit.imposed, names[0]), (right, record.response, fit.response, names[1]))
             for place, read, model, name in pairs:
                 (time, t_label), (factor, label) = axis_of("t", record.t), axis_of(name, read)
                 thin = 1 + read.size // READINGS
-                seen: dict[str, Any] = {"ms": 3, "color": SKY, "mfc": "none", "label": "readings"}
+                seen: dict[str, Any] = {"ms": 3, "color": plots.SKY, "mfc": "none", "label": "readings"}
                 place.plot(record.t[::thin] / time, read[::thin] / factor, "o", **seen)
-                place.plot(record.t / time, model / factor, color=ORANGE, lw=1.2, label="model")
+                place.plot(record.t / time, model / factor, color=plots.ORANGE, lw=1.2, label="model")
                 place.set(xlabel=t_label, ylabel=label)
             left.set_title(pretty(str(fit.relaxation)), fontsize=8)
         return figure

@@ -20,43 +20,22 @@ from ...fitting.procedure import Failure
 from ...fitting.rate import LawAlongRecords
 from ...fitting.result import Fit
 from ...fitting.work import WorkAlong, typical
+from .. import plots
 from ..archive import DOUBTFUL, FITTED, IMAGES, STATUSES, UNUSABLE, Map, status_of
-from . import (
-    BLACK,
-    BLUE,
-    COLORS,
-    GREEN,
-    LABELS,
-    LARGER,
-    MIDDLE,
-    NARROW,
-    ORANGE,
-    PURPLE,
-    SKY,
-    WIDE,
-    Axes,
-    Figure,
-    axis_of,
-    enlarged,
-    log_ends,
-    log_ticks,
-    panelled,
-    pretty,
-    unit_of,
-)
+from . import Axes, Figure, axis_of, enlarged, log_ends, log_ticks, panelled, pretty, unit_of
 
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
-STATUS_LOOKS = {FITTED: (BLUE, "o"), DOUBTFUL: (ORANGE, "^"), UNUSABLE: (BLACK, "x")}
+STATUS_LOOKS = {FITTED: (plots.BLUE, "o"), DOUBTFUL: (plots.ORANGE, "^"), UNUSABLE: (plots.BLACK, "x")}
 BRANCH_GAP = 0.3  # choice: of the largest contact radius, a step of the fitted line beyond which it is not joined
 ARROW_ROWS = 8  # choice: fewest rows of a branch in contact for an arrow
-MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
+MARKS = {"a": (plots.GREEN, "s"), "delta": (plots.BLUE, "^"), "P": (plots.ORANGE, "o")}
 MARKERS = 300  # choice: measured points that are drawn; more hide the fitted line
 
 
 def fit_figure(fit: Fit) -> Figure:
     """Three panels, or two where the data tell no joint region of E* and w."""
     region = fit.covariance is not None and {"modulus", "w"} <= set(fit.free)
-    with panelled(WIDE if region else MIDDLE, 2.8, 3 if region else 2, legend=5) as (figure, panels):
+    with panelled(plots.WIDE if region else plots.MIDDLE, 2.8, 3 if region else 2, legend=5) as (figure, panels):
         _curve(panels[0], fit)
         _residuals(panels[1], fit)
         if region:
@@ -70,13 +49,13 @@ def _curve(axes: Axes, fit: Fit) -> None:
     measured = [fit.data[name] / unit for name, unit in zip((x, y), units, strict=True)]
     places = [axes]
     touched = fit.a > 0
-    if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
+    if touched.any() and np.ptp(measured[0][touched]) < plots.LARGER * np.ptp(measured[0]):
         across, up = measured
         level = (float(np.median(up[~touched])) - up.min()) / np.ptp(up)
         places.append(enlarged(axes, across[touched], up[touched], 0.05 + 0.9 * level))
     for place in places:
         thin = 1 + fit.a.size // MARKERS
-        place.plot(*(values[::thin] for values in measured), "o", color=SKY, ms=3, mfc="none", label="measured")
+        place.plot(*(values[::thin] for values in measured), "o", color=plots.SKY, ms=3, mfc="none", label="measured")
         for label, colour, rows in _branches(fit):
             line = [np.where(rows, fit.line[name], np.nan) / unit for name, unit in zip((x, y), units, strict=True)]
             place.plot(*_broken(fit.line["a"], line), "-", color=colour, lw=1.2, label=label)
@@ -94,8 +73,11 @@ def _branches(fit: Fit) -> list[tuple[str, str, Array]]:
     else:
         turn = _reversal(fit, a)
     if not 0 < turn < a.size - 1:
-        return [("fitted", BLACK, near)]
-    return [("fitted, approach", BLUE, near & (place <= turn)), ("fitted, retraction", ORANGE, near & (place >= turn))]
+        return [("fitted", plots.BLACK, near)]
+    return [
+        ("fitted, approach", plots.BLUE, near & (place <= turn)),
+        ("fitted, retraction", plots.ORANGE, near & (place >= turn)),
+    ]
 
 
 def _reversal(fit: Fit, a: Array) -> int:
@@ -120,7 +102,7 @@ def _arrow(axes: Axes, line: Sequence[Array], a: Array, colour: str) -> None:
     if others.size == 0:
         return
     other = others[np.argmin(np.abs(others - middle))]
-    begin, end = (middle, other) if (a[other] > a[middle]) == (colour == BLUE) else (other, middle)
+    begin, end = (middle, other) if (a[other] > a[middle]) == (colour == plots.BLUE) else (other, middle)
     tail, head = ((float(line[0][row]), float(line[1][row])) for row in (begin, end))
     axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2, "mutation_scale": 9})
 
@@ -138,12 +120,12 @@ def _residuals(axes: Axes, fit: Fit) -> None:
     if fit.quality is not None:  # all scatter is in the load
         factor, label = axis_of("delta", fit.data["delta"])
         turn = _reversal(fit, fit.a)
-        for colour, rows in ((BLUE, slice(None, turn)), (ORANGE, slice(turn, None))):
+        for colour, rows in ((plots.BLUE, slice(None, turn)), (plots.ORANGE, slice(turn, None))):
             axes.plot(fit.data["delta"][rows] / factor, fit.residuals[0, rows] / scatter, ".", color=colour, ms=1.5)
         axes.set_xlabel(label)
         return
     factor, label = axis_of("a", fit.a)
-    names = ["normal distance"] if fit.residuals.shape[0] == 1 else [LABELS[name] for name in fit.data]
+    names = ["normal distance"] if fit.residuals.shape[0] == 1 else [plots.LABELS[name] for name in fit.data]
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in fit.data]
     for values, name, (colour, mark) in zip(fit.residuals, names, marks, strict=True):
         axes.plot(fit.a / factor, values / scatter, mark, color=colour, ms=3, mfc="none", label=name)
@@ -168,8 +150,8 @@ def _region(axes: Axes, fit: Fit) -> None:
     x, y = radius * size[:, None] * (root @ np.stack([np.cos(angle), np.sin(angle)]))
     E, w = x, y
     E, w = (fit.value("modulus") + E) * factor, (fit.value("w") + w) / w_unit
-    axes.plot(E, w, "-", color=ORANGE, label=f"{fit.settings.level * 100:g} % region (statistical)")
-    axes.plot(fit.value("E_star") / E_unit, fit.value("w") / w_unit, "+", color=BLUE, ms=8)
+    axes.plot(E, w, "-", color=plots.ORANGE, label=f"{fit.settings.level * 100:g} % region (statistical)")
+    axes.plot(fit.value("E_star") / E_unit, fit.value("w") / w_unit, "+", color=plots.BLUE, ms=8)
     axes.set(xlabel=E_label, ylabel=w_label)
     axes.ticklabel_format(useOffset=False)
     axes.xaxis.set_major_locator(MaxNLocator(4))
@@ -182,16 +164,16 @@ def joint_figure(joint: JointFit) -> Figure:
     factors, labels = zip(*(
         axis_of(name, *(np.ptp(one.data[name][one.a > 0]) for one in together)) for name in (x, y)
     ), strict=True)  # fmt: skip
-    with panelled(MIDDLE, 2.8, legend=4) as (figure, [axes]):
+    with panelled(plots.MIDDLE, 2.8, legend=4) as (figure, [axes]):
         for i, one in enumerate(together):
             zeros = [_zero(one, name) for name in (x, y)]
             near = [one.data[name][one.a > 0] for name in (x, y)]
             touching = (one.line["a"] > 0) & _near_rows(one)
             line = [np.where(touching, one.line[name], np.nan) for name in (x, y)]
             read, curve = ([(v - o) / f for v, o, f in zip(p, zeros, factors, strict=True)] for p in (near, line))
-            axes.plot(*read, "o", color=COLORS[i % len(COLORS)], ms=3, mfc="none", label=pretty(one.name))
+            axes.plot(*read, "o", color=plots.COLORS[i % len(plots.COLORS)], ms=3, mfc="none", label=pretty(one.name))
             label = "fitted" if one is together[-1] else None
-            axes.plot(*_broken(one.line["a"], curve), "-", color=BLACK, lw=1.0, label=label)
+            axes.plot(*_broken(one.line["a"], curve), "-", color=plots.BLACK, lw=1.0, label=label)
         axes.set(xlabel=labels[0], ylabel=labels[1])
         return figure
 
@@ -210,7 +192,7 @@ def map_figure(scan: Map) -> Figure:
     """Six images over the positions of the curves, over columns and rows where none are known."""
     length, word = unit_of("length", np.ptp(scan.x), np.ptp(scan.y)) if scan.positions else (1.0, "")
     x, y = (f"$x$ ({word})", f"$y$ ({word})") if scan.positions else ("column", "row")
-    with panelled(WIDE, 4.0, len(scan.images), columns=3, grid=False) as (figure, panels):
+    with panelled(plots.WIDE, 4.0, len(scan.images), columns=3, grid=False) as (figure, panels):
         for i, (panel, (name, image)) in enumerate(zip(panels, scan.images.items(), strict=False)):
             _image(figure, panel, scan, name, image, length)
             panel.set_xlabel(x if i + 3 >= len(scan.images) else "")
@@ -223,7 +205,7 @@ def curves_figure(outcomes: Sequence[Fit | Failure]) -> Figure:
     axis."""
     numbers = np.arange(1, len(outcomes) + 1)
     status = np.array([status_of(item) for item in outcomes])
-    with panelled(WIDE, 4.6, 2, columns=1, legend=len(STATUS_LOOKS)) as (figure, panels):
+    with panelled(plots.WIDE, 4.6, 2, columns=1, legend=len(STATUS_LOOKS)) as (figure, panels):
         for axes, name in zip(panels, ("E_star", "w"), strict=True):
             found = [None if isinstance(item, Failure) else item.work if name == "w" else item.estimate(name)
                      for item in outcomes]  # fmt: skip
@@ -244,7 +226,7 @@ def curves_figure(outcomes: Sequence[Fit | Failure]) -> Figure:
             axes.set_ylim(least - room, most + room)
             axes.ticklabel_format(axis="y", useOffset=False)
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-            axes.set_ylabel(f"{'$w$' if name == 'w' else LABELS[name]} ({unit})")
+            axes.set_ylabel(f"{'$w$' if name == 'w' else plots.LABELS[name]} ({unit})")
         panels[-1].set_xlabel("curve")
         return figure
 
@@ -265,7 +247,7 @@ def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array, lengt
     bar = figure.colorbar(drawn, ax=axes, format=ScalarFormatter(useOffset=False))
     if name == "status":
         bar.set_ticks(range(len(STATUSES)), labels=STATUSES)
-    label = LABELS.get(name, name.replace("_", " "))
+    label = plots.LABELS.get(name, name.replace("_", " "))
     axes.set_title(f"{label} ({unit})" if unit else label)
     axes.set_aspect("equal")
 
@@ -281,8 +263,8 @@ def _edges(middle: Array, pitch: float) -> Array:
 # --------------------------------------------------------------------------------------------------
 # Figures of measured records: directions, base lines, touch, jumps and adhesion as they were found.
 
-LETTERS = round(WIDE * 72 / 6)  # of a line as wide as the figure; theory: one of 9 points is 6 wide, with its gap
-LOOKS, GREY = {"approach": (BLUE, 2.0), "retract": (ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
+LETTERS = round(plots.WIDE * 72 / 6)  # of a line as wide as the figure; theory: one of 9 points is 6 wide, with its gap
+LOOKS, GREY = {"approach": (plots.BLUE, 2.0), "retract": (plots.ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
 
 
 def record_figure(records: Sequence[ForceCurve]) -> Figure:
@@ -298,7 +280,7 @@ def record_figure(records: Sequence[ForceCurve]) -> Figure:
         unit_of(dimension, *(getattr(record.curve, name) for record in shown))
         for name, dimension in (("device", "length"), ("P", "load"))
     )
-    with panelled(WIDE, max(3.6, 2.2 * rows + 0.6), len(shown), columns, legend=4) as (figure, panels):
+    with panelled(plots.WIDE, max(3.6, 2.2 * rows + 0.6), len(shown), columns, legend=4) as (figure, panels):
         for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
             _panel(panel, record, x, y, round(LETTERS / columns))
             what = "displacement" if record.curve.stiffness is None else "position z of the cantilever"
@@ -315,7 +297,7 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
     places, touches = [axes], [item.touch for item in record.directions if isinstance(item.touch, float)]
     # The rows from the outermost touch on are drawn once more, larger, where the free way is long: there is room in a
     # panel of the whole width
-    if letters == LETTERS and touches and z.max() - min(touches) < LARGER * np.ptp(z):
+    if letters == LETTERS and touches and z.max() - min(touches) < plots.LARGER * np.ptp(z):
         near = z >= min(touches)
         level = (float(np.median(curve.P[~near])) - curve.P.min()) / np.ptp(curve.P)
         places.append(enlarged(axes, z[near] / x, curve.P[near] / y, 0.05 + 0.9 * level))
@@ -343,22 +325,26 @@ def _marks(axes: Axes, item: Direction, position: Array, x: float, y: float) -> 
     if not item.based:
         return
     ends = np.array([position.min(), position.max()])
-    axes.plot(ends / x, item.base(ends) / y, color=BLACK, ls="--", lw=0.7, label="base line")
+    axes.plot(ends / x, item.base(ends) / y, color=plots.BLACK, ls="--", lw=0.7, label="base line")
     if not isinstance(item.touch, Unknown):
         level = float(item.base(np.array(item.touch)))
-        axes.errorbar(item.touch / x, level / y, xerr=item.touch_err / x, fmt="o", ms=4, mfc="none", color=BLACK,
+        axes.errorbar(item.touch / x, level / y, xerr=item.touch_err / x, fmt="o", ms=4, mfc="none", color=plots.BLACK,
                       label="contact begins or ends")  # fmt: skip
     if not isinstance(item.adhesion, Unknown):
         level = float(item.base(np.array(item.adhesion_at))) - item.adhesion
-        axes.plot(item.adhesion_at / x, level / y, "v", ms=5, color=BLACK, mfc="none", label="adhesion force")
+        axes.plot(item.adhesion_at / x, level / y, "v", ms=5, color=plots.BLACK, mfc="none", label="adhesion force")
     for jump in item.jumps:
-        axes.axvline(jump.position / x, color=PURPLE, lw=0.8, ls=":", label="jump")
+        axes.axvline(jump.position / x, color=plots.PURPLE, lw=0.8, ls=":", label="jump")
 
 
 # --------------------------------------------------------------------------------------------------
 # Figures of the work of adhesion along measured curves.
 
-GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
+GROUPS = {
+    "measured": (plots.GREEN, "o"),
+    "advancing": (plots.BLUE, "^"),
+    "receding": (plots.ORANGE, "v"),
+}  # told apart in grey too
 
 
 def work_figure(curves: Sequence[WorkAlong], law: LawAlongRecords | None = None) -> Figure:
@@ -368,7 +354,7 @@ def work_figure(curves: Sequence[WorkAlong], law: LawAlongRecords | None = None)
     """
     groups = _groups(curves)
     timed = "measured" not in groups
-    width, count, legend = (WIDE, 2, 3) if timed else (NARROW, 1, 0)
+    width, count, legend = (plots.WIDE, 2, 3) if timed else (plots.NARROW, 1, 0)
     with panelled(width, 3.0, count, legend=legend) as (figure, axes):
         w, label = axis_of("w", typical(curves))
         a, radius_label = axis_of("a", *(rows["a"] for rows in groups.values()))
@@ -418,9 +404,9 @@ def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float,
     if law is not None:
         v = np.geomspace(*law.speeds, 100)
         middle, low, high = law.band(v)
-        axes.fill_between(v / speed, low / w, high / w, color=BLACK, alpha=0.2, lw=0)
-        axes.loglog(v / speed, middle / w, color=BLACK, label="power law")
+        axes.fill_between(v / speed, low / w, high / w, color=plots.BLACK, alpha=0.2, lw=0)
+        axes.loglog(v / speed, middle / w, color=plots.BLACK, label="power law")
     axes.set_xlim(*log_ends(np.concatenate([np.abs(rows["speed"]) / speed for rows in groups.values()])))
     axes.set_ylim(*log_ends(np.concatenate([rows["w"] / w for rows in groups.values()])))
     log_ticks(axes.xaxis, axes.yaxis)
-    axes.set_xlabel(f"{LABELS['speed']} ({unit}/s)")
+    axes.set_xlabel(f"{plots.LABELS['speed']} ({unit}/s)")

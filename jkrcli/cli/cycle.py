@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,7 +19,6 @@ from ..base.errors import InputError
 from ..base.files import together
 from ..base.registry import Result
 from ..base.units import show
-from ..bodies.materials import Relaxation
 from ..methods.protocol import Limits
 from ..report.forward import Cycled, CycledByProgram
 from ..report.rate import (
@@ -31,7 +30,7 @@ from ..report.rate import (
     traced_histories,
 )
 from ..report.result import PICTURES, Output
-from ..resolve.analysis import Analysis, analyse, with_solved_points
+from ..resolve.analysis import analyse, with_solved_points
 from ..resolve.histories import curves_from_rest, pull_off_in_limits, rest_of
 from ..series import Solution
 from . import inputs, options
@@ -148,27 +147,54 @@ class RateOptions:
 rate_options = options.as_one("rates", RateOptions)
 
 
-def run(
-    curves: Sequence[Analysis], stiffness: float, points: int, rates: RateOptions, history: str = ""
-) -> CycledAtSpeed:
-    """What happens over time; ``curves``: those of approach and of retraction; ``history``: of a viscoelastic
-    specimen, in words."""
-    inwards, outwards = curves
-    law = rate_law_of(rates.rate or {}, "--rate")
-    advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
-    contact = RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
-    program = rates.program_of(contact)
-    return CycledAtSpeed.of(contact, program, outwards, stress=rates.stress, points=points, history=history)
+def cycled(
+    solution: Solution, works: tuple[float, float], stiffness: float, points: int, how: options.CurveOptions,
+    rates: RateOptions, ranged: RangeRequest, history: LoadingHistory | None = None,
+) -> Result:  # fmt: skip
+    """The cycle with the ``works`` of adhesion [J/m^2] on approach and retraction by a device of a ``stiffness`` [N/m];
+    that of a viscoelastic specimen at the moduli after a loading ``history``."""
+    share, words = (1.0, "") if history is None else (history.moduli, history.words)
+    curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)
+    inwards, outwards = results = [with_solved_points(curve, stiffness) for curve in curves]
 
+    # A body that relaxes over time, without adhesion
+    if (law := solution.problem.specimen.relaxation) is not None and history is None:
+        if rates.rate is not None:
+            raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
+        if rates.speed is None and rates.program is None:
+            raise InputError('cycle: viscoelastic specimen: give the motion, --speed "10 um/s" or --program TABLE')
+        relaxing = RelaxingContact(inwards.jkr.nonadhesive, law, stiffness)
+        return CycledRelaxing.of(relaxing, rates.program_of(relaxing), inwards.path, points)
 
-def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int, rates: RateOptions) -> CycledRelaxing:
-    """What happens over time to a body that relaxes, without adhesion."""
+    # A body that does not: with a w that depends on the speed of the edge, by a table, or there and back
     if rates.rate is not None:
-        raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
-    if rates.speed is None and rates.program is None:
-        raise InputError('cycle: viscoelastic specimen: give the motion, --speed "10 um/s" or --program TABLE')
-    contact = RelaxingContact(body.jkr.nonadhesive, law, stiffness)
-    return CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
+        w = rate_law_of(rates.rate, "--rate")
+        advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
+        contact = RateContact(outwards.jkr.nonadhesive, w, outwards.w, inwards.w, stiffness, advance)
+        program = rates.program_of(contact)
+        return CycledAtSpeed.of(contact, program, outwards, stress=rates.stress, points=points, history=words)
+    if rates.program is not None:
+        return CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points)
+    return Cycled.of(results, stiffness, rates.to_load, rates.to_depth, points, words)
+
+
+def followed(
+    solution: Solution, works: tuple[float, float], stiffness: float, points: int, how: options.CurveOptions,
+    rates: RateOptions, ranged: RangeRequest, rest: Rest | None, compare_rate: bool,
+) -> CycledAdhering:  # fmt: skip
+    """Adhesion of a viscoelastic specimen over time, from ``rest`` on where there is one, with its limits."""
+    law, slopes, factor, w = solution.problem.specimen.relaxation, how.slopes, how.modulus_factor, works[1]
+    assert law is not None
+    contact = RelaxingAdhesion.of(solution.scaled(factor), ranged.law(w), law, stiffness)
+    if rest is None:
+        program = rates.program_of(contact)
+    else:
+        contact = replace(contact, rests=True)
+        program = rates.pulled(contact.pulled_from(rest), stiffness)
+    histories = traced_histories(solution, rest, rates.to_load, rates.to_depth)
+    at_rest = next((one for one in histories if one.rest is not None), None)
+    limits = pull_off_in_limits(solution, w, ranged, at_rest, slopes, factor)
+    return followed_with_limits(solution, contact, program, limits, slopes, factor, points, compare_rate=compare_rate)
 
 
 def read_program(path: Path, stiffness: float) -> Program:
@@ -225,7 +251,13 @@ def cycle(
     law = solution.problem.specimen.relaxation
     if law is None:
         rates.refuse_without_time()
-    works = _works(solution, w_approach, w_retract)
+    if w_approach is not None:
+        approach = w_approach
+    elif law is not None and not solution.record.w:  # of a specimen that relaxes 0 where none is named
+        approach = 0.0
+    else:
+        approach = inputs.works_of(solution, "--w-approach")[0]
+    works = approach, approach if w_retract is None else w_retract
     adhering = law is not None and any(works)
     if adhering:
         rates.refuse_in_limits(bool(how.of(solution)))
@@ -235,9 +267,17 @@ def cycle(
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, how = replace(rates, stress=how.stress), replace(how, stress=None)
     ranged = how.of(solution)
-    if ranged:
-        _refuse_range(rates, works)
-    _begin_program(rates.program, points, limits)
+    if ranged and rates.rate is not None:
+        raise InputError("cycle: --rate has no adhesion of finite range: leave --range and the case's out")
+    if ranged and works[0] != works[1]:
+        raise InputError(
+            "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
+            f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
+        )
+    if rates.program is not None:
+        per_row = inputs.TABLE_CYCLE_PER_ROW + inputs.TABLE_CYCLE_PER_POINT * points
+        inputs.begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
+                             per_row=per_row, mib_per_row=inputs.TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
     rest, known = rest_of(rest_load, rest_depth), tuple[LoadingHistory, ...]()
     if in_limits:
         rests = rates.rate is None and not ranged
@@ -246,6 +286,7 @@ def cycle(
         raise InputError(
             "cycle: --rest-load and --rest-depth are for adhesion on a viscoelastic specimen: leave them out"
         )
+
     names = [one.name for one in known] or [""]
     ends = _told(w_approach, w_retract, stiffness, rates, rest, ranged, how.modulus_factor)
     stem = output.folder(file.parent) / f"{file.stem}-cycle{ends}"
@@ -253,42 +294,18 @@ def cycle(
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
     inputs.begin_curves("cycle", [solution], [works], limits, [ranged])
 
+    asked = solution, works, stiffness, points, how, rates, ranged
+
     def after(history: LoadingHistory) -> Result:
         if history.rest is None:
-            return cycled(history.moduli, history.words)
+            return cycled(*asked, history)
         curves = curves_from_rest(solution, works, history, how.slopes, how.modulus_factor, stiffness)
         return Cycled.from_rest(solution.record.path, *curves, stiffness, points, history.words)
 
-    def followed() -> CycledAdhering:
-        """Adhesion over time, from ``rest`` on where there is one, with its limits."""
-        assert law is not None
-        scaled = solution.scaled(how.modulus_factor)
-        contact = RelaxingAdhesion.of(scaled, ranged.law(works[1]), law, stiffness)
-        if rest is None:
-            program = rates.program_of(contact)
-        else:
-            contact = replace(contact, rests=True)
-            program = rates.pulled(contact.pulled_from(rest), stiffness)
-        histories = traced_histories(solution, rest, rates.to_load, rates.to_depth)
-        at_rest = next((one for one in histories if one.rest is not None), None)
-        limits = pull_off_in_limits(solution, works[1], ranged, at_rest, how.slopes, how.modulus_factor)
-        return followed_with_limits(
-            solution, contact, program, limits, how.slopes, how.modulus_factor, points, compare_rate=compare_rate
-        )
-
-    def cycled(share: float = 1.0, history: str = "") -> Result:
-        curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)
-        results = [with_solved_points(curve, stiffness) for curve in curves]
-        if law is not None and not in_limits:
-            return run_relaxing(results[0], law, stiffness, points, rates)
-        # The trace of bodies that do not relax: with speeds, by a table, or there and back.
-        if rates.rate is not None:
-            return run(results, stiffness, points, rates, history)
-        if rates.program is not None:
-            return CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points)
-        return Cycled.of(results, stiffness, rates.to_load, rates.to_depth, points, history)
-
-    result = CycledInLimits.of(file, known, after) if known else followed() if adhering else cycled()
+    if known:
+        result: Result = CycledInLimits.of(file, known, after)
+    else:
+        result = followed(*asked, rest, compare_rate) if adhering else cycled(*asked)
     cycles = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
     with together():
         for one, files in zip(cycles, targets, strict=True):
@@ -315,30 +332,3 @@ def _told(
     if rates.stress is not None:
         parts.append(f"-stress{rates.stress:g}")
     return "".join(parts if factor == 1 else [*parts, f"-modulus{factor:g}"])
-
-
-def _begin_program(program: Path | None, points: int, limits: Limits) -> None:
-    """Say what it takes to follow a ``program``, if there is one, with so many rows for each of its own."""
-    if program is not None:
-        per_row = inputs.TABLE_CYCLE_PER_ROW + inputs.TABLE_CYCLE_PER_POINT * points
-        inputs.begin_reading("cycle --program", [program], limits, "fewer rows of the program, or fewer --points",
-                      per_row=per_row, mib_per_row=inputs.TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
-
-
-def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
-    """InputError where adhesion of finite range would lose energy otherwise than in its jumps."""
-    if rates.rate is not None:
-        raise InputError("cycle: --rate has no adhesion of finite range: leave --range and the case's out")
-    if works[0] != works[1]:
-        raise InputError(
-            "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
-            f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
-        )
-
-
-def _works(solution: Solution, approach: float | None, retract: float | None) -> tuple[float, float]:
-    """The works of adhesion [J/m^2] of approach and retraction; of a specimen that relaxes 0 where none is named."""
-    if approach is None:
-        free = solution.problem.specimen.relaxation is not None and not solution.record.w
-        approach = 0.0 if free else inputs.works_of(solution, "--w-approach")[0]
-    return approach, approach if retract is None else retract

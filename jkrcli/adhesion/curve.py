@@ -138,15 +138,16 @@ class EquilibriumCurve(ABC):
         def P(self) -> Array:
             """Load [N] at the points."""
 
-    @property
-    def complete(self) -> bool:
-        """Whether it begins where the free bodies do, with nothing before its first point."""
-        return False
+        @property
+        def complete(self) -> bool:
+            """Whether it begins where the free bodies do, with nothing before its first point."""
 
-    @property
-    def onset(self) -> float:
-        """Displacement [m] at which the free bodies begin to attract each other."""
-        return 0.0
+        @property
+        def onset(self) -> float:
+            """Displacement [m] at which the free bodies begin to attract each other."""
+
+    else:
+        complete, onset = False, 0.0  # without a range
 
     @property
     @abstractmethod

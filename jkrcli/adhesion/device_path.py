@@ -490,7 +490,7 @@ class Follow(Piece):
         return np.divide(rate, rising, out=np.full_like(a, np.copysign(np.inf, rate)), where=rising > 0)
 
     def unloaded(self) -> Follow | None:
-        places = [place for place in self.curve.radii(P=0.0) if place > 0 and self.holds(place)]
+        places = [place for place in self.curve.radii_at(0.0, LOAD_CONTROL) if place > 0 and self.holds(place)]
         return replace(self, place=places[0]) if places else None
 
     def holds(self, place: float) -> bool:

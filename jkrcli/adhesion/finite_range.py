@@ -97,9 +97,9 @@ class RangeRequest:
     @property
     def suffix(self) -> str:
         """What distinguishes names of files: ``-stress1e+08``, ``-range3e-10``."""
-        if self.stress is not None:
-            return f"-stress{self.stress:g}"
-        return "" if self.length is None else f"-range{self.length:g}"
+        if not self:
+            return ""
+        return f"-range{self.length:g}" if self.stress is None else f"-stress{self.stress:g}"
 
 
 # Points of the curve, and the error of its interpolation.

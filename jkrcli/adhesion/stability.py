@@ -148,6 +148,18 @@ class Stability:
         """The control in words."""
         return control(self.stiffness)
 
+    @property
+    def energy_lost_error(self) -> Estimate:
+        """90 % half-width of the energy lost per cycle [J], or why there is none."""
+        return self.whole if isinstance(self.whole, Unknown) else energy_lost_error(self.whole)
+
+    @property
+    def separation_error(self) -> Estimate:
+        """90 % half-width of the work of separation [J], or why there is none."""
+        if self.retraction is None or isinstance(self.separation, Unknown):
+            return self.separation
+        return separation_error(self.retraction)
+
 
 def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Stability]:
     """The behaviour of ``curve`` under each of the ``devices`` of a stiffness [N/m]."""

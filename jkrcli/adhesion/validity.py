@@ -24,6 +24,7 @@ from ..bodies.indenters import Indenter
 from ..bodies.materials import INCOMPRESSIBLE, Elastic
 from ..bodies.problem import HalfSpace, Problem
 from ..formulas import BY_DISPLACEMENT, BY_LOAD, edge_angle, strained_pull_off, tabor
+from ..series import Series
 
 if TYPE_CHECKING:
     from .curve import Equilibrium
@@ -143,7 +144,7 @@ def large_strains(problem: Problem, w: float, point: Equilibrium, loaded: bool =
 
     Known of rigid spheres on incompressible half-spaces and layers as thick as R, up to (w/(E* R))^(1/3) = 0.3.
     """
-    R, specimen = problem.indenter.tip_radius, problem.specimen
+    R, depth = problem.indenter.tip_radius, problem.specimen.yielding_depth
     if R is None or w == 0:
         return None
     if strains_are_known(problem):
@@ -152,7 +153,7 @@ def large_strains(problem: Problem, w: float, point: Equilibrium, loaded: bool =
         if found is None:
             return Unknown(f"beyond the estimate: (w/(E* R))^(1/3) = {wc:.3g} is above 0.3")
         return found if strain_size(found) >= LIMITS.strains_said else None
-    ratios = {"a/R": point.a / R, "|delta|/h": abs(point.delta) / specimen.yielding_depth}
+    ratios = {"a/R": point.a / R, "|delta|/h": abs(point.delta) / depth}
     name = max(ratios, key=lambda each: ratios[each])
     if ratios[name] <= LIMITS.strained:
         return None
@@ -197,8 +198,8 @@ def with_large_strains(judged: Validity, change: Strains) -> Validity:
 def sizes(problem: Problem) -> dict[str, Any]:
     """What ``judge`` asks of the bodies themselves."""
     specimen, indenter = problem.specimen, problem.indenter
-    lengths = {"E_star": problem.E_star, "R": indenter.tip_radius, "h": specimen.top_thickness}
-    return lengths | {"depth": specimen.yielding_depth, "tension": specimen.surface_tension, "profile": indenter.noun}
+    of_specimen = {"h": specimen.top_thickness, "depth": specimen.yielding_depth, "tension": specimen.surface_tension}
+    return {"E_star": problem.E_star, **of_specimen, "R": indenter.tip_radius, "profile": indenter.noun}
 
 
 def refuse_wetting(w: float, tension: float) -> None:
@@ -219,6 +220,23 @@ def end_of_body(problem: Problem, facts: Mapping[str, Any]) -> float | None:
     if isinstance(problem.specimen.base, HalfSpace):
         ends.append(facts.get("depth_m"))
     return min((float(end) for end in ends if isinstance(end, int | float) and end > 0), default=None)
+
+
+def judge_solution(
+    problem: Problem,
+    series: Series,
+    facts: Mapping[str, Any],
+    *,
+    w: float = 0.0,
+    z0: float | None = None,
+    a_pull_off: float | None = None,
+    effect_of_range: Estimate = NOT_SOLVED,
+) -> Validity:
+    """Judge a solved ``problem`` by the end of its ``series``; ``facts``: those of the solution, the rest as of
+    ``judge``."""
+    return judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=w, **sizes(problem), z0=z0,
+                 L=end_of_body(problem, facts), end_is_cut=problem.specimen.radius is None, a_pull_off=a_pull_off,
+                 effect_of_range=effect_of_range)  # fmt: skip
 
 
 def judge(
@@ -253,7 +271,7 @@ def judge(
         differs = f"at the range z0 the pull-off force differs by {effect_of_range:+.2%}"
         holds = "JKR holds" if abs(effect_of_range) < LIMITS.effect else differs
     else:
-        holds = f"unknown: {number}" if isinstance(number, Unknown) else regime(number)
+        holds = f"unknown: {number.reason}" if isinstance(number, Unknown) else regime(number)
     return Validity(
         number,
         holds,
@@ -327,14 +345,14 @@ def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
     )
 
 
-def faces(indenter: Indenter, w: float, layered: bool) -> tuple[str, ...]:
+def faces(problem: Problem, w: float) -> tuple[str, ...]:
     """A warning where a body of revolution stands for a tip that is none, and more than its load matters."""
-    share = indenter.contact_share
-    if share == 1 or not (w > 0 or layered):
+    share = problem.indenter.contact_share
+    if share == 1 or not (w > 0 or problem.layers):
         return ()
     return (
-        f"the {indenter.noun} has {share:.2g} of the contact area of the cone that stands for it: w acts about as "
-        f"{share:.2g} w, which changes pull-off from a half-space by {share**2 - 1:.0%}, and layers act as under "
+        f"the {problem.indenter.noun} has {share:.2g} of the contact area of the cone that stands for it: w acts about "
+        f"as {share:.2g} w, which changes pull-off from a half-space by {share**2 - 1:.0%}, and layers act as under "
         f"{math.sqrt(share):.2g} of the contact radius; without both its load is right to 1e-4",
     )
 

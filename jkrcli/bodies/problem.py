@@ -148,17 +148,19 @@ class Specimen:
     @property
     def words(self) -> str:
         """``a layer (E = 1 MPa, nu = 0.4, h = 1 um) on a rigid base``."""
+        base = "" if self.is_half_space else self._words_of_base
+        height = f"h = {show(self.top_thickness, 'length')}" if base else ""
         surface = self.materials[0].words
         if self.surface_tension:
             surface += f", surface tension {show(self.surface_tension, 'tension')}"
-        if self.is_half_space:
+        if not base:
             return f"a half-space ({surface})"
         count = len(self.layers)
         layers, top = ("a layer", "") if count == 1 else (f"{count} layers", " on top")
         side = ""
         if self.radius is not None:
             side = f", cylinder of radius {show(self.radius, 'length')}, side {self.side}"
-        return f"{layers} ({surface}, h = {show(self.top_thickness, 'length')}{top}{side}) on {self._words_of_base}"
+        return f"{layers} ({surface}, {height}{top}{side}) on {base}"
 
     @property
     def _words_of_base(self) -> str:
@@ -271,14 +273,13 @@ class Problem:
     @property
     def words(self) -> str:
         """``sphere R = 100 um on a half-space (E = 5 GPa, nu = 0.4) to a depth of 3 um``."""
-        loading, elastic = self.loading, "" if self.indenter.material is None else "elastic "
-        quantity = "contact radius" if loading.to == "radius" else loading.to
+        elastic, to = "" if self.indenter.material is None else "elastic ", self.loading.to
+        end = f"{'contact radius' if to == 'radius' else to} of {self.loading.goal}"
         stuck = ", no slip," if self.sticks else ""
         more = " on top" if len(self.coatings) > 1 else ""
         coated = f", coated ({self.coatings[0].words}{more})," if self.coatings else ""
-        return (
-            f"{elastic}{self.indenter.words}{coated} on {self.specimen.words}{stuck} to a {quantity} of {loading.goal}"
-        )
+        where = f"on {self.specimen.words}{stuck} to a {end}"
+        return f"{elastic}{self.indenter.words}{coated} {where}"
 
     def scaled(self, factor: float) -> Problem:
         """The same problem with every modulus, tension and prescribed load multiplied by ``factor``."""

@@ -624,6 +624,11 @@ class RootTable(Table):
     """A whole file."""
 
     @classmethod
+    def for_tables(cls, tree: Mapping[str, Any]) -> type[Self]:
+        """The model that reads the tables ``tree``: this one, or what is registered beside it."""
+        return cls
+
+    @classmethod
     def keys_at(cls, path: tuple[str, ...]) -> list[str]:
         """The keys allowed in the table at ``path`` (without list indices, with the tag of a shape or material); what
         is neither key nor tag is the user's name for one of several alike."""
@@ -639,7 +644,7 @@ class RootTable(Table):
 class CaseModel(RootTable):
     """A whole case file: indenter, specimen, loading, adhesion, and the method with its tables.
 
-    Its shapes, methods and their tables are those that are registered: ``case_model`` completes it.
+    Its shapes, methods and their tables are those that are registered: ``for_tables`` completes it.
     """
 
     title: str = ""
@@ -648,6 +653,15 @@ class CaseModel(RootTable):
     specimen: SpecimenTable
     loading: LoadingTable
     adhesion: AdhesionTable = AdhesionTable()
+
+    @classmethod
+    def for_tables(cls, tree: Mapping[str, Any]) -> type[Self]:
+        """The model with the registered methods; of the shapes of indenters with the one that is named in ``tree``, or
+        with all where it is none of them: models are dear to make."""
+        indenter = tree.get("indenter")
+        named = indenter.get("shape") if isinstance(indenter, dict) else None
+        shapes = {named: SHAPES[named]} if isinstance(named, str) and named in SHAPES else dict(SHAPES)
+        return cast(type[Self], _completed(tuple(shapes.items()), tuple(METHODS.values())))
 
     @model_validator(mode="after")
     def _derived(self) -> Self:
@@ -668,17 +682,8 @@ class CaseModel(RootTable):
         return _restored, (self.model_dump(exclude_none=True),)
 
 
-def case_model(tree: Mapping[str, Any]) -> type[CaseModel]:
-    """The model of the case file of the tables ``tree`` with the registered methods; of the shapes of indenters with
-    the one that is named there, or with all where it is none of them: models are dear to make."""
-    indenter = tree.get("indenter")
-    named = indenter.get("shape") if isinstance(indenter, dict) else None
-    shapes = {named: SHAPES[named]} if isinstance(named, str) and named in SHAPES else dict(SHAPES)
-    return _completed(tuple(shapes.items()), tuple(METHODS.values()))
-
-
 def _restored(tree: dict[str, Any]) -> CaseModel:
-    return case_model(tree).model_validate(tree)
+    return CaseModel.for_tables(tree).model_validate(tree)
 
 
 @cache
@@ -694,10 +699,7 @@ def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, .
             owners[place.table] = method
     for table in keys:
         kind = _option_table(table, keys[table], owners[table])
-        try:
-            fields[table] = (kind, kind())
-        except ValidationError:  # a default that its own method refuses is reported when it is used
-            fields[table] = (kind, kind.model_construct())
+        fields[table] = (kind, kind.model_construct())  # a default that its own method refuses is told when it is used
     return create_model("CaseModel", __base__=CaseModel, **fields)
 
 
@@ -734,7 +736,8 @@ def _tables_in(annotation: Any) -> Iterator[type[Table]]:
 
 def method_of(model: CaseModel, name: str) -> Method:
     """The method called ``name`` with the options that the case gives it."""
-    return method_class(name)(**options_of(model, name))
+    options = options_of(model, name)
+    return method_class(name)(**options)
 
 
 def fem_of(model: CaseModel) -> FEM:

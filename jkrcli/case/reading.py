@@ -19,7 +19,7 @@ from ..bodies.indenters import SHAPES
 from ..bodies.materials import LAWS, RELAXATIONS, Coated, Graded, GradedTransverselyIsotropic, Law, Layer, Material
 from ..bodies.problem import HalfSpace, Problem, Specimen
 from ..methods.protocol import METHODS
-from .models import CaseModel, RootTable, UnquotedError, case_model, other_tables
+from .models import CaseModel, RootTable, UnquotedError, other_tables
 
 Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 2 << 20  # choice: of a file, read at about 1 MiB/s; 10,000 points of a profile take a fifth of it
@@ -159,15 +159,16 @@ def plain_toml(text: str) -> str:
 
 def model_of(tree: dict[str, Any], source: str, folder: Path | None = None) -> CaseModel:
     """The case of the tables ``tree``; InputError with a line per mistake, each led by ``source``."""
-    return validated(case_model(tree), tree, source, folder)
+    return validated(CaseModel, tree, source, folder)
 
 
 def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path | None = None) -> Root:
     """The tables of a whole file as a model of ``kind``; InputError with a line per mistake, each led by ``source``."""
+    model = kind.for_tables(tree)
     try:
-        return kind.model_validate(tree, context={"folder": folder})
+        return model.model_validate(tree, context={"folder": folder})
     except ValidationError as error:
-        raise InputError([f"{source}: {line}" for line in _sentences(error, tree, kind.keys_at)]) from None
+        raise InputError([f"{source}: {line}" for line in _sentences(error, tree, model.keys_at)]) from None
 
 
 def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) -> list[str]:

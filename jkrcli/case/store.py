@@ -97,21 +97,23 @@ def write_solution(path: Path, solution: Solution, command_line: str = "") -> No
 def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     series, raw, pressure, record = solution.series, solution.raw, solution.pressure, solution.record
     first = {"a0_m": series.a0} | ({} if series.S0 is None else {"S0_N_per_m": series.S0})
+    errors, columns, larger = _errors(series), _columns(series), dict(_larger_elements(series))
+    made_with = record.versions or versions()
     budget = {
-        name: str(value) if isinstance(value, Unknown) else float(value)
+        name: value.reason if isinstance(value, Unknown) else float(value)
         for name, value in solution.budget.as_dict().items()
     }
-    text = (record.case or case_of(solution.problem)).to_toml(solution.method)
+    text, key = (record.case or case_of(solution.problem)).to_toml(solution.method), solution.problem.key
     members: dict[str, hdf5.Group | hdf5.Dataset] = {
         "case": hdf5.Dataset(text),
-        "series": hdf5.Group(first, _columns(series)),
-        "errors": hdf5.Group(budget, _errors(series)),
+        "series": hdf5.Group(first, columns),
+        "errors": hdf5.Group(budget, errors),
         "facts": hdf5.Group(solution.facts),
         "timings_s": hdf5.sealed(hdf5.Group(solution.timings)),  # by itself: two runs have one digest
-        "versions": hdf5.Group(record.versions or versions()),
+        "versions": hdf5.Group(made_with),
         "warnings": hdf5.Group({str(i): text for i, text in enumerate(solution.warnings)}),
     }
-    members |= dict(_larger_elements(series))
+    members |= larger
     if raw is not None:
         rows = hdf5.unit_column(np.asarray(raw.rows), "1", "number of the row")
         # The distance of nodes to the next ones, where it is known
@@ -135,7 +137,7 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
         r = hdf5.unit_column(pressure.r, "m", "radii of the contact nodes")
         p = hdf5.unit_column(pressure.p, "Pa", "contact pressure, one row per increment")
         members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
-    identity = {"format": SERIES, "version": VERSION, "method": solution.method, "problem_key": solution.problem.key}
+    identity = {"format": SERIES, "version": VERSION, "method": solution.method, "problem_key": key}
     return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
 
 
@@ -215,7 +217,7 @@ class _Reader:
                 if not keys.keys() <= indenter.keys():
                     text = tomli_w.dumps(tree | {"indenter": keys | indenter})
             case = Case(parse_case(text.encode(), source).model, source, text)
-            problem, record = case.model.problem(), record_of(case, self.path)
+            record, problem = record_of(case, self.path), case.model.problem()
         series, raw = self.rows()
         warnings = tuple(map(str, self.words("warnings").values()))
         return Solution(
@@ -244,6 +246,7 @@ class _Reader:
         columns: dict[str, Any] = self.columns("series")
         errors, raw = self.columns("errors", ()), None
         a0, S0 = self.at_first_touch("a0_m"), self.at_first_touch("S0_N_per_m")
+        other = self.coarser(a0 or 0.0) if TOUCHES not in self.root.members else None
         if "increments" in self.root.members:
             rows = self.numbers("increments", "row", 1)
             known = ELEMENT in self.group("increments").members
@@ -255,7 +258,6 @@ class _Reader:
             if not keep.any():
                 raise InputError(f"{self.path}: series: no increment is in contact (all a <= 0)")
             columns, errors = {name: values[keep] for name, values in columns.items()}, {}
-        other = self.coarser(a0 or 0.0) if TOUCHES not in self.root.members else None
         try:
             return Series(**columns, errors=errors, a0=a0 or 0.0, S0=S0, coarser=other), raw
         except InputError as error:
@@ -426,7 +428,7 @@ def solve(
     if isinstance(source, Problem):
         problem, record, named = source, Record(), "auto"
     else:
-        problem, record, named = source.model.problem(), record_of(source), source.model.method
+        record, problem, named = record_of(source), source.model.problem(), source.model.method
     if announce and (words := long_look(problem)):
         announce(words)
     choice: Choice | None = choose_method(problem, method or named, build)

@@ -103,9 +103,9 @@ class LateGroup(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in self.list_commands(ctx):
             return None
-        from .options import level_options
-
         command = self.made(name)
+        from .options import level_options  # the command's module has it already
+
         options = {option for parameter in command.params for option in parameter.opts}
         if name not in self.silent and "--verbose" not in options:
             command.params += level_options(quiet="--force" in options)

@@ -57,10 +57,10 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
         loaded = loaded.with_tolerance(tolerance, method or loaded.model.method)
     target = output.file(Path(f"{case.stem}.h5"), [case], check_series_target)
     choice, solution = solve(loaded, method, limits, note)
-    for stage, used in solution.timings.items():
-        detail(f"{stage}: {used:.3f} s CPU")
     effect = sticking_effect(solution.problem, float(solution.series.a[-1]), ())
     solution = replace(solution, facts={**solution.facts, **effect_facts(effect)})
+    for stage, used in solution.timings.items():
+        detail(f"{stage}: {used:.3f} s CPU")
     write_solution(target, solution, command_line())
     seconds = time.process_time() - start
     give(Solved(target, solution, choice, effect, seconds, tolerance, loaded.remarks), output.json)

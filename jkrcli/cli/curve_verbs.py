@@ -12,7 +12,6 @@ from typing import Any, cast
 import click
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import Rest
 from ..base.errors import InputError
 from ..base.files import atomic, together, write_text
@@ -70,27 +69,29 @@ def transform(
     files, solutions = inputs.read_files("transform", files)
     wanted = [works or inputs.works_of(solution) for solution in solutions]
     ranges = list(map(how.of, solutions))
+    factor = "" if how.modulus_factor == 1 else f"-modulus{how.modulus_factor:g}"
+    ends = [f"{ranged.suffix}{factor}" for ranged in ranges]  # of the names of files
     figures = output.plots and not in_one
     inputs.begin_curves("transform", solutions, wanted, limits, ranges, tables=True, figures=figures)
-    targets, pictures = _files(files, wanted, ranges, how.modulus_factor, in_one, output)
+    targets, pictures = _files(files, wanted, ends, in_one, output)
     summaries, lines, warnings = [], list[list[str]](), list[str]()
     with together():
         for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):
             effect = effect_on(solution.scaled(how.modulus_factor), works)
+            warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
             analysed = analyse(solution, works, how.slopes, how.modulus_factor, ranged)
             curves = [replace(curve, effect=effect) for curve in analysed]
             for curve, target in zip(curves, places, strict=True):
                 scales = tables.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
-                summaries.append(forward.curve_summary(curve, scales))
+                summaries.append(tables.curve_summary(curve, scales))
                 target.write(
-                    forward.curve_table(curve, scales),
+                    tables.curve_table(curve, scales),
                     summaries[-1],
                     forward.draw_curve(curve, scales) if figures else None,
                 )
             if picture is not None:
                 picture.write(figure=forward.draw_curves(curves, users))
-            lines += map(forward.curve_words, curves)
-            warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
+            lines += map(tables.curve_words, curves)
             warnings += [f"{curve.path}: {text}" for curve in curves for text in curve.warnings if not output.json]
     if output.json:
         answer({"results": summaries})
@@ -104,16 +105,11 @@ def transform(
 
 
 def _files(
-    files: tuple[Path, ...], wanted: list[tuple[float, ...]], ranges: list[RangeRequest], modulus_factor: float,
-    in_one: bool, output: Output,
-) -> tuple[list[list[Files]], list[Files | None]]:  # fmt: skip
-    """For each file what is written of each work of adhesion, and the picture of all of them, if there is to be one;
-    InputError before anything is solved, where it cannot be."""
-    factor = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
-    places = [
-        (output.beside(path), works, f"{ranged.suffix}{factor}")
-        for path, works, ranged in zip(files, wanted, ranges, strict=True)
-    ]
+    files: tuple[Path, ...], wanted: list[tuple[float, ...]], ends: list[str], in_one: bool, output: Output
+) -> tuple[list[list[Files]], list[Files | None]]:
+    """For each file what is written of each work of adhesion, with the ``ends`` of names, and the picture of all of
+    them, if there is to be one; InputError before anything is solved, where it cannot be."""
+    places = [(output.beside(path), works, end) for path, works, end in zip(files, wanted, ends, strict=True)]
     stems = [begin.with_name(f"{begin.name}-w{w:g}{end}") for begin, works, end in places for w in works]
     endings = (".csv", ".json") if in_one else (".csv", ".json", *PICTURES)
     each = iter(output.each(stems, endings, files, " and w once"))

@@ -33,14 +33,11 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """The quantities of a kind of table by their keys. A capital A alone is an area."""
+    """The quantities of a kind of table by their keys; ``numbers``: the keys of those that are no words. A capital A
+    alone is an area."""
 
     quantities: Mapping[str, Quantity]
-
-    @property
-    def numbers(self) -> tuple[str, ...]:
-        """The keys of the quantities that are numbers."""
-        return tuple(key for key, quantity in self.quantities.items() if quantity.dimension)
+    numbers: tuple[str, ...]
 
     def meaning(self, key: str) -> str:
         return self.quantities[key].meaning
@@ -114,7 +111,8 @@ def vocabulary(kind: str) -> Vocabulary:
     """The quantities of a ``kind`` of table, "measured" or "computed": those of a contact by more names, and others."""
     entries, also = WORDS["contact"] | WORDS[kind]["more"], WORDS[kind]["also"]
     names = {key: [*entry["names"], *also.get(key, ())] for key, entry in entries.items()}
-    return Vocabulary({key: Quantity(**entry | {"names": names[key]}) for key, entry in entries.items()})
+    quantities = {key: Quantity(**entry | {"names": names[key]}) for key, entry in entries.items()}
+    return Vocabulary(quantities, tuple(key for key, quantity in quantities.items() if quantity.dimension))
 
 
 def with_units(

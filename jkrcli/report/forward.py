@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -28,11 +28,10 @@ from ..adhesion.validity import Strains, faces, strain_words
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
 from ..base.numerics import ROWS, Array
-from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
+from ..base.registry import FIGURES, Result
 from ..base.units import implausible_work, show, show_within
 from ..bodies.materials import relaxing
 from ..resolve.analysis import Analysis, Lost, analyse
-from ..resolve.comparison import effect_as_json
 from ..resolve.histories import LostByHistory, strains_after
 from ..resolve.resolve import is_refined
 from ..series import Difference, Solution, curve_differences, series_differences
@@ -45,19 +44,6 @@ if TYPE_CHECKING:
     from ..fitting.pull_off import MeasuredWork
     from ..methods.fem.fields import ContactState
     from ..methods.fem.method import FEM
-
-
-@TABLES.register(Analysis)
-def curve_table(curve: Analysis, scales: Scales | None = None) -> dict[str, Array]:
-    """The columns of an adhesive curve, with those in units of ``scales``."""
-    return tables.curve_columns(curve.curve) | ({} if scales is None else scales.columns(curve))
-
-
-@SUMMARIES.register(Analysis)
-def curve_summary(curve: Analysis, scales: Scales | None = None) -> dict[str, Any]:
-    """Pull-off, errors, validity and warnings of an adhesive curve; ``scales``: of more columns."""
-    summary = tables.summary(curve) | {"sticking": effect_as_json(curve.sticking)}
-    return summary | ({} if scales is None else {"scales": {"name": scales.name} | quantities(scales, "P delta a")})
 
 
 @FIGURES.register(Analysis)
@@ -73,64 +59,6 @@ def draw_curves(curves: Sequence[Analysis], scales: Scales | None = None) -> Fig
     from .plots.forward import curves_figure, physical_units
 
     return curves_figure(curves, scales or physical_units(curves[-1].curve))
-
-
-@WORDS.register(Analysis)
-def curve_words(curve: Analysis) -> list[str]:
-    """Where contact is lost, what the numbers are worth, what an exact solution says."""
-    errors = curve.pull_off_errors
-    points = {f"{name} control": (point, errors.get(name)) for name, point in curve.pull_off.items()}
-    return [*tables.format_pull_off(curve, points), *(f"  {line}" for line in _of_curve(curve))]
-
-
-def _of_curve(result: Analysis) -> Iterator[str]:
-    for name, point in result.pull_off.items():
-        if isinstance(point, CriticalPoint):
-            between = "" if is_refined(result.curve, point) else "; interpolated"
-            P = show(point.P, "load", tables.digits(point.P, result.large_strains(point)))
-            yield (
-                f"{name + ' control':<21} P = {P:<11} delta = {show(point.delta, 'length'):<12} "
-                f"a = {show(point.a, 'length')}{between}"
-            )
-        elif result.w > 0:
-            yield f"{name + ' control':<21} not in the solution (see the warning)"
-    tabor = result.validity.tabor
-    if not isinstance(tabor, Unknown):
-        yield f"Tabor number {tabor:.3g}: {result.validity.regime}"
-    yield from _comparison(result)
-    budget, slopes = result.budget, result.curve.slopes
-    yield (
-        f"curve: {accuracy(budget.total)} (solution {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
-        f"interpolation error up to {_estimate(result.curve.interpolation_error)}"
-    )
-    below = result.solution.facts.get("rows_below", 0)
-    more = f", {below} of them at smaller radii, for pull-off" if below else ""
-    yield (
-        f"solution: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
-        f"slopes {slopes.method} ({slopes.reason})"
-    )
-
-
-def _comparison(result: Analysis) -> Iterator[str]:
-    """The closed form of the same indenter on a half-space beside the curve, where there is one."""
-    comparison = result.comparison
-    if comparison is None:
-        return
-    parts = [f"P_H(delta) within {comparison.load:.2e}"]
-    if not isinstance(comparison.pull_off, Unknown):
-        parts.append(f"pull-off force {comparison.pull_off:+.2e}")
-    if not isinstance(comparison.curve, Unknown):
-        parts.append(f"adhesive curve within {comparison.curve:.2e}")
-    yield f"against the closed form of the same indenter: {', '.join(parts)}"
-    if comparison.parabola is not None:
-        yield (
-            f"the pull-off force of a sphere is {comparison.parabola:.2%} smaller than 1.5 pi w R of the paraboloid "
-            "(Eq. 18): physics, no error"
-        )
-
-
-def _estimate(value: Estimate) -> str:
-    return str(value) if isinstance(value, Unknown) else "above 100 %" if value > 1 else f"{value:.1e}"
 
 
 # --------------------------------------------------------------------------------------------------
@@ -433,10 +361,10 @@ def _control(result: Analysis, behaviour: stability.Stability, error: Errors | U
     onset = ", delta = 0  " if behaviour.onset == 0 else ", attracted  "
     lines += [
         f"    jump-in{onset}{_point(behaviour.jump_in)}",
-        f"    energy lost         {tables.energy_words(behaviour.energy_lost, tables.energy_lost_error(behaviour))}",
+        f"    energy lost         {tables.energy_words(behaviour.energy_lost, behaviour.energy_lost_error)}",
     ]
     if behaviour.separation != behaviour.energy_lost:
-        separation = tables.energy_words(behaviour.separation, tables.separation_error(behaviour))
+        separation = tables.energy_words(behaviour.separation, behaviour.separation_error)
         lines.append(f"    work of separation  {separation}")
     return lines
 
@@ -456,7 +384,7 @@ def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
     tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
     warnings += [*yield_warning(result.problem, result.curve), *getattr(result.curve, "doubts", ())]
-    warnings += faces(result.problem.indenter, result.w, bool(result.problem.layers))
+    warnings += faces(result.problem, result.w)
     lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
     return [f"  {line}" for line in lines if line.strip()]
 

@@ -124,5 +124,6 @@ class Output:
         for i, stem in enumerate(stems):
             if places[i] in places[:i]:
                 raise InputError(f"{stem}.csv: would be written twice; rename a file, or give each its own -o{more}")
-        self.folder(Path())
+        if self.where is not None:
+            make_folder(self.where)
         return [self.files(stem, ends, inputs) for stem in stems]

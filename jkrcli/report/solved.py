@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.validity import end_of_body, judge, sizes
+from ..adhesion.validity import judge_solution
 from ..base.errors import Estimate, Unknown, accuracy
 from ..base.numerics import Array
 from ..base.registry import Result
@@ -60,11 +60,15 @@ class Solved(SeriesFile):
 
     @property
     def warnings(self) -> list[str]:
-        problem = self.solution.problem
+        problem, series = self.solution.problem, self.solution.series
+        missing = missed(self.tolerance, self.solution.budget.total)
+        # Without a work of adhesion: a/R, delta/h, a/L, and too few points to go on with
+        geometry = judge_solution(problem, series, self.solution.facts).warnings
+        few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
         return [
-            *missed(self.tolerance, self.solution.budget.total), *self.remarks,
+            *missing, *self.remarks,
             *relaxing(problem.specimen.relaxation), *self.solution.warnings,
-            *_geometry(self.solution), *sticking_warnings(problem, self.sticking),
+            *geometry, *few, *sticking_warnings(problem, self.sticking),
         ]  # fmt: skip
 
     def summary(self) -> dict[str, Any]:
@@ -127,22 +131,6 @@ def missed(tolerance: float | None, error: Estimate) -> list[str]:
         return []
     words = error.reason if isinstance(error, Unknown) else f"{error:.1e}"
     return [f"--tolerance: {tolerance:g} was requested, and the error is {words}"]
-
-
-def _geometry(solution: Solution) -> list[str]:
-    """Warnings that need no work of adhesion: a/R, delta/h, a/L, and too few points to go on with."""
-    series, problem = solution.series, solution.problem
-    judged = judge(
-        a=float(series.a[-1]),
-        delta=float(series.delta[-1]),
-        w=0.0,
-        **sizes(problem),
-        L=end_of_body(problem, solution.facts),
-        z0=None,
-        end_is_cut=problem.specimen.radius is None,
-    )
-    few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
-    return [*judged.warnings, *few]
 
 
 # --------------------------------------------------------------------------------------------------

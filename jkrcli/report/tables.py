@@ -1,10 +1,10 @@
-"""Adhesive curves as CSV and summaries as JSON: the interfaces that scripts rely on."""
+"""Adhesive curves as CSV, summaries as JSON and words: the interfaces that scripts rely on."""
 
 from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,11 +30,14 @@ from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import read_bytes
 from ..base.numerics import SAME, Array
 from ..base.process import check_text
+from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
 from ..bodies.materials import Elastic
 from ..bodies.problem import Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
 from ..resolve.analysis import Analysis
+from ..resolve.comparison import effect_as_json
+from ..resolve.resolve import is_refined
 
 SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
@@ -126,22 +129,23 @@ def _row(path: Path, number: int, line: str, names: list[str]) -> list[float]:
 
 def summary(result: Analysis) -> dict[str, Any]:
     """What stands in the JSON file beside a curve."""
-    slopes, comparison = result.curve.slopes, result.comparison
-    judged = validity(result)
+    # The warnings ask for all that is read off the curve
+    warnings, path, dropped, surface = result.warnings, result.path, result.dropped, result.problem.surface
+    slopes, comparison, judged = result.curve.slopes, result.comparison, validity(result)
     return {
         "format": SUMMARY_FORMAT,
         "version": SUMMARY_VERSION,
-        "file": str(result.path),
+        "file": str(path),
         "title": result.solution.record.title,
         "w_J_per_m2": result.w,
         **law(result),
         "modulus_factor": result.modulus_factor,
         "method": result.solution.method,
-        "surface": result.problem.surface,
+        "surface": surface,
         "slopes": slopes.method,
         "slopes_reason": slopes.reason,
         "smoothing_lambda": slopes.smoothing_lambda,
-        "points": {"kept": len(result.curve.series), "dropped": result.dropped},
+        "points": {"kept": len(result.curve.series), "dropped": dropped},
         "pull_off": {
             name: point(place) | errors(result.pull_off_errors.get(name)) | strains(_strains_at(result, place))
             for name, place in result.pull_off.items()
@@ -157,7 +161,7 @@ def summary(result: Analysis) -> dict[str, Any]:
             "curve": known(comparison.curve),
             "sphere_against_parabola": comparison.parabola,
         },
-        "warnings": result.warnings,
+        "warnings": warnings,
     }  # fmt: skip
 
 
@@ -268,7 +272,8 @@ def validity(result: Analysis, *points: CriticalPoint | Unknown) -> dict[str, An
 
 def stable_states(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
-    return {name: under_control(stability.stability_under(result.curve, k)) for name, k in CONTROLS.items()}
+    controls = {name: stability.stability_under(result.curve, k) for name, k in CONTROLS.items()}
+    return {name: under_control(behaviour) for name, behaviour in controls.items()}
 
 
 def under_control(behaviour: Stability) -> dict[str, Any]:
@@ -279,8 +284,8 @@ def under_control(behaviour: Stability) -> dict[str, Any]:
         "jump_in": point(behaviour.jump_in),
         "jumps_before_pull_off": [jump(item) for item in behaviour.partial],
         **energies(
-            energy_lost=(behaviour.energy_lost, energy_lost_error(behaviour)),
-            work_of_separation=(behaviour.separation, separation_error(behaviour)),
+            energy_lost=(behaviour.energy_lost, behaviour.energy_lost_error),
+            work_of_separation=(behaviour.separation, behaviour.separation_error),
         ),
     }
 
@@ -310,29 +315,14 @@ def stiffness(k: float) -> float | None:
     return None if k == DISPLACEMENT_CONTROL else k
 
 
-def energy_lost_error(behaviour: Stability) -> Estimate:
-    """90 % half-width of the energy lost per cycle [J], or why there is none."""
-    whole = behaviour.whole
-    return whole if isinstance(whole, Unknown) else stability.energy_lost_error(whole)
-
-
-def separation_error(behaviour: Stability) -> Estimate:
-    """90 % half-width of the work of separation [J], or why there is none."""
-    retraction, separation = behaviour.retraction, behaviour.separation
-    if retraction is None or isinstance(separation, Unknown):
-        return separation
-    return stability.separation_error(retraction)
-
-
 def energies(**values: tuple[Estimate, Estimate]) -> dict[str, Any]:
     """Energies [J] by their names with their half-widths, each null with its reason where there is none."""
     columns: dict[str, Any] = {}
     for name, (energy, error) in values.items():
-        columns[f"{name}_J"] = known(energy)
         if isinstance(energy, Unknown):
-            columns[f"{name}_reason"] = energy
+            columns |= {f"{name}_J": None, f"{name}_reason": energy}
             continue
-        columns[f"{name}_err_J"] = known(error)
+        columns |= {f"{name}_J": energy, f"{name}_err_J": None if isinstance(error, Unknown) else error}
         if isinstance(error, Unknown):
             columns[f"{name}_error"] = error
     return columns
@@ -429,3 +419,77 @@ def own_scales(values: Mapping[str, float]) -> Scales:
         if not (key in values and np.isfinite(values[key]) and values[key] > 0):
             raise InputError(f"--scale: needs a, delta and P, each > 0, got {key} = {values.get(key, 'nothing')}")
     return Scales("own", values["P"], values["delta"], values["a"], (r"$\delta / \delta_0$", "$P / P_0$", "$a / a_0$"))
+
+
+# --------------------------------------------------------------------------------------------------
+# What is said of one adhesive curve: its table, summary and words.
+
+
+@TABLES.register(Analysis)
+def curve_table(curve: Analysis, scales: Scales | None = None) -> dict[str, Array]:
+    """The columns of an adhesive curve, with those in units of ``scales``."""
+    return curve_columns(curve.curve) | ({} if scales is None else scales.columns(curve))
+
+
+@SUMMARIES.register(Analysis)
+def curve_summary(curve: Analysis, scales: Scales | None = None) -> dict[str, Any]:
+    """Pull-off, errors, validity and warnings of an adhesive curve; ``scales``: of more columns."""
+    said = summary(curve) | {"sticking": effect_as_json(curve.sticking)}
+    return said | ({} if scales is None else {"scales": {"name": scales.name} | quantities(scales, "P delta a")})
+
+
+@WORDS.register(Analysis)
+def curve_words(curve: Analysis) -> list[str]:
+    """Where contact is lost, what the numbers are worth, what an exact solution says."""
+    errors = curve.pull_off_errors
+    points = {f"{name} control": (point, errors.get(name)) for name, point in curve.pull_off.items()}
+    return [*format_pull_off(curve, points), *(f"  {line}" for line in _of_curve(curve))]
+
+
+def _of_curve(result: Analysis) -> Iterator[str]:
+    for name, point in result.pull_off.items():
+        if isinstance(point, CriticalPoint):
+            between = "" if is_refined(result.curve, point) else "; interpolated"
+            P = show(point.P, "load", digits(point.P, result.large_strains(point)))
+            yield (
+                f"{name + ' control':<21} P = {P:<11} delta = {show(point.delta, 'length'):<12} "
+                f"a = {show(point.a, 'length')}{between}"
+            )
+        elif result.w > 0:
+            yield f"{name + ' control':<21} not in the solution (see the warning)"
+    tabor = result.validity.tabor
+    if not isinstance(tabor, Unknown):
+        yield f"Tabor number {tabor:.3g}: {result.validity.regime}"
+    yield from _comparison(result)
+    budget, slopes = result.budget, result.curve.slopes
+    parts = f"(solution {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
+    between = f"interpolation error up to {_estimate(result.curve.interpolation_error)}"
+    yield f"curve: {accuracy(budget.total)} {parts}; {between}"
+    below = result.solution.facts.get("rows_below", 0)
+    more = f", {below} of them at smaller radii, for pull-off" if below else ""
+    yield (
+        f"solution: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
+        f"slopes {slopes.method} ({slopes.reason})"
+    )
+
+
+def _comparison(result: Analysis) -> Iterator[str]:
+    """The closed form of the same indenter on a half-space beside the curve, where there is one."""
+    comparison = result.comparison
+    if comparison is None:
+        return
+    parts = [f"P_H(delta) within {comparison.load:.2e}"]
+    if not isinstance(comparison.pull_off, Unknown):
+        parts.append(f"pull-off force {comparison.pull_off:+.2e}")
+    if not isinstance(comparison.curve, Unknown):
+        parts.append(f"adhesive curve within {comparison.curve:.2e}")
+    yield f"against the closed form of the same indenter: {', '.join(parts)}"
+    if comparison.parabola is not None:
+        yield (
+            f"the pull-off force of a sphere is {comparison.parabola:.2%} smaller than 1.5 pi w R of the paraboloid "
+            "(Eq. 18): physics, no error"
+        )
+
+
+def _estimate(value: Estimate) -> str:
+    return str(value) if isinstance(value, Unknown) else "above 100 %" if value > 1 else f"{value:.1e}"

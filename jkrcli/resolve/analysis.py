@@ -33,17 +33,15 @@ from ..adhesion.stability import Stability, behaviours
 from ..adhesion.validity import (
     Strains,
     Validity,
-    end_of_body,
     faces,
-    judge,
+    judge_solution,
     large_strains,
     refuse_wetting,
-    sizes,
     strain_size,
     unresolved,
     with_large_strains,
 )
-from ..base.errors import Estimate, InputError, Refusal, Unknown, known
+from ..base.errors import Estimate, InputError, Refusal, Unknown
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI
 from ..bodies.materials import INCOMPRESSIBLE, relaxing
@@ -130,17 +128,14 @@ class Analysis(Reported):
 
     def validity_at(self, *points: CriticalPoint | Unknown) -> Validity:
         """The same with the widest of the pull-off ``points`` that there are."""
-        problem, series = self.problem, self.curve.series
-        radii = [point.a for point in points if isinstance(point, CriticalPoint)]
+        there = [point for point in points if isinstance(point, CriticalPoint)]
+        widest, effect = max((point.a for point in there), default=None), self.effect_of_range
+        worst = max((self.large_strains(point) for point in there), key=strain_size, default=None)
         z0 = self.solution.record.z0 if self.law is None else self.law.length
-        judged = judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=self.w, **sizes(problem), z0=z0,
-                       L=end_of_body(problem, self.solution.facts), end_is_cut=problem.specimen.radius is None,
-                       a_pull_off=max(radii, default=None),
-                       effect_of_range=self.effect_of_range)  # fmt: skip
+        judged = judge_solution(self.problem, self.curve.series, self.solution.facts, w=self.w, z0=z0,
+                                a_pull_off=widest, effect_of_range=effect)  # fmt: skip
         if self.law is not None:
             judged = replace(judged, regime="adhesion of this range is solved")
-        there = [point for point in points if isinstance(point, CriticalPoint)]
-        worst = max((self.large_strains(point) for point in there), key=strain_size, default=None)
         return with_large_strains(judged, worst)
 
     def large_strains(self, point: CriticalPoint) -> Strains:
@@ -175,20 +170,21 @@ class Analysis(Reported):
     @property
     def warnings(self) -> list[str]:
         """Everything that a reader of the numbers should know, each with its number."""
+        judged, comparison, half_widths = self.validity, self.comparison, self.pull_off_errors.get("load")
         outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
                    if isinstance(point, Unknown) and self.w > 0]  # fmt: skip
-        flags = self.curve.slopes.flags
+        limits, flags = judged.warnings, self.curve.slopes.flags
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.problem.indenter, self.curve.a)
-        flags += faces(self.problem.indenter, self.w, bool(self.problem.layers))
+        flags += faces(self.problem, self.w)
         doubts = getattr(self.curve, "doubts", ())
         relaxes = relaxing(self.problem.specimen.relaxation)
-        sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
+        sentences = [*relaxes, *self.solution.warnings, *flags, *limits, *doubts]
         sentences += [*yield_warning(self.problem, self.curve), *outside]
-        difference = None if self.comparison is None else known(self.comparison.pull_off)
+        difference = None if comparison is None or isinstance(comparison.pull_off, Unknown) else comparison.pull_off
         parts = [part for part in vars(self.budget).values() if not isinstance(part, Unknown)]
         stated = max(2 * sum(parts), 1e-6) if parts else math.inf  # what was not estimated is not exceeded
-        point, half_widths = self.pull_off["load"], self.pull_off_errors.get("load")
+        point = self.pull_off["load"]
         if isinstance(point, CriticalPoint) and half_widths is not None and not isinstance(half_widths, Unknown):
             stated = max(stated if parts else 0.0, SURE * half_widths["P"] / abs(point.P))
         if difference is not None and abs(difference) > stated:

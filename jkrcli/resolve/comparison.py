@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from .. import formulas
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
 from ..adhesion.finite_range import Range
 from ..adhesion.slopes.result import Slopes
@@ -18,6 +17,7 @@ from ..base.numerics import ROUNDED, Array, zeros_between
 from ..base.units import show
 from ..bodies.indenters import Sphere
 from ..bodies.problem import Problem, without_side_walls
+from ..formulas import adhesive_half_space, shift
 from ..methods.layered import contact as stack
 from ..methods.layered import no_slip, solver
 from ..series import Series, Solution
@@ -95,8 +95,13 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     )
     radii = radii[radii < body.indenter.r_max]
     try:
-        sliding, sticking = (_series(contact, radii) for contact in pair)
-        pull_off = pull_off_ratios(sticking, sliding, [w for w in works if w > 0])
+        solved: list[Series] = []
+        for contact in pair:
+            result: Any = contact.solved(radii, contact.plan(radii, STICKING_EFFECT_ACCURACY))  # type: ignore[arg-type]
+            solved.append(Series(radii, result.delta, result.P, result.S, result.dS, a0=a0))
+        sliding, sticking = solved
+        pulled = [w for w in works if w > 0]
+        pull_off = pull_off_ratios(sticking, sliding, pulled) if pulled else {}
     except JkrError as error:
         return Unknown(f"effect of no slip unknown: {error}")
     last = min(STICKING_EFFECT_RADII, radii.size) - 1
@@ -106,11 +111,6 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     load = _punch_at(sticking, sticking.P, depth) / _punch_at(sliding, sliding.P, depth)
     at_depth = _punch_at(sticking, sticking.S, depth) / _punch_at(sliding, sliding.S, depth)
     return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off, at_depth)
-
-
-def _series(contact: stack.LayeredContact | no_slip.StuckLayeredContact, radii: Array) -> Series:
-    result: Any = contact.solved(radii, contact.plan(radii, STICKING_EFFECT_ACCURACY))  # type: ignore[arg-type]
-    return Series(radii, result.delta, result.P, result.S, result.dS, a0=contact.indenter.a0)
 
 
 def _punch_at(series: Series, column: Array, depth: float) -> float:
@@ -232,7 +232,7 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
         parabola = 1 - exact_point.P / (-1.5 * np.pi * computed.w * problem.indenter.R)
     # Greatest relative distance of the computed points from the exact curve; near pull-off in units of that point.
     # Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
-    moved = formulas.shift(computed.w, exact_point.a, 2 * problem.E_star)
+    moved = shift(computed.w, exact_point.a, 2 * problem.E_star)
     unit = CriticalPoint(exact_point.a, max(abs(exact_point.delta), 0.1 * moved), exact_point.P)
     distance = curve_distance(
         computed.a, computed.delta, computed.P, lambda radii: _formula(problem, computed.w, radii), unit,
@@ -243,18 +243,18 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
 
 def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> AdhesiveCurve | None:
     """The closed-form adhesive curve of the indenter on a half-space up to ``a_max`` [m]."""
-    indenter, E_star = problem.indenter, problem.E_star
+    indenter, E_star, a0 = problem.indenter, problem.E_star, problem.indenter.a0
     top = min(a_max, indenter.r_max * (1 - ROUNDED))
-    a = indenter.a0 + (top - indenter.a0) * np.linspace(0, 1, points + 1)[1:] ** 2
-    if indenter.a0:
-        v = np.sqrt((a[0] - indenter.a0) * (a[0] + indenter.a0))
-        rim = np.hypot(indenter.a0, np.geomspace(min(DISTANCE_RIM * indenter.a0, v / 2), v, DISTANCE_COARSE)[:-1])
+    a = a0 + (top - a0) * np.linspace(0, 1, points + 1)[1:] ** 2
+    if a0:
+        v = np.sqrt((a[0] - a0) * (a[0] + a0))
+        rim = np.hypot(a0, np.geomspace(min(DISTANCE_RIM * a0, v / 2), v, DISTANCE_COARSE)[:-1])
         a = np.concatenate([rim, a])
     pair = indenter.half_space(a, E_star)
     if pair is None:
         return None
     slope = np.full_like(a, 2 * E_star)
-    series = Series(a, *pair, slope * a, slope, a0=indenter.a0, S0=2 * E_star * indenter.a0)
+    series = Series(a, *pair, slope * a, slope, a0=a0, S0=2 * E_star * a0)
     return transform(series, Slopes(slope * a, slope, "exact", 0.0), w)
 
 
@@ -273,7 +273,7 @@ def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
     """delta [m] and P [N] of the closed form at radii ``a`` [m] of any shape."""
     pair = problem.indenter.half_space(a, problem.E_star)
     assert pair is not None
-    return formulas.adhesive_half_space(a, *pair, problem.E_star, w)
+    return adhesive_half_space(a, *pair, problem.E_star, w)
 
 
 def curve_distance(

@@ -312,9 +312,11 @@ class Solution:
     def unresolved(self) -> Array:
         """Errors (2, n) of delta [m] and of its slope at the rows where the profile is known at points only: those of F
         at the surface, more as far as what lies below is softer, as of a spring in series."""
-        series = self.series
+        series, of_profile = self.series, self.problem.indenter.resolution(self.series.a)
+        if not of_profile.any():
+            return of_profile
         softer: Array = np.maximum(2 * self.problem.E_star * series.a / series.stiffness, 1.0)
-        return softer * self.problem.indenter.resolution(series.a)
+        return softer * of_profile
 
     def widened(self) -> Solution:
         """The same with the error of a profile that is known at points only: of delta, or of the radius where that is

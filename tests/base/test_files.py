@@ -157,7 +157,7 @@ def test_every_fault_of_three_works_is_told_as_it_is(
 ) -> None:
     """With pictures that are no pictures, and what is computed kept from one try to the next."""
     from jkrcli.cli import curve_verbs
-    from jkrcli.report import plots
+    from jkrcli.report import plots, tables
 
     def save(_: object, paths: Iterable[Path]) -> None:
         for path in paths:
@@ -166,7 +166,7 @@ def test_every_fault_of_three_works_is_told_as_it_is(
     curves = curve_verbs.analyse(curve_verbs.inputs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
     monkeypatch.setattr(plots, "save", save)
     monkeypatch.setattr(curve_verbs.forward, "draw_curve", lambda *_: "a picture")
-    monkeypatch.setattr(curve_verbs.forward, "curve_summary", lambda one, _: {"w_J_per_m2": one.w})
+    monkeypatch.setattr(tables, "curve_summary", lambda one, _: {"w_J_per_m2": one.w})
     monkeypatch.setattr(curve_verbs, "analyse", lambda *_: curves)
     every_fault(three, jkr, where, error)
 

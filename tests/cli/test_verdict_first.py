@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from jkrcli.cli import VERBS
-from jkrcli.cli import verb as output
+from jkrcli.cli import printing as output
 
 CASES = Path(__file__).parents[2] / "cases"
 GEL, RECORD, PROBE = (

@@ -21,8 +21,7 @@ from ...bodies.indenters import Indenter, Paraboloid
 from ...bodies.materials import INCOMPRESSIBLE, AnyGraded, Elastic, Material, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Loading, Problem, Specimen
 from ...series import CoarseSeries, ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
-from ..integral.no_slip import coulomb_series, ring_transforms
-from ..layered.no_slip import half_space_compliances
+from ..layered.no_slip import coulomb_series, half_space_compliances, ring_transforms
 from ..layered.solver import largest_radius
 from ..layered.surface_tension import SurfaceTensionSolver
 from ..protocol import FEMOptions, Solver

@@ -15,7 +15,7 @@ from ...bodies.materials import AnyTransverse, Graded, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, KeptKernel, Solution
 from ..integral.density import disc_warnings, refuse_shrinking
-from ..integral.fredholm import FLOPS_PER_SECOND, first_stiffness, search, series_of
+from ..integral.fredholm import FLOPS_PER_SECOND, search, series_of
 from ..layered.solver import expected_radius
 from ..protocol import Forecast, HybridOptions, without_coating, without_tension
 from ..radii import check_radius
@@ -105,11 +105,10 @@ class Hybrid(HybridOptions):
             facts["a_over_h"] *= share
         with clock("solve"):
             result, unsettled = contact.settled(radii, kept.accuracy)
-            S0 = first_stiffness(contact, kept.accuracy)
         with clock("full disc"):
             refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
-        series = series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0)
+        series = series_of(result, errors.at(radii) + unsettled, contact, kept.accuracy)
         budget = ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0)
         facts["nodes"] = result.panels.x.size
         told: dict[str, Any] = {"facts": facts, "timings": clock.seconds, "warnings": warnings}

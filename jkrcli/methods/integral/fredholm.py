@@ -660,9 +660,10 @@ def first_stiffness(contact: Contact, tolerance: float) -> float:
     return float(contact.solved(radii, contact.plan(radii, tolerance)).S[0]) if radii[0] > 0 else 0.0
 
 
-def series_of(result: ContactResult, errors: Array, a0: float, S0: float) -> Series:
-    """The series of a ``result`` with relative ``errors`` (radii,) or, one row for each of ``COLUMNS``, (4, radii)."""
-    radii = result.panels.radii
+def series_of(result: ContactResult, errors: Array, contact: Contact, tolerance: float) -> Series:
+    """The series of a ``result`` of a ``contact`` with relative ``errors`` (radii,) or, one row for each of
+    ``COLUMNS``, (4, radii); S at first touch is solved to the ``tolerance``."""
+    radii, a0, S0 = result.panels.radii, contact.indenter.a0, first_stiffness(contact, tolerance)
     columns = dict(zip(COLUMNS, result.columns, strict=True))
     absolute = dict(zip(COLUMNS, errors * result.columns, strict=True))
     return Series(radii, **columns, errors=absolute | {"a": 0 * radii}, a0=a0, S0=S0)

@@ -301,19 +301,16 @@ class LayeredContact(IndenterOnLayers):
         """Contact at the increasing ``radii`` [m]; of one group with its densities, an ``EquationResult``."""
         self.guard(radii, plan)
         kernel = self.spectrum.kernel(2 * float(radii[-1]), self.order)
-        if plan.groups == 1:
-            return self._group(radii, plan, kernel)
         columns, rounding = np.empty((4, radii.size)), np.empty(radii.size)
         for start in range(plan.groups):
             dealt = slice(start, None, plan.groups)
-            part = self._group(radii[dealt], plan, kernel)
+            panels = fredholm.Panels.through(radii[dealt], plan, self.indenter.a0)
+            part = fredholm.solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
+            if plan.groups == 1:
+                return part
             columns[:, dealt], rounding[dealt] = part.columns, part.rounding
         delta, P, S, dS = columns
         return fredholm.ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
-
-    def _group(self, radii: Array, plan: Quadrature, kernel: fredholm.CosineKernel) -> fredholm.EquationResult:
-        panels = fredholm.Panels.through(radii, plan, self.indenter.a0)
-        return fredholm.solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
 
     def matrix(self, panels: fredholm.Panels, kernel: fredholm.CosineKernel | None = None) -> Array:
         """K [1/m] at the places of the ``panels``; ``kernel``: its smooth part, where it is known."""

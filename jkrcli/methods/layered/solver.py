@@ -16,7 +16,7 @@ from ...bodies.problem import Loading, Problem, Specimen, stacks, without_side_w
 from ...formulas import shift
 from ...series import ErrorBudget, Solution
 from ..integral.density import Density, disc_warnings, nonsmooth_part, refuse_shrinking
-from ..integral.fredholm import FLOPS_PER_SECOND, InaccurateError, first_stiffness, search, series_of
+from ..integral.fredholm import FLOPS_PER_SECOND, InaccurateError, search, series_of
 from ..protocol import Forecast, LayeredOptions
 from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
 from .no_slip import StuckLayeredContact, why_unsupported
@@ -24,6 +24,7 @@ from .spectrum import spectrum_seconds
 from .surface_tension import TENSE_TOLERANCE, SurfaceTensionSolver
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
+FIRST = 1e-12  # relative accuracy of S at first touch; choice: one radius costs nothing
 QUICK = 20.0  # choice: sqrt(a^2 - a0^2) over the kernel's scale up to which a solve takes a fraction of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
 SolvedContact = LayeredContact | StuckLayeredContact | SurfaceTensionSolver
@@ -62,8 +63,9 @@ class Layered(LayeredOptions):
         Refusal of what takes more nodes than the solve accepts.
         """
         contact: Any = _contact(problem)
-        radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
-        tolerance, loading = self.attainable(problem.specimen), problem.loading
+        seconds = spectrum_seconds(problem)
+        tolerance, loading, largest = self.attainable(problem.specimen), problem.loading, largest_radius(problem)
+        radii = np.linspace(problem.indenter.a0, largest, max(loading.points, 1) + 1)[1:]
         plan: Any = contact.plan(radii, tolerance / LAYERED_MARGIN)
         contact.guard(radii, plan)
         # Floating-point operations: of the solve, of its check at some of the radii, and of finding them all where
@@ -74,8 +76,7 @@ class Layered(LayeredOptions):
         each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
         operations = float(contact.flops(radii, plan)) * (SEARCHES if each_is_looked_for else 1) + float(check)
         memory = 8 * 6 * (plan.nodes + radii.size / groups) ** 2 / 2**20
-        seconds = spectrum_seconds(problem) + operations / FLOPS_PER_SECOND
-        return Forecast(seconds, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
+        return Forecast(seconds + operations / FLOPS_PER_SECOND, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve; errors: Refusal outside the validity, SolveError where the tolerance is not reached."""
@@ -91,19 +92,18 @@ class Layered(LayeredOptions):
             radii = search(contact, problem.loading, max(SEARCH, 0.01 * tolerance)).radii
         with clock("solve"):
             result, errors = contact.refined(radii, tolerance)
-            S0 = first_stiffness(contact, 1e-12)
         with clock("full disc"):
             refuse_shrinking(radii, result.delta)
             # What is wrong with the contact as a disc; one that sticks has been refused where it does not grow
             warnings: tuple[str, ...] = ()
             if not isinstance(contact, StuckLayeredContact):
                 warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), contact.spectrum.kernel)
-        series = series_of(result, errors, problem.indenter.a0, S0)
+        series = series_of(result, errors, contact, FIRST)
         budget = ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0)
         panels = result.panels
         facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
         if contact.specimen.layers:
-            facts["a_over_h"] = float(panels.radii[-1]) / contact.specimen.top_thickness
+            facts["a_over_h"] = float(panels.radii[-1]) / contact.specimen.layers[0].thickness
         if stacks(contact.specimen, contact.indenter.material):
             facts["a_over_scale"] = float(panels.radii[-1]) / contact.spectrum.scale
         told: dict[str, Any] = {"facts": facts, "timings": clock.seconds, "warnings": warnings}

@@ -591,9 +591,17 @@ def deviation(specimen: Specimen, k: Array, indenter: materials.Solid | None = N
     With an elastic ``indenter`` g belongs to both bodies together, normalised by E* of the surfaces: compliances add,
     C = 2 g/(E* k) = 2 g_1/(E*_1 k) + 2 g_2/(E*_2 k), so that g - 1 = sum (E*/E*_i)(g_i - 1); a half-space adds none.
     """
-    E_star = materials.contact_modulus(specimen.surface, indenter)
-    parts = [E_star / body.surface.E_star * compliance(body, k)[1] for body in stacks(specimen, indenter)]
-    return sum(parts, np.zeros(np.shape(k)))
+    return _deviation(weighed_stacks(specimen, indenter), k)
+
+
+def weighed_stacks(specimen: Specimen, indenter: materials.Solid | None) -> tuple[tuple[Specimen, float], ...]:
+    """The bodies whose compliance is not that of a half-space, each with E*/E*_i."""
+    bodies, E_star = stacks(specimen, indenter), materials.contact_modulus(specimen.surface, indenter)
+    return tuple((body, E_star / body.surface.E_star) for body in bodies)
+
+
+def _deviation(bodies: Sequence[tuple[Specimen, float]], k: Array) -> Array:
+    return sum((share * compliance(body, k)[1] for body, share in bodies), np.zeros(np.shape(k)))
 
 
 def compliance(specimen: Specimen, k: Array) -> Array:
@@ -601,7 +609,9 @@ def compliance(specimen: Specimen, k: Array) -> Array:
     k = np.asarray(k, dtype=float)
     if not specimen.layers:
         return np.stack([np.ones_like(k), np.zeros_like(k)])
-    positive = np.maximum(np.ravel(k), 1e-30 / specimen.top_thickness)  # minors over a sliding base vanish at 0 itself
+    positive = np.maximum(
+        np.ravel(k), 1e-30 / specimen.layers[0].thickness
+    )  # minors over a sliding base vanish at 0 itself
     return _of_stack(specimen, positive).reshape(2, *k.shape)
 
 
@@ -653,8 +663,13 @@ class LayeredSpectrum:
     indenter: materials.Solid | None = None
 
     def __call__(self, k: Array) -> Array:
-        rest = deviation(self.specimen, k, self.indenter)
+        rest = _deviation(self.bodies, k)
         return rest if self.tail is None else rest - self.tail(k)
+
+    @cached_property
+    def bodies(self) -> tuple[tuple[Specimen, float], ...]:
+        """What is not a half-space, with its share of the compliance."""
+        return weighed_stacks(self.specimen, self.indenter)
 
     @cached_property
     def tail(self) -> Tail | None:
@@ -671,7 +686,7 @@ class LayeredSpectrum:
         """Wave numbers [1/m], decreasing, and the rest there."""
         # The length [m] over which the bodies change below the surface, as far as the contact feels it
         lengths = []
-        for body in stacks(self.specimen, self.indenter):
+        for body, _ in self.bodies:
             top, own = body.layers[0], self.tail if body is self.specimen else None
             slowest = slowest_root(top.material, 0.0, top.thickness)
             lengths.append(top.thickness * slowest if own is None else own.finest)
@@ -681,7 +696,7 @@ class LayeredSpectrum:
 
     def bandwidth(self, level: float) -> float:
         """The k [1/m] beyond which the rest is below ``level``; 0 for a homogeneous half-space."""
-        if not stacks(self.specimen, self.indenter):
+        if not self.bodies:
             return 0.0
         k, size = self.scan[0], np.abs(self.scan[1])
         above = np.flatnonzero(size >= level)

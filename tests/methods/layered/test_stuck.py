@@ -12,8 +12,7 @@ from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Transve
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.integral.fredholm import Panels, Quadrature
-from jkrcli.methods.integral.no_slip import StuckDisc
-from jkrcli.methods.layered.no_slip import StuckLayeredContact
+from jkrcli.methods.layered.no_slip import StuckDisc, StuckLayeredContact
 from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.numerics import Array
+from ..base.numerics import Array, median
 from ..base.units import show
 
 # When a step of the free rows is one.
@@ -190,7 +190,7 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> FreeRows | 
 
 def row_noise(y: Array) -> float:
     """Standard deviation of a row by second differences, whatever the rows follow."""
-    return 1.4826 * float(np.median(np.abs(np.diff(y, 2)))) / math.sqrt(6) if y.size > 3 else 0.0
+    return 1.4826 * median(np.abs(np.diff(y, 2))) / math.sqrt(6) if y.size > 3 else 0.0
 
 
 # ---------------------------------------------------------------------- levels
@@ -249,7 +249,7 @@ def _edge(y: Array, noise: float) -> int | None:
         means = (total[width:] - total[:-width]) / width
         a, b, c, d = (means[i * width : means.size - (3 - i) * width] for i in range(4))
         change = (a - d) / 2 + 1.5 * (c - b)
-        usual = max(1.4826 * float(np.median(np.abs(change))), noise * math.sqrt(5 / width))
+        usual = max(1.4826 * median(np.abs(change)), noise * math.sqrt(5 / width))
         at = int(np.argmax(np.abs(change)))
         if usual > 0 and abs(change[at]) / usual > max(best[0], FREE_SIGMAS):
             best = (abs(change[at]) / usual, at + 2 * width, width)

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base.errors import Estimate, InputError, Unknown, known
-from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array
+from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array, median
 from ..base.units import show
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve
 from .free_rows import FreeRows, Side, free_rows
@@ -452,14 +452,14 @@ def _ringing(y: Array) -> int:
         return 0
     windows = bends[: count * width].reshape(count, width)
     size = np.sqrt(np.mean(windows**2, axis=1))
-    loud = size > RECORD_RUNG * float(np.median(size))
+    loud = size > RECORD_RUNG * median(size)
     last = int(np.argmin(loud))  # windows that are loud without a gap
     swings = last > 0 and np.count_nonzero(np.diff(np.sign(bends[: last * width]))) >= last
     dies_away = loud.sum() < RECORD_HALF * count and size[0] >= size[max(last - 1, 0)]
     if not (swings and dies_away):
         return 0
     # Beyond, what a parabola leaves of wider windows shows swings that bend the load less than noise does.
-    noise, wide = float(np.median(size)) / math.sqrt(6), 2 * width
+    noise, wide = median(size) / math.sqrt(6), 2 * width
     parabola = np.linalg.qr(np.vander(np.arange(wide), 3))[0]
     parts = y[1 : 1 + (y.size - 1) // wide * wide].reshape(-1, wide)
     left = np.sqrt(np.mean((parts - parts @ parabola @ parabola.T) ** 2, axis=1))
@@ -492,7 +492,7 @@ def _blocks(values: Array, size: int) -> Array:
 
 def _robust(values: Array) -> float:
     """Standard deviation of the bulk of ``values``, by the median of their distance from the median."""
-    return RECORD_NORMAL * float(np.median(np.abs(values - np.median(values))))
+    return RECORD_NORMAL * median(np.abs(values - median(values)))
 
 
 def _end_of_free_part(x: Array, y: Array) -> int:
@@ -555,7 +555,7 @@ def resolution(y: Array) -> float:
     steps = steps[steps > SAME * np.ptp(y)]  # conversion to other units parts equal ones by round-off
     if not steps.size or 2 * steps.size > y.size:
         return 0.0
-    step = float(np.median(steps[steps < 1.5 * steps.min()]))
+    step = median(steps[steps < 1.5 * steps.min()])
     whole = steps / step
     return step if float(np.abs(whole - np.rint(whole)).max()) < RECORD_WHOLE else 0.0
 
@@ -853,7 +853,7 @@ def with_zero_points(curve: Curve) -> Curve:
     side = _approach(curve)
     z, P = curve.device[side.segment.rows], curve.load[side.segment.rows]
     off, free = np.abs(P - side.base(z)), side.base.rows
-    scatter = RECORD_NORMAL * float(np.median(off[:free]))
+    scatter = RECORD_NORMAL * median(off[:free])
     away = off > max(FIRST_TOUCH_SIGMAS * scatter, SAME * float(np.ptp(P)))  # the latter in records without noise
     first = max(int(np.argmax(in_succession(away))), 1)
     touch, half = float(z[first - 1] + z[first]) / 2, abs(float(z[first] - z[first - 1])) / 2

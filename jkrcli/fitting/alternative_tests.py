@@ -360,14 +360,14 @@ class Linearised:
         """What the fit leaves of the rows, in units of the noise."""
         return self.record.model.whitened(self.record.residuals * self.rows, self.record.fit.spread.noise)
 
-    def along(self, column: Array) -> tuple[Array, float, float]:
-        """Of a change of the loads by ``column`` per amount: by how much the unknowns move per amount, and the amount
-        that leaves least and its standard error, all to first order."""
-        c = self.record.model.whitened(column * self.rows, self.record.fit.spread.noise)
+    def along(self, columns: Array) -> tuple[Array, Array, Array]:
+        """Of changes of the loads by ``columns`` (rows, changes) per amount: by how much the unknowns move per amount,
+        (changes, unknowns), and the amounts that leave least and their standard errors, all to first order."""
+        c = self.record.model.whitened(columns * self.rows[:, None], self.record.fit.spread.noise)
         own = self.Q.T @ c
         beyond = c - self.Q @ own
-        size = max(float(beyond @ beyond), TINY)
-        return -(self.inverse @ own) / self.scale, -float(beyond @ self.residuals) / size, 1 / math.sqrt(size)
+        size = np.maximum(np.einsum("ij,ij->j", beyond, beyond), TINY)
+        return -(self.inverse @ own).T / self.scale, -(self.residuals @ beyond) / size, 1 / np.sqrt(size)
 
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""
@@ -489,18 +489,24 @@ def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
     if rivals.named:
         return rivals
     near, off = Linearised.of(record), Linearised.of(record, off_folds(record))
-    scores = [_bounded(off if score.name in (RANGE.name, TENSION.name) else near, score) for score in rivals.scores]
+    columns = np.column_stack([record.columns[_rival(score)] for score in rivals.scores])
+    one_step = {at: [*zip(*at.along(columns), strict=True)] for at in (near, off)}
+    seen_by = [off if score.name in (RANGE.name, TENSION.name) else near for score in rivals.scores]
+    scores = [
+        _bounded(at, score, one_step[at][i]) for i, (at, score) in enumerate(zip(seen_by, rivals.scores, strict=True))
+    ]
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 
 
-def _bounded(near: Linearised, score: Score) -> Score:
+def _bounded(near: Linearised, score: Score, one_step: tuple[Array, float, float]) -> Score:
     """The score with the moves at the largest amount that is possible: to first order where they are small by it, and
-    long ranges of adhesion, of which it says nothing, are excluded."""
+    long ranges of adhesion, of which it says nothing, are excluded. ``one_step``: how the unknowns move per amount, the
+    amount that leaves least and its standard error."""
     ranged, tense, rival, record = score.name == RANGE.name, score.name == TENSION.name, _rival(score), near.record
     if not (score.most > 0 or ranged or tense):
         return score
-    ahead, best, error = near.along(record.columns[rival])
+    ahead, best, error = one_step
     falls = (max(best, 0.0) / error) ** 2
     if tense and not record.known.tension and falls < FULL_HARDLY * FULL_LEANING:
         return score  # no data lean to any

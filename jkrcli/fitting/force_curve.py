@@ -25,7 +25,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ..base.errors import SolveError, known
-from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median
 from ..data.curve import APPROACH, Curve
 from ..data.segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
 from .forward_model import DeviceBranch, Family, Rest, branch, grid, on_grid, rest
@@ -182,7 +182,7 @@ class DirectionReadings:
     def spacing(self) -> float:
         """Usual distance of neighbouring rows [m]; the mean where most of them repeat their position."""
         steps = np.abs(np.diff(self.z))
-        return float(np.median(steps)) or float(np.mean(steps))
+        return median(steps) or float(np.mean(steps))
 
     @cached_property
     def along(self) -> Array:
@@ -509,14 +509,14 @@ class ForceCurveModel:
 
     def _load(self, part: DirectionReadings, values: Mapping[str, float], blunt: float) -> Array:
         """Load of the contact at all rows of a stretch."""
-        moving, resting, depth, rows, still = self._edges(part, values)
+        moving, resting, depth, rows, still = self.edges(part, values)
         P = np.zeros(depth.size)
         P[rows] = moving.load(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
         if resting is not None:
             P[still] = resting.load(depth[still])
         return P
 
-    def _edges(
+    def edges(
         self, part: DirectionReadings, values: Mapping[str, float]
     ) -> tuple[DeviceBranch, Rest | None, Array, Array, Array]:
         """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
@@ -532,7 +532,7 @@ class ForceCurveModel:
         self, part: DirectionReadings, values: Mapping[str, float], blunt: float
     ) -> tuple[Array, dict[str, Array]]:
         """Load of the contact at all rows of a stretch, and its derivatives by name."""
-        moving, resting, depth, rows, still = self._edges(part, values)
+        moving, resting, depth, rows, still = self.edges(part, values)
         own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
         # The load, its derivatives by ln s, own q, z, and of the edge at rest by the root of q before and by the turn.
         P, by_s, by_q, by_z, by_before, by_turn = columns = np.zeros((6, depth.size))
@@ -561,7 +561,7 @@ class ForceCurveModel:
         for part, *each in zip(self.stretches, *changes, strict=True):
             bodies = np.stack([none if one is None else one for one in each])
             columns.append(column := np.zeros((len(each), part.z.size)))
-            moving, resting, depth, rows, still = self._edges(part, values)
+            moving, resting, depth, rows, still = self.edges(part, values)
             column[:, rows] = moving.by_body(depth[rows], part.spacing / 2, bodies)
             if resting is not None:
                 column[:, still] = resting.by_body(depth[still], moving.nodes.u, bodies)
@@ -710,7 +710,6 @@ def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array
 FIT_WINDOW = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
 FIT_BESIDE = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
 FIT_NARROW = 0.3  # choice: of the depth of contact, that the window covers at most
-FIT_ABOVE = 1.1  # theory: any w above what the last row at rest holds gives the same loads
 FIT_RECEDES = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
 FIT_EXPLAINED = 1.05  # choice: of the noise, residuals that the search is not begun anew for
 FIT_ENOUGH = 1.5  # choice: of the noise, residuals that no other start is tried below
@@ -719,6 +718,7 @@ FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
 FIT_PERIODS = 0.3  # choice: the same of the log of a wave's period
 FIT_CONVERGED = 1e-11  # choice: relative change of parameters
 FIT_FELL = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
+FIT_BEGUN = 1e-5  # choice: of chi^2, its fall by a step with which a search goes on with all rows and a sharper fold
 FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
 FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
 FIT_NEAR = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
@@ -781,15 +781,10 @@ def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> 
 
 
 def _problem(
-    model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float
-) -> LeastSquares:
-    return LeastSquares(
-        partial(_state, model, weight, blunt),
-        bounds,
-        enough,
-        FIT_FELL,
-        FIT_EVALUATIONS,
-    )
+    model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float,
+    fell: float = FIT_FELL,
+) -> LeastSquares:  # fmt: skip
+    return LeastSquares(partial(_state, model, weight, blunt), bounds, enough, fell, FIT_EVALUATIONS)
 
 
 def misfit_at(model: ForceCurveModel, x: Array) -> float:
@@ -820,7 +815,7 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     for stages in [()] if near else [slow] if few is model else [FIT_BLUNT[1:2], slow]:
         begun = x
         for blunt in stages:
-            begun = _problem(few, _even(few), bounds, blunt, SAME).least(begun).x
+            begun = _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN).least(begun).x
         least = whole.least(begun)
         if least.ended and 2 * least.cost * even.A < (FIT_EXPLAINED * model.noise) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise
@@ -914,7 +909,7 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     own = f"q:{last.kind}"
     adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
     most = held_by_last_row(model, values) if adheres else None
-    if most is not None and _rests_throughout(model, x, own, most, weight):
+    if most is not None and _rests_throughout(model, x, most, weight):
         idle |= np.array(model.names) == own
         values[own] = most
     known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
@@ -930,14 +925,17 @@ def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float]) -> flo
     return resting.released(math.sqrt(max(values[f"q:{last.kind}"], 0.0)), lost) ** 2
 
 
-def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, weight: Spectrum) -> bool:
-    """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well, in units of noise."""
-    never = np.where(np.array(model.names) == own, min(FIT_ABOVE * most, model.most), x)
-    with contextlib.suppress(SolveError):  # no contact bears that
-        each = model.residuals(x, 0.0)[0], model.off(never, 0.0)
-        recedes, rests = (float(np.sum(model.whitened(off, weight) ** 2)) for off in each)
-        return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
-    return False
+def _rests_throughout(model: ForceCurveModel, x: Array, most: float, weight: Spectrum) -> bool:
+    """Whether an edge that never recedes, as of any w above ``most``, describes the rows as well, in units of noise:
+    the straight line of the edge at rest goes on then in the rows in which it moves."""
+    last, values, off = model.stretches[-1], model.values(x), model.residuals(x, 0.0)[0]
+    _, resting, depth, rows, _ = model.edges(last, values)
+    if resting is None:
+        return False
+    never = off.copy()
+    never[model.ends[-2] + rows] = (base_line(last, values)[0] - last.P)[rows] + resting.load(depth[rows])
+    recedes, rests = (float(np.sum(model.whitened(one, weight) ** 2)) for one in (off, never))
+    return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
 
 
 def windowed(best: ForceCurveFit) -> ForceCurveModel:

@@ -993,13 +993,19 @@ class FittedBody:
     def to_depth(self, depth: float) -> FittedBody:
         """The same problem solved to the contact radius at a ``depth`` [m], where it may be; beyond the series it is
         estimated by continuation, as far as below it."""
-        u = np.linspace(self.family.low, self.family.high + DEVICE_PATH_BELOW, ROWS)
-        reached = np.flatnonzero(self.family.at(u)[0][0] <= depth)
+        u, depths = self._depths
+        reached = np.flatnonzero(depths <= depth)
         tip, a = self.problem.indenter, math.exp(u[reached[-1]]) if reached.size else 0.0
         a = RESOLVING_ADHERES * a if RESOLVING_ADHERES * a < tip.r_max else a
         endless = tip.kinks and math.isinf(tip.r_max)  # a rounded cone: R is that of its end alone
         a = a if tip.tip_radius is None or endless else min(a, RESOLVING_DEEP * tip.tip_radius)
         return self.to_radius(a) if self.extensible and a > self.series.a[-1] else self
+
+    @cached_property
+    def _depths(self) -> tuple[Array, Array]:
+        """Logs of contact radii, beyond the series too, and displacements there without adhesion [m]."""
+        u = np.linspace(self.family.low, self.family.high + DEVICE_PATH_BELOW, ROWS)
+        return u, self.family.at(u)[0][0]
 
     def _reaching(self, a: float, **changes: Any) -> FittedBody:
         """The body of a changed problem solved up to contact radius ``a`` [m], as the user describes this one."""

@@ -20,7 +20,7 @@ from scipy.fft import dct, idct
 
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.executors import Pool, in_order
-from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array
+from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, median
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
 
@@ -38,7 +38,7 @@ STATISTICS_SUSPICIOUS = 1e-4  # choice: of order in residuals
 
 def robust_scale(residuals: Array) -> float:
     """Standard deviation of normal residuals, from their median size."""
-    return float(np.median(np.abs(residuals))) / STATISTICS_NORMAL_MEDIAN
+    return median(np.abs(residuals)) / STATISTICS_NORMAL_MEDIAN
 
 
 # SciPy's losses at residuals z in units of the turn: rho by z^2, its psi = rho'/2 and psi' by z.
@@ -138,7 +138,7 @@ def structure(residuals: Array) -> Structure:
     centred = residuals - np.mean(residuals)
     total = float(np.sum(centred**2))
     lag1 = float(np.sum(centred[1:] * centred[:-1]) / total) if total > 0 else 0.0
-    above = residuals > np.median(residuals)
+    above = residuals > median(residuals)
     k = int(above.sum())
     m = n - k
     runs = 1 + int(np.sum(above[1:] != above[:-1]))
@@ -231,26 +231,28 @@ class LeastSquares:
         cost, most, (low, high) = state.cost, self.evaluations or MOST_STEPS * x.size, self.bounds
         units, radius, steps = np.zeros_like(x), math.inf, 1
         while steps < most:
-            slopes = state.jacobian.T @ state.residuals
+            squares, slopes = state.jacobian.T @ state.jacobian, state.jacobian.T @ state.residuals
             inner = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
             if not np.abs(slopes[inner]).max(initial=0.0) > self.converged:
                 return self._ended(x, state, steps, True)
-            units = np.maximum(units, np.linalg.norm(state.jacobian, axis=0))
+            units = np.maximum(units, np.sqrt(squares.diagonal()))
             length = np.where(units > 0, units, 1.0)
-            radius = min(radius, float(np.linalg.norm(x * length)) or 1.0)
-            ball = _Ball.of(state.jacobian[:, inner] / length[inner], state.residuals)
+            radius = min(radius, math.hypot(*(x * length)) or 1.0)
+            ball = _Ball.of(state, inner, length, squares, slopes)
             while steps < most:
                 new = x.copy()
                 new[inner] -= ball.step(radius) / length[inner]
-                new = np.clip(new, low, high)
-                change, moved = state.jacobian @ (new - x), float(np.linalg.norm((new - x) * length))
-                predicted = -float(change @ (state.residuals + change / 2))
+                new = np.minimum(np.maximum(new, low), high)
+                change = new - x
+                moved = math.hypot(*(change * length))
+                along = state.jacobian @ change
+                predicted = -float(along @ (state.residuals + along / 2))
                 if 0 <= predicted < self.cost * cost and SEARCH_LONGER * moved < radius:
                     return self._ended(x, state, steps, True)  # the step to the least is not worth taking
                 there, steps = self._if_any(new), steps + 1
                 reduction = -math.inf if there is None else cost - there.cost
                 ratio = reduction / predicted if predicted > 0 else 0.0
-                close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))
+                close = math.hypot(*change) < self.converged * (self.converged + math.hypot(*x))
                 little = max(self.cost, self.converged) * cost
                 foretold = SEARCH_POOR < ratio or (predicted < little and reduction > -little)
                 ended = close or (foretold and reduction < little)
@@ -349,16 +351,23 @@ class _Ball:
     V: Array
 
     @classmethod
-    def of(cls, J: Array, off: Array) -> _Ball:
-        Q, triangle = orthogonal(J)
-        U, sizes, V = np.linalg.svd(triangle)
-        return cls(U.T @ (Q.T @ off), np.maximum(sizes, SEARCH_SINGULAR * sizes[0]), V)
+    def of(cls, state: State, inner: Array, length: Array, squares: Array, slopes: Array) -> _Ball:
+        """That of the ``inner`` unknowns in units of their ``length``, by the ``squares`` J^T J and the ``slopes``
+        J^T r of a ``state``; by J itself where squares lose too many digits."""
+        unit = 1 / length[inner]
+        each, V = np.linalg.eigh(squares[np.ix_(inner, inner)] * np.outer(unit, unit))
+        if each[0] > SEARCH_DIGITS**2 * each[-1]:
+            sizes = np.sqrt(each)
+            return cls((slopes[inner] * unit) @ V / sizes, sizes, V.T)
+        Q, triangle = np.linalg.qr(state.jacobian[:, inner] * unit)
+        U, sizes, rows = np.linalg.svd(triangle)
+        return cls(U.T @ (Q.T @ state.residuals), np.maximum(sizes, SEARCH_SINGULAR * sizes[0]), rows)
 
     def step(self, radius: float) -> Array:
         """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
         more, coordinates = 0.0, self.along / self.sizes
         for _ in range(MOST_STEPS):
-            length = float(np.linalg.norm(coordinates))
+            length = math.hypot(*coordinates)
             if length <= SEARCH_LONGER * radius:
                 break
             rate = float(np.sum(coordinates**2 / (self.sizes**2 + more))) / length
@@ -784,7 +793,7 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
 def _rise(one: Array, other: Array) -> float:
     """The median factor between the variances of two covariances."""
     known = np.diag(other) > 0
-    return float(np.median((np.diag(one) / np.diag(other))[known])) if known.any() else 1.0
+    return median((np.diag(one) / np.diag(other))[known]) if known.any() else 1.0
 
 
 def _hidden(seen: Octaves, noise: Spectrum, every: Spectrum) -> Spectrum:

@@ -3,15 +3,20 @@
 A redesign changes no number and no word. Every shipped case runs by every method (a refusal is a result, too) through
 ``run``, ``transform``, ``pull-off``, ``cycle`` and ``profile``; ``check``, ten fits with their alternative models,
 sweeps, maps and the help of every verb stand beside. Exit codes, stdout, stderr, CSV and JSON are compared after what
-changes from run to run (times, memory, dates, versions) is masked. A difference that is meant is listed in
-``golden.toml`` with its reason; any other makes the exit code 1.
+changes from run to run (times, memory, dates, versions) is masked.
+
+Words and numbers are compared apart: every column of a CSV file and every number of a JSON text by its name, relative
+to the largest of that name, so that another word hides no other number. A difference that is meant is listed in
+``golden.toml`` with its reason, one of numbers with its size; any other makes the exit code 1.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import fnmatch
 import json
+import math
 import os
 import re
 import subprocess
@@ -22,6 +27,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import jkrcli.cli
 
@@ -110,9 +116,12 @@ STUDIES = (
 
 
 def environment(package: Path) -> dict[str, str]:
-    """Of a process that takes the package from a checkout, computes with one thread and writes 100 columns."""
-    return os.environ | {
+    """Of a process that takes the package from a checkout, computes with one thread and writes 100 columns; what is
+    compiled of the package is kept, away from the checkout."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return kept | {
         "PYTHONPATH": str(package),
+        "PYTHONPYCACHEPREFIX": str(STORE / "compiled"),
         "OPENBLAS_NUM_THREADS": "1",
         "OMP_NUM_THREADS": "1",
         "COLUMNS": "100",
@@ -147,11 +156,18 @@ def golden(package: Path, folder: Path, names: Sequence[str], workers: int) -> d
     return texts
 
 
+def commit_of(name: str) -> str:
+    """The first twelve digits of a commit."""
+    words = ["git", "-C", str(ROOT), "rev-parse", "--short=12", f"{name}^{{commit}}"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise SystemExit(f"--against {name}: no commit of this checkout")
+    return done.stdout.strip()
+
+
 def checkout(commit: str, folder: Path) -> Path:
     """The package of a ``commit``, unpacked into ``folder``."""
-    packed = subprocess.run(["git", "-C", str(ROOT), "archive", commit, "jkrcli"], capture_output=True, check=False)
-    if packed.returncode:
-        raise SystemExit(f"--against {commit}: no commit of this checkout")
+    packed = subprocess.run(["git", "-C", str(ROOT), "archive", commit, "jkrcli"], capture_output=True, check=True)
     folder.mkdir(parents=True, exist_ok=True)
     subprocess.run(["tar", "-x", "-C", str(folder)], input=packed.stdout, check=True)
     return folder
@@ -159,8 +175,7 @@ def checkout(commit: str, folder: Path) -> Path:
 
 def reference(commit: str, names: Sequence[str], workers: int) -> dict[str, str]:
     """Return what a ``commit`` gives; it is kept below ``build/golden`` for the next comparison with it."""
-    words = ["git", "-C", str(ROOT), "rev-parse", "--short=12", f"{commit}^{{commit}}"]
-    short = subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+    short = commit_of(commit)
     kept = STORE / f"{short}.json"
     texts: dict[str, str] = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
     missing = [name for name in names if not any(path.startswith(f"{name}/") for path in texts)]
@@ -174,47 +189,132 @@ def reference(commit: str, names: Sequence[str], workers: int) -> dict[str, str]
 
 
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+PRINTED = re.compile(r"exit code (\d+)\n(.*)\n-- stderr\n", re.DOTALL)
+COSTS = ((re.compile(r"<cost>,?(?=\s*[}\]])"), "0"), (re.compile(r"<cost>,?(?=\s*\n)"), "0,"))  # JSON again
+
+Numbers = dict[str, list[Any]]
 
 
-def difference(before: str | None, now: str | None) -> str | None:
-    """Describe where two texts first differ, and by how much their numbers do at most; None where they are equal."""
-    if before == now:
-        return None
+def numbers(path: str, text: str) -> Numbers:
+    """The cells of each column of a CSV file, numbers and words; the numbers of each name of a JSON text; of what was
+    printed the exit code, and its JSON if it is."""
+    found: Numbers = {}
+    if path.endswith(".csv"):
+        head, *rows = csv.reader(line for line in text.splitlines() if not line.startswith("#"))
+        for row in rows:
+            for name, cell in zip(head, row, strict=False):
+                found.setdefault(name, []).append(float(cell) if NUMBER.fullmatch(cell) else cell)
+        return found
+
+    def gather(name: str, value: Any) -> None:
+        if isinstance(value, dict):
+            for key, one in value.items():
+                gather(f"{name}.{key}".strip("."), one)
+        elif isinstance(value, list):
+            for one in value:
+                gather(name, one)
+        elif isinstance(value, int | float):
+            found.setdefault(name, []).append(float(value))
+
+    body = text
+    if path.endswith(".txt") and (printed := PRINTED.search(text)):
+        found["exit code"], body = [int(printed[1])], printed[2]
+    if body.lstrip()[:1] in ("{", "["):
+        for cost, instead in COSTS:
+            body = cost.sub(instead, body)
+        gather("", json.loads(body))
+    return found
+
+
+def deviations(before: Numbers, now: Numbers) -> dict[str, float]:
+    """Of each name whose numbers differ by how much at most, relative to the largest of them; infinity where a name or
+    a number is new or gone, or a word of a cell another one."""
+    found = {}
+    for name in before.keys() | now.keys():
+        old, new = before.get(name, []), now.get(name, [])
+        if old == new:
+            continue
+        pairs = list(zip(old, new, strict=False))
+        words = any(a != b for a, b in pairs if isinstance(a, str) or isinstance(b, str))
+        sizes = [(abs(a), abs(b), abs(a - b)) for a, b in pairs if not isinstance(a, str) and not isinstance(b, str)]
+        largest = max((max(a, b) for a, b, _ in sizes), default=0.0)
+        lost = words or len(old) != len(new)
+        found[name] = math.inf if lost else max(apart for *_, apart in sizes) / largest
+    return found
+
+
+def differences(path: str, before: str | None, now: str | None, meant: Meant) -> Iterator[tuple[str, str | None]]:
+    """What differs between two texts of one ``path``, in words, each with the reason that is listed for it, or None."""
     if before is None or now is None:
-        return "is new" if before is None else "is gone"
-    old, new = before.splitlines(), now.splitlines()
-    first = next(
-        (i for i, pair in enumerate(zip(old, new, strict=False)) if pair[0] != pair[1]), min(len(old), len(new))
-    )
-    pairs = [(float(a), float(b)) for a, b in zip(NUMBER.findall(before), NUMBER.findall(now), strict=False)]
-    words_alike = NUMBER.sub("#", before) == NUMBER.sub("#", now)
-    most = max((abs(a - b) / max(abs(a), abs(b)) for a, b in pairs if a != b), default=0.0)
-    size = f"numbers alone, by {most:.1e} at most" if words_alike else "in words"
-    a, b = (lines[first] if first < len(lines) else "<end>" for lines in (old, new))
-    return f"{size}; line {first + 1}:\n    - {a[:200]}\n    + {b[:200]}"
+        yield "is new" if before is None else "is gone", meant.reason("files", path)
+    elif before != now:
+        for name, size in sorted(deviations(numbers(path, before), numbers(path, now)).items()):
+            yield f"{name} differs by {size:.1e}", meant.of_number(path, name, size)
+        if NUMBER.sub("#", before) != NUMBER.sub("#", now):
+            pairs = zip(before.splitlines(), now.splitlines(), strict=False)
+            first = next(([a, b] for a, b in pairs if NUMBER.sub("#", a) != NUMBER.sub("#", b)), ["<end>", "<more>"])
+            shown = "".join(f"\n    {sign} {line[:200]}" for sign, line in zip("-+", first, strict=True))
+            yield f"other words{shown}", meant.reason("words", path)
+        elif not path.endswith((".csv", ".json")):  # numbers in sentences
+            yield "other numbers in the same sentences", meant.reason("words", path)
+
+
+@dataclass(frozen=True)
+class Meant:
+    """What is listed of one comparison: reasons of ``words`` and ``files`` by patterns of paths, and of ``numbers`` by
+    patterns of paths and names, each with the deviation ``within`` which it holds."""
+
+    listed: dict[str, Any]
+
+    @classmethod
+    def against(cls, commit: str) -> Meant:
+        """The list that was made for the ``commit``; empty for others."""
+        listed = tomllib.loads(MEANT.read_text(encoding="utf-8"))
+        return cls(listed if commit.startswith(listed["against"]) else {})
+
+    def reason(self, kind: str, path: str) -> str | None:
+        entries = self.listed.get(kind, {}).items()
+        return next((why for like, why in entries if fnmatch.fnmatch(path, like)), None)
+
+    def of_number(self, path: str, name: str, size: float) -> str | None:
+        for entry in self.listed.get("numbers", []):
+            fits = any(fnmatch.fnmatch(path, like) for like in entry["files"])
+            if fits and any(fnmatch.fnmatchcase(name, like) for like in entry["names"]) and size <= entry["within"]:
+                return str(entry["reason"])
+        return None
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--against", required=True, help="the commit to compare with")
+    parser.add_argument("--keep", type=Path, help="a JSON file of all texts: read where it exists, else written")
     parser.add_argument("--only", default="*", help="scenes of these names, such as 'gel-*' or 'fit-*'")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     given = parser.parse_args()
 
     names = [scene.name for scene in scenes() if fnmatch.fnmatch(scene.name, given.only)]
     before = reference(given.against, names, given.workers)
-    with tempfile.TemporaryDirectory() as folder:
-        now = golden(ROOT, Path(folder), names, given.workers)
+    if given.keep and given.keep.exists():
+        now = json.loads(given.keep.read_text(encoding="utf-8"))
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            now = golden(ROOT, Path(folder), names, given.workers)
+        if given.keep:
+            given.keep.write_text(json.dumps(now), encoding="utf-8")
 
-    meant = tomllib.loads(MEANT.read_text(encoding="utf-8")) if MEANT.exists() else {}
+    meant = Meant.against(commit_of(given.against))
+    counts: dict[str, int] = {}
     unmeant = 0
     for path in sorted(before.keys() | now.keys()):
-        what = difference(before.get(path), now.get(path))
-        if what:
-            reason = next((why for like, why in meant.items() if fnmatch.fnmatch(path, like)), None)
-            unmeant += reason is None
-            print(f"{path}: {what}" + (f"\n    meant: {reason}" if reason else ""))
-    print(f"{len(now)} texts of {len(names)} scenes: {unmeant} differ from {given.against} without a reason")
+        for what, reason in differences(path, before.get(path), now.get(path), meant):
+            if reason is None:
+                unmeant += 1
+                print(f"{path}: {what}")
+            else:
+                counts[reason] = counts.get(reason, 0) + 1
+    for reason, count in counts.items():
+        print(f"{count} meant: {reason}")
+    print(f"{len(now)} texts of {len(names)} scenes: {unmeant} differences from {given.against} without a reason")
     return 1 if unmeant else 0
 
 

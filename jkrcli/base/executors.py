@@ -231,12 +231,12 @@ def _begin(lifeline: Connection) -> None:
     the parent does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.update(ONE_THREAD)
-    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
 
+    def end_with_parent() -> None:
+        lifeline.poll(None)
+        os._exit(1)
 
-def _end_with(lifeline: Connection) -> None:
-    lifeline.poll(None)
-    os._exit(1)
+    threading.Thread(target=end_with_parent, daemon=True).start()
 
 
 class _Cluster(Pool):

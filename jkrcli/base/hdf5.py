@@ -280,15 +280,14 @@ def _group(group: h5py.Group, without: Container[str] = ()) -> Group:
     for name in group:
         if name not in without:
             item = group[name]
-            members[name] = _read(item) if isinstance(item, h5py.Dataset) else _group(item)
+            if isinstance(item, h5py.Dataset):
+                values = _plain(item[()])
+                if isinstance(values, np.ndarray) and values.dtype.kind == "S":
+                    values = [_plain(text) for text in values.tolist()]
+                members[name] = Dataset(values, attributes_of(item), item.shape or (), item.dtype)
+            else:
+                members[name] = _group(item)
     return Group(attributes_of(group), members)
-
-
-def _read(data: h5py.Dataset) -> Dataset:
-    values = _plain(data[()])
-    if isinstance(values, np.ndarray) and values.dtype.kind == "S":
-        values = [_plain(item) for item in values.tolist()]
-    return Dataset(values, attributes_of(data), data.shape or (), data.dtype)
 
 
 def attributes_of(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:

@@ -331,8 +331,15 @@ class _Reader:
         """The numbers and texts of a group; the first format may lack it."""
         if not self.sealed and name not in self.root.members:
             return {}
-        entries = self.group(name).attributes.items()
-        return {key: _plain(self.path, f"{name}.{key}", value) for key, value in entries if key != hdf5.SEAL}
+        words: dict[str, Any] = {}
+        for key, value in self.group(name).attributes.items():
+            if key == hdf5.SEAL:
+                continue
+            if not isinstance(value, str | int | float):
+                kind = type(value).__name__
+                raise InputError(f"{self.path}: attribute {name}.{key} must be a number or a text, got {kind}")
+            words[key] = str(value) if isinstance(value, float) and not np.isfinite(value) else value
+        return words
 
     def group(self, name: str) -> hdf5.Group:
         group = self.root.members.get(name)
@@ -396,12 +403,6 @@ def _real(value: Any) -> float:
     if not isinstance(value, int | float):
         raise TypeError(f"{type(value).__name__} in place of a number")
     return float(value)
-
-
-def _plain(path: Path, where: str, value: Any) -> Any:
-    if not isinstance(value, str | int | float):
-        raise InputError(f"{path}: attribute {where} must be a number or a text, got {type(value).__name__}")
-    return str(value) if isinstance(value, float) and not np.isfinite(value) else value
 
 
 # --------------------------------------------------------------------------------------------------

@@ -81,11 +81,18 @@ class File:
 
     @cached_property
     def sections(self) -> Sequence[tuple[str, Section]]:
-        """Title and entries of each section of the head."""
+        """Title and entries of each section of the head; keys lower case, without the number of a group ("@4:Z
+        scale")."""
         head, end, _ = self.content.partition(BINARY)
         if ENDS not in head or not end:
             raise InputError(f"{self.path}: is damaged or cut off: its head does not end: {AGAIN}")
-        return _sections(head.decode("cp1252", errors="replace"))
+        sections: list[tuple[str, dict[str, str]]] = []
+        for line in head.decode("cp1252", errors="replace").splitlines():
+            if line.startswith("\\*"):
+                sections.append((line[2:].strip(), {}))
+            elif match := re.match(r"\\(?:@(?:\d+:)?)?([^:]+):\s*(.*)", line):
+                sections[-1][1].setdefault(match[1].strip().lower(), match[2].strip())
+        return sections
 
     @cached_property
     def channels(self) -> Mapping[str, tuple[Section, Array]]:
@@ -304,17 +311,6 @@ def _calibrated(path: Path, reading: Reading, of_file: Mapping[str, float]) -> t
     return values, tuple(flags)
 
 
-def _sections(head: str) -> Sequence[tuple[str, Section]]:
-    """Title and entries of each section; keys lower case, without the number of a group ("@4:Z scale")."""
-    sections: list[tuple[str, dict[str, str]]] = []
-    for line in head.splitlines():
-        if line.startswith("\\*"):
-            sections.append((line[2:].strip(), {}))
-        elif match := re.match(r"\\(?:@(?:\d+:)?)?([^:]+):\s*(.*)", line):
-            sections[-1][1].setdefault(match[1].strip().lower(), match[2].strip())
-    return sections
-
-
 def _name(section: Section) -> str:
     """What a channel holds: S [ZSensor] "Height Sensor"."""
     match = re.search(r"\[(\w+)\]", section.get("image data", ""))
@@ -502,29 +498,27 @@ def check(path: Path) -> None:
     ending = path.suffix.lower()
     if ending == ".zip" or ending.startswith(".jpk"):
         members = instruments.members(path, process.TEXT if ending == ".zip" else None)
-        for item, content in zip(members, instruments.contents(path, members), strict=True):  # all are unpacked once
+        for item, unpacked in zip(members, instruments.contents(path, members), strict=True):  # all of them once
             if item.filename.endswith(".properties"):
-                for many, power in PIXELS.findall(content):
+                for many, power in PIXELS.findall(unpacked):
                     check_size(path, process.PART * min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
     elif ending == ".ibw":
-        _wave(path, read_bytes(path, INTACT_WHAT))
+        # Igor's binary wave of version 5 (its Technical Note 003): heads whose words add up to zero, and sizes
+        content = read_bytes(path, INTACT_WHAT)
+        order = {b"\5\0": "<", b"\0\5": ">"}.get(content[:2])
+        if order is None or len(content) < HEAD:
+            raise InputError(f"{path}: is no binary wave of version 5, or cut off: {INTACT_AGAIN}")
+        if sum(struct.unpack(f"{order}{HEAD // 2}h", content[:HEAD])) & 0xFFFF:
+            raise InputError(f"{path}: is damaged (the checksum of its header is wrong): {INTACT_AGAIN}")
+        sizes = struct.unpack_from(f"{order}15l", content, 4)
+        there, declared = len(content), WAVE + sum(sizes)
+        if min(sizes) < 0 or declared > there:
+            raise InputError(f"{path}: is cut off: holds {there:,} bytes of {declared:,}: {INTACT_AGAIN}")
     else:
         content = read_bytes(path, INTACT_WHAT, process.TEXT)
         check_text(path, content.decode("latin-1"))
         if ending == ".tab":
             _export(path, content)
-
-
-def _wave(path: Path, content: bytes) -> None:
-    """Igor's binary wave of version 5 (its Technical Note 003): heads whose words add up to zero, and sizes."""
-    order = {b"\5\0": "<", b"\0\5": ">"}.get(content[:2])
-    if order is None or len(content) < HEAD:
-        raise InputError(f"{path}: is no binary wave of version 5, or cut off: {INTACT_AGAIN}")
-    if sum(struct.unpack(f"{order}{HEAD // 2}h", content[:HEAD])) & 0xFFFF:
-        raise InputError(f"{path}: is damaged (the checksum of its header is wrong): {INTACT_AGAIN}")
-    sizes = struct.unpack_from(f"{order}15l", content, 4)
-    if min(sizes) < 0 or WAVE + sum(sizes) > len(content):
-        raise InputError(f"{path}: is cut off: holds {len(content):,} bytes of {WAVE + sum(sizes):,}: {INTACT_AGAIN}")
 
 
 def _export(path: Path, content: bytes) -> None:

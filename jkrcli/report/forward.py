@@ -718,7 +718,16 @@ class Fields(Result):
             assert load is not None
             a = stability.stable_radius(curve.curve, load)
         delta, P = (float(value) for value in curve.curve.at(np.array(a)))
-        state = contact_state(method, curve.problem, a, delta, _surface(curve, a))
+        # What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered;
+        # None where it is rigid, or acts by the modulus alone
+        surface, at = None, a
+        if curve.problem.indenter.material is not None and not curve.problem.is_half_space:
+            from ..methods.layered.solver import surface_profile
+
+            def surface(r: Array) -> Array:
+                return surface_profile(curve.problem, at, curve.w, r_surface=r).displacement
+
+        state = contact_state(method, curve.problem, a, delta, surface)
         return cls(curve, P if load is None else load, state, component)  # but for round-off
 
     @property
@@ -780,14 +789,3 @@ class Fields(Result):
         write_vtu(state.grid, target, data | {"von_mises_Pa": state.mises})
         with target.open("a") as file:
             file.write(mark)
-
-
-def _surface(curve: Analysis, a: float) -> Callable[[Array], Array] | None:
-    """What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered; None
-    where it is rigid, or acts by the modulus alone."""
-    from ..methods.layered.solver import surface_profile
-
-    problem = curve.problem
-    if problem.indenter.material is None or problem.is_half_space:
-        return None
-    return lambda r: surface_profile(problem, a, curve.w, r_surface=r).displacement

@@ -167,7 +167,11 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
             parts |= {"err": estimate.error, "low": estimate.low, "high": estimate.high}
         if estimate.model:
             parts["model"] = math.hypot(*estimate.model.values())
-        row |= {_title(estimate.name, part, estimate.dimension): value for part, value in parts.items()}
+        stem = "modulus_factor" if estimate.name == "modulus" else estimate.name.replace(":", "_").replace(" ", "_")
+        for part, value in parts.items():  # titles such as ``E_film_err_Pa``
+            title = "_".join(filter(None, [stem, part]))
+            unit = f"{title}_m_per_N" if estimate.name == "compliance" else with_unit(title, estimate.dimension)
+            row[unit] = value
     row |= {"scatter": item.scatter, "lag1": item.structure.lag1}
     row |= {"correlation_modulus_w": item.correlated("modulus", "w")}
     if item.quality is not None:
@@ -179,13 +183,6 @@ def _placed(item: Fit | Failure) -> dict[str, Any]:
     """Column, row and position of a curve of a map; nothing of others."""
     at = item.pixel
     return {} if at is None else {"map_column": at.column, "map_row": at.row, "x_m": at.x, "y_m": at.y}
-
-
-def _title(name: str, part: str, dimension: str) -> str:
-    """The title of a column: ``E_film_err_Pa``."""
-    stem = "modulus_factor" if name == "modulus" else name.replace(":", "_").replace(" ", "_")
-    title = "_".join(filter(None, [stem, part]))
-    return f"{title}_m_per_N" if name == "compliance" else with_unit(title, dimension)
 
 
 def summary(outcomes: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
@@ -715,20 +712,17 @@ class Work(Result):
         no column, but for the error of w: that is empty where the noise is not known."""
         names = {name for item in self.curves for name, (values, _) in _numbers(item).items() if values is not None}
         names.add("w_err_J_per_m2")
-        # The columns that are called `names`.
-        return stacked(
-            [
-                _labels(item)
-                | (
-                    {
-                        name: [None] * rows.size if values is None else np.where(rows, values, np.nan).tolist()
-                        for name, (values, rows) in _numbers(item).items()
-                        if name in names
-                    }
-                )
-                for item in self.curves
-            ]
-        )
+        tables = []
+        for item in self.curves:
+            curve, size = item.curve, len(item.curve)
+            segments = [None] * size if curve.segment is None else curve.segment.tolist()  # which may be empty
+            columns: dict[str, list[Any]] = {"curve": [curve.name] * size, "segment": segments}
+            columns["state"] = item.state.tolist()
+            for name, (values, rows) in _numbers(item).items():
+                if name in names:
+                    columns[name] = [None] * size if values is None else np.where(rows, values, np.nan).tolist()
+            tables.append(columns)
+        return stacked(tables)
 
     def summary(self) -> dict[str, Any]:
         """Per curve and for the body."""
@@ -770,13 +764,6 @@ class Work(Result):
         from .plots.inverse import work_figure
 
         return work_figure(self.curves, self.law if isinstance(self.law, LawAlongRecords) else None)
-
-
-def _labels(item: WorkAlong) -> dict[str, list[Any]]:
-    """Curve, segment (may be empty) and state of each row."""
-    curve, size = item.curve, len(item.curve)
-    segments = [None] * size if curve.segment is None else curve.segment.tolist()
-    return {"curve": [curve.name] * size, "segment": segments, "state": item.state.tolist()}
 
 
 def _numbers(item: WorkAlong) -> dict[str, tuple[Array | None, Array]]:
@@ -902,11 +889,16 @@ class Look(Result):
         return cls(path, records, unusable, tip)
 
     def summary(self) -> dict[str, Any]:
-        return {
-            "file": str(self.path),
-            "curves": [as_dict(record) | self._rough(record) for record in self.records],
-            "unusable": list(self.unusable),
-        }
+        curves = []
+        for record in self.records:  # with its rough numbers, where there is a tip
+            glance = None if self.tip is None else at_a_glance(record, self.tip)
+            rough: dict[str, Any] = {}
+            if isinstance(glance, Unknown):
+                rough = _known("rough", glance)
+            elif glance is not None:
+                rough = {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
+            curves.append(as_dict(record) | rough)
+        return {"file": str(self.path), "curves": curves, "unusable": list(self.unusable)}
 
     def words(self) -> list[str]:
         lines = [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
@@ -915,15 +907,6 @@ class Look(Result):
             head = [f"{count} curves, {flagged} of them with remarks: {self.path}"]
             lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
         return lines + ([f"  ... and {count - SHOWN} more curves (all with --json)"] if count > SHOWN else [])
-
-    def _rough(self, record: ForceCurve) -> dict[str, Any]:
-        """The rough numbers of a record as plain values, where there is a tip."""
-        if self.tip is None:
-            return {}
-        glance = at_a_glance(record, self.tip)
-        if isinstance(glance, Unknown):
-            return _known("rough", glance)
-        return {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
 
     @property
     def warnings(self) -> Sequence[str]:

@@ -159,8 +159,24 @@ def neglected_effects(
     body = without_side_walls(replace(problem, specimen=replace(problem.specimen, relaxation=None)))
     works = [w for w in works if w > 0]
     omissions = [*_neighbours(Neighbours(body, expected, works), problem.specimen.radius is not None)]
-    omissions += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
-    omissions += [*_weight(body, expected), *_faces(body, expected)]
+    omissions.append(_slip(body, expected, works))
+
+    # The range of adhesive forces: at pull-off, and of the load on the adhesive curve at its largest depth
+    pulls = {w: judged.effect_of_range for w, _, judged in expected.adhesion if w > 0}
+    if z0 is not None and pulls:
+        name, key = f"range of adhesion {show(z0, 'length')}", f'adhesion.range = "{show(z0, "length")}"'
+        omissions.append(NeglectedEffect(name, key, _load_at_range(body, expected, z0, pulls), NOT_COMPARED, pulls))
+    omissions += _strains(body, expected)
+
+    # The weight of a half-space that keeps its volume; of others no formula is known
+    material, R, tension = body.specimen.surface, body.indenter.tip_radius, body.specimen.surface_tension
+    if R is not None and body.is_half_space and material.nu >= INCOMPRESSIBLE and not tension:
+        load, S = over_hertz(expected.a, material.E_star, LEFT_OUT_DENSITY)
+        pulls = {w: over_jkr(point.a, material.E_star, LEFT_OUT_DENSITY) if isinstance(point, CriticalPoint) else point
+                 for w, point, _ in expected.adhesion if w > 0}  # fmt: skip
+        name = f"weight of the specimen, {LEFT_OUT_DENSITY:g} kg/m^3"
+        omissions.append(NeglectedEffect(name, "", load, S, pulls))
+    omissions += _faces(body, expected)
     return sorted(omissions, key=lambda one: -abs(one.largest[1]) if one.largest else 1.0)
 
 
@@ -286,16 +302,6 @@ def _slip(body: Problem, expected: EffectsPreview, works: Sequence[float]) -> Ne
     return NeglectedEffect(name, key, change(effect.load), change(effect.stiffness_at_depth), pulls)
 
 
-def _range(body: Problem, expected: EffectsPreview, z0: float | None) -> Iterator[NeglectedEffect]:
-    """The range of adhesive forces: at pull-off, and of the load on the adhesive curve at its largest depth."""
-    pulls = {w: judged.effect_of_range for w, _, judged in expected.adhesion if w > 0}
-    if z0 is None or not pulls:
-        return
-    length = show(z0, "length")
-    load = _load_at_range(body, expected, z0, pulls)
-    yield NeglectedEffect(f"range of adhesion {length}", f'adhesion.range = "{length}"', load, NOT_COMPARED, pulls)
-
-
 def _load_at_range(body: Problem, expected: EffectsPreview, z0: float, pulls: Mapping[float, Estimate]) -> Estimate:
     """Change of the adhesive load, over the load without adhesion, for the w whose pull-off changes most."""
     known = {w: value for w, value in pulls.items() if not isinstance(value, Unknown)}
@@ -349,14 +355,3 @@ def _strains(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffec
         elif w > 0:
             pulls[w] = change if isinstance(change, Unknown) else max(cast(tuple[float, float], change), key=abs)
     yield NeglectedEffect(name, "", load, LEFT_OUT_OF_STRAINS * load, pulls)
-
-
-def _weight(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffect]:
-    """The weight of a half-space that keeps its volume; of others no formula is known."""
-    material, R = body.specimen.surface, body.indenter.tip_radius
-    if R is None or not body.is_half_space or material.nu < INCOMPRESSIBLE or body.specimen.surface_tension:
-        return
-    load, S = over_hertz(expected.a, material.E_star, LEFT_OUT_DENSITY)
-    pulls = {w: over_jkr(point.a, material.E_star, LEFT_OUT_DENSITY) if isinstance(point, CriticalPoint) else point
-             for w, point, _ in expected.adhesion if w > 0}  # fmt: skip
-    yield NeglectedEffect(f"weight of the specimen, {LEFT_OUT_DENSITY:g} kg/m^3", "", load, S, pulls)

@@ -166,7 +166,8 @@ def joint_figure(joint: JointFit) -> Figure:
     ), strict=True)  # fmt: skip
     with panelled(plots.MIDDLE, 2.8, legend=4) as (figure, [axes]):
         for i, one in enumerate(together):
-            zeros = [_zero(one, name) for name in (x, y)]
+            found = {item.name: item.value for item in one.estimates}
+            zeros = [found.get({"delta": "delta0", "P": "P0"}.get(name, ""), 0.0) for name in (x, y)]
             near = [one.data[name][one.a > 0] for name in (x, y)]
             touching = (one.line["a"] > 0) & _near_rows(one)
             line = [np.where(touching, one.line[name], np.nan) for name in (x, y)]
@@ -176,12 +177,6 @@ def joint_figure(joint: JointFit) -> Figure:
             axes.plot(*_broken(one.line["a"], curve), "-", color=plots.BLACK, lw=1.0, label=label)
         axes.set(xlabel=labels[0], ylabel=labels[1])
         return figure
-
-
-def _zero(one: Fit, name: str) -> float:
-    """The zero point of a column [SI]."""
-    zeros = [item.value for item in one.estimates if item.name == {"delta": "delta0", "P": "P0"}.get(name)]
-    return zeros[0] if zeros else 0.0
 
 
 # --------------------------------------------------------------------------------------------------
@@ -372,6 +367,9 @@ def work_figure(curves: Sequence[WorkAlong], law: LawAlongRecords | None = None)
         return figure
 
 
+GROUPS_MOST = 3000  # choice: rows of a group that are drawn
+
+
 def _groups(curves: Sequence[WorkAlong]) -> dict[str, dict[str, Array]]:
     """The columns of the usable rows of all curves, by the sense of the edge's motion where any is known."""
     rows: dict[str, list[Array]] = {"advancing": [], "receding": []}
@@ -381,19 +379,16 @@ def _groups(curves: Sequence[WorkAlong]) -> dict[str, dict[str, Array]]:
                 rows[name].append(item.timed & sense)
     if not any(mask.any() for masks in rows.values() for mask in masks):
         rows = {"measured": [item.ok for item in curves]}
-    parts = {name: _columns(curves, masks) for name, masks in rows.items()}
-    return {name: columns for name, columns in parts.items() if columns["w"].size}
-
-
-def _columns(curves: Sequence[WorkAlong], masks: Sequence[Array], most: int = 3000) -> dict[str, Array]:
-    """The chosen rows of all curves, thinned to at most ``most``."""
-    every = 1 + sum(int(mask.sum()) for mask in masks) // most
-    columns = {}
-    for name in ("a", "w", "w_err", "speed"):
-        values = [getattr(item, name) for item in curves]
-        if all(column is not None for column in values):
-            columns[name] = np.concatenate([v[mask] for v, mask in zip(values, masks, strict=True)])[::every]
-    return columns
+    groups = {}
+    for group, masks in rows.items():
+        every, columns = 1 + sum(int(mask.sum()) for mask in masks) // GROUPS_MOST, dict[str, Array]()
+        for name in ("a", "w", "w_err", "speed"):
+            values = [getattr(item, name) for item in curves]
+            if all(column is not None for column in values):
+                columns[name] = np.concatenate([v[mask] for v, mask in zip(values, masks, strict=True)])[::every]
+        if columns["w"].size:
+            groups[group] = columns
+    return groups
 
 
 def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float, law: LawAlongRecords | None) -> None:

@@ -88,7 +88,7 @@ class Cycle:
         if missing is not None:
             return missing
         # Work [J] along a straight line from no contact to the first state without adhesion
-        first, k = self.begin, self.stiffness
+        k, first = self.stiffness, self.begin
         first_chord = first.P / 2 * float(position(first.delta, first.P, k)) if self.contact.advancing.w == 0 else 0.0
         return self.approach.work + first_chord + self.retraction.work
 

@@ -50,6 +50,8 @@ FORECAST_RADIUS = 6e-4  # error of calibrated radii; tuned on the same, by `make
 
 def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     """Cost and error from the expected number of elements of ``layout``."""
+    elsewhere = options.edge_correction and not problem.specimen.is_half_space
+    error = _error(options, layout, elsewhere)
     # Unknowns per element of large meshes: a triangle has half a vertex, and two displacements per node.
     first_order = 1.0 if options.element == "triangle" else 2.0
     per_cell = (
@@ -57,7 +59,6 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     )
     cells = layout.expected_cells()
     seconds = _seconds(options, cells * per_cell)
-    elsewhere = options.edge_correction and not problem.specimen.is_half_space
     if elsewhere:  # the edge correction needs a mesh of its own
         half_space = homogenised_half_space(layout.body, layout.law.reach * layout.unit)
         seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
@@ -65,7 +66,7 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     seconds += FORECAST_PER_ROW * rows
     memory = FORECAST_MIB + cells * per_cell * FORECAST_MIB_PER_UNKNOWN + FORECAST_MIB_PER_ROW * rows
     note = f"about {float(f'{cells:.2g}'):.0f} elements"
-    return Forecast(seconds, memory, _error(options, layout, elsewhere), note)
+    return Forecast(seconds, memory, error, note)
 
 
 def _seconds(options: FEMOptions, unknowns: float) -> float:
@@ -191,13 +192,14 @@ class FEM(FEMOptions):
     """
 
     def refusal(self, problem: Problem) -> str | None:
+        packages = self._packages
         if reason := self._unable(problem):
             return reason
         try:
             self._first_layout(problem)
         except Refusal as refusal:
             return "; ".join(refusal.lines)
-        return missing_packages(*self._packages)
+        return missing_packages(*packages)
 
     @property
     def _packages(self) -> tuple[str, ...]:

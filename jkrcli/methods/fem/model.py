@@ -62,15 +62,15 @@ def missing_displacement(system: ElasticSystem, material: Elastic | Transversely
     load near the origin, pressing down."""
     force = point_force(material)
     reactions_r, reactions_z = system.components(system.reactions(solution))
+    u_r, u_z = system.components(solution)
+    at_side = system.side_load(lambda r, z: force.side_traction(r, z)[0]) @ u_r
+    at_side += system.side_load(lambda r, z: force.side_traction(r, z)[1]) @ u_z
     r, z = system.nodes.T
     supported = np.flatnonzero((r > 0) & (np.hypot(r, z) > 0.5 * min(r.max(), -z.min())))
     u_r, u_z = force.displacement(r[supported], z[supported])
     at_base = reactions_r[supported] @ u_r + reactions_z[supported] @ u_z
     axis = np.flatnonzero((r == 0) & (z < 0))
     at_base += reactions_z[axis] @ force.displacement(r[axis], z[axis])[1]
-    u_r, u_z = system.components(solution)
-    at_side = system.side_load(lambda r, z: force.side_traction(r, z)[0]) @ u_r
-    at_side += system.side_load(lambda r, z: force.side_traction(r, z)[1]) @ u_z
     return float(-at_base + at_side)
 
 

@@ -691,11 +691,7 @@ def _with_amount(record: FittedRecord, change: Perturbation, amount: float) -> R
 
 
 def _followed(
-    near: Linearised,
-    model: RivalModel,
-    most: float = math.inf,
-    still: float = FULL_STILL,
-    begin: Array | None = None,
+    near: Linearised, model: RivalModel, most: float = math.inf, still: float = FULL_STILL, begin: Array | None = None
 ) -> tuple[float, Array] | None:
     """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
     the fit without, down to ``still`` standard errors, from ``begin`` on, else from that fit; None where they do not

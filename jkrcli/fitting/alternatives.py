@@ -38,17 +38,7 @@ from .force_curve import (
     load_at,
     receding,
 )
-from .forward_model import (
-    FAMILY_BELOW_LIMIT,
-    DeviceBranch,
-    Family,
-    FittedBody,
-    Rest,
-    grid,
-    on_grid,
-    rest,
-    solved,
-)
+from .forward_model import FAMILY_BELOW_LIMIT, DeviceBranch, Family, FittedBody, Rest, grid, on_grid, rest, solved
 
 # --------------------------------------------------------------------------------------------------
 # An alternative model in full: the model of a raw record with an amount of what it leaves out as one more unknown, or
@@ -831,8 +821,7 @@ def exponent(record: FittedRecord) -> Perturbation:
     log = math.log(record.a_max)
     return replace(
         body_perturbation(
-            lambda family, amount: _of_tip(family, amount * (grid(family) - log)),
-            (BODY_BLUNTEST, CHANGE_LARGEST),
+            lambda family, amount: _of_tip(family, amount * (grid(family) - log)), (BODY_BLUNTEST, CHANGE_LARGEST)
         ),
         starts=tuple((amount,) for amount in BODY_PROFILES),
         quantities=lambda values: {"exponent": 2 + values[AMOUNT]},
@@ -1131,10 +1120,7 @@ def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation])
     @lru_cache(maxsize=REMEMBERED)
     def history(z0: float, moduli: Hashable) -> Sequence[CubicSpline]:
         contact = RelaxingContact(
-            nonadhesive,
-            cast(Relaxation, moduli),
-            coarser=RELAXATION_COARSER,
-            grows=RELAXATION_GROWS,
+            nonadhesive, cast(Relaxation, moduli), coarser=RELAXATION_COARSER, grows=RELAXATION_GROWS
         )
         try:
             path = contact.history(Program(t, x - z0)).path
@@ -1265,14 +1251,14 @@ RIVALS: tuple[AlternativeModel, ...] = (
         relaxing,
         memory=lambda t: np.log1p(100 * t),
         law=lambda values, duration: PowerRelaxation(duration, values[AMOUNT]),
-        search=Perturbation(((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)}),
+        search=Perturbation(((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)})
     )),
     AlternativeModel("relaxation of one time", MEMORY, "fall", partial(
         relaxing,
         memory=lambda t: 1 - np.exp(-4 * t),
         law=lambda values, duration: StandardSolid(1 - values[AMOUNT], duration * values[TIME]),
         search=Perturbation(((0.3, 0.03), (0.3, 0.2), (0.6, 0.5)), (AMOUNT, TIME),
-                      {AMOUNT: (1e-4, 0.999), TIME: (1e-3, 10.0)}),
+                      {AMOUNT: (1e-4, 0.999), TIME: (1e-3, 10.0)})
     )),
     AlternativeModel("residual depth", MEMORY, "of the depth of contact",
           misplaced_back(lambda record, part: np.full(part.z.size, -record.reach)), of_directions=True),

@@ -830,10 +830,7 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     if loss != "linear" or not noise.slow:
         return best
     x = best.unknowns(model)  # an edge that rests by white noise need not by this one
-    for blunt in (
-        sharp,
-        FIT_BLUNT[1],
-    ):  # where misfit runs to and fro between the kinks of a sharp fold
+    for blunt in (sharp, FIT_BLUNT[1]):  # where misfit runs to and fro between the kinks of a sharp fold
         weighted = _fitted(model, _problem(model, noise, _bounds(model, x), blunt, SAME).least(x), noise)
         if weighted.ended:
             break

@@ -871,11 +871,7 @@ class Octaves:
         ratio = np.vstack([np.zeros(self.centre.size), *(heights[:, None, None] * (slow / tops[:, None]))])
         A = np.average(self.mean / (1 + ratio), weights=self.count, axis=1)
         kinds = (
-            np.repeat(
-                [1 / COLOURED_CORNERS, 1 / len(COLOURED_POWERS)],
-                [COLOURED_CORNERS, len(COLOURED_POWERS)],
-            )
-            / 2
+            np.repeat([1 / COLOURED_CORNERS, 1 / len(COLOURED_POWERS)], [COLOURED_CORNERS, len(COLOURED_POWERS)]) / 2
         )
         before = np.append(COLOURED_WHITE, np.tile((1 - COLOURED_WHITE) / heights.size * kinds, heights.size))
         unlikely = _unlikely(self.mean, A[:, None] * (1 + ratio), self.count)
@@ -886,10 +882,7 @@ class Octaves:
 
 def _shapes(lowest: float) -> tuple[Array, Array]:
     """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
-    corners, powers = (
-        np.geomspace(COLOURED_SEEN * lowest, 0.2, COLOURED_CORNERS),
-        np.array(COLOURED_POWERS),
-    )
+    corners, powers = (np.geomspace(COLOURED_SEEN * lowest, 0.2, COLOURED_CORNERS), np.array(COLOURED_POWERS))
     return np.append(corners, 0 * powers + COLOURED_LOWEST * lowest), np.append(0 * corners + 2.0, powers)
 
 

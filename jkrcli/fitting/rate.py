@@ -401,14 +401,7 @@ def predict(
     ``tilt``: middle and half-width [s] of the times, over which a tilt of the program grows from -1 to 1.
     """
     contact = RateContact(
-        body,
-        law,
-        w0,
-        0.0,
-        stiffness,
-        tolerance=PREDICTION_TOLERANCE,
-        evaluations=PREDICTION_EVALUATIONS,
-        slow=0.0,
+        body, law, w0, 0.0, stiffness, tolerance=PREDICTION_TOLERANCE, evaluations=PREDICTION_EVALUATIONS, slow=0.0
     )
     pieces = contact.once(program, start).pieces
     edge, parameters = contact.edge, BESIDE + 1 + 1 + len(vars(law))

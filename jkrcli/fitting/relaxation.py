@@ -140,10 +140,7 @@ def _next(rest: Array, knots: list[int]) -> int:
     """The row of a new corner: in the piece that leaves most, where a hat stands out most in what is left."""
     squares = [float(np.sum(rest[a : b + 1] ** 2)) if b - a > 1 else -1.0 for a, b in itertools.pairwise(knots)]
     a, b = knots[(i := int(np.argmax(squares)))], knots[i + 1]
-    tops, rows = (
-        np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, MOTION_TRIED)).astype(int)),
-        np.arange(a, b + 1),
-    )
+    tops, rows = (np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, MOTION_TRIED)).astype(int)), np.arange(a, b + 1))
     sums = [abs(float(np.sum(rest[a : b + 1] * np.interp(rows, [a, top, b], [0, 1, 0])))) for top in tops]
     return int(tops[int(np.argmax(sums))])
 

@@ -912,8 +912,8 @@ def creep(modes: Modes) -> tuple[float, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class CrackRate:
-    """The law of a crack under a cohesive ``stress`` [Pa] and ``w`` [J/m^2] in a body of the instant modulus ``E_star``
-    [Pa] and ``modes`` of relaxation, w(v) on its relaxed moduli."""
+    """The law of a crack under a cohesive ``stress`` [Pa] and ``w`` [J/m^2] in a body of the instantaneous modulus
+    ``E_star`` [Pa] and ``modes`` of relaxation, w(v) on its relaxed moduli."""
 
     w: float
     stress: float

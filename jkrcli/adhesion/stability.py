@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base.errors import Estimate, InputError, JkrError, SolveError, Unknown
+from ..base.errors import Estimate, InputError, JkrError, SolveError, Unknown, counted
 from ..base.numerics import MOST_SOLVES, ROUNDED, SAME, Array, zeros_between
 from ..base.units import show
 from .curve import (
@@ -519,7 +519,9 @@ class DemLaw:
         if isinstance(stiff.pull_off, Unknown):
             raise InputError(f"tear-off under displacement control is needed: {stiff.pull_off}")
         if stiff.partial:
-            raise InputError(f"contact shrinks by {len(stiff.partial)} jumps before it is lost: no law of one branch")
+            raise InputError(
+                f"contact shrinks by {counted(len(stiff.partial), 'jump')} before it is lost: no law of one branch"
+            )
         if isinstance(stiff.jump_in, Unknown):
             raise InputError(f"the state after first touch is needed: {stiff.jump_in}")
         load = None if isinstance(soft.pull_off, Unknown) else soft.pull_off

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..base.errors import Estimate, InputError, Refusal, Unknown
+from ..base.errors import Estimate, InputError, Refusal, Unknown, counted
 from ..base.numerics import SAME
 from ..base.units import show
 from ..bodies.indenters import Indenter
@@ -340,8 +340,9 @@ def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
     if a.size >= LIMITS.seen * bends:
         return ()
     return (
-        f"the {indenter.noun} has {bends} kinks within the contact and the solution has {a.size} points: slopes "
-        "fitted through the points miss kinks between them; give more points, or take a method with exact slopes",
+        f"the {indenter.noun} has {counted(bends, 'kink')} within the contact and the solution has "
+        f"{counted(a.size, 'point')}: slopes fitted through the points miss kinks between them; give more "
+        "points, or take a method with exact slopes",
     )
 
 

@@ -100,6 +100,11 @@ class Unknown:
 Estimate: TypeAlias = float | Unknown  # mostly a relative error
 
 
+def counted(count: int, one: str, several: str = "") -> str:
+    """``count`` of a thing: "1 row", "1,200 rows"; ``several``: its plural, else with an s."""
+    return f"{count:,} {one if count == 1 else several or one + 's'}"
+
+
 def accuracy(error: Estimate) -> str:
     """A relative numerical error in words: where it is small, a power of ten above it."""
     if isinstance(error, Unknown):

@@ -563,7 +563,7 @@ class Relaxation(Protocol):
 
     @property
     def relaxed(self) -> float | None:
-        """The relaxed over the instant modulus; None where there is no instant modulus."""
+        """The relaxed over the instantaneous modulus; None where there is none."""
 
     def modes(self, lasting: float) -> Modes:
         """r over the times up to ``lasting`` [s]."""
@@ -572,8 +572,8 @@ class Relaxation(Protocol):
 @relaxation_law("sls")
 @dataclass(frozen=True)
 class StandardSolid:
-    """r = ratio + (1 - ratio) exp(-t/time), the standard linear solid; E is the instant modulus, ``ratio`` the relaxed
-    one over it."""
+    """r = ratio + (1 - ratio) exp(-t/time), the standard linear solid; E is the instantaneous modulus, ``ratio`` the
+    relaxed one over it."""
 
     ratio: Annotated[float, Ranged("number", least=0, below=1)]
     time: Time
@@ -629,7 +629,7 @@ class PowerRelaxation:
 @dataclass(frozen=True)
 class Prony:
     """r = 1 - sum of g_i (1 - exp(-t/t_i)): ``weights`` g_i > 0 of sum at most 1, relaxation ``times`` t_i [s]; E is
-    the instant modulus."""
+    the instantaneous modulus."""
 
     weights: tuple[Share, ...]
     times: tuple[Time, ...]

@@ -466,7 +466,7 @@ class SpecimenTable(Table):
 
     ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide. ``surface_tension``: of the solid,
     all over its top. ``surface``: what its points do that the indenter touches. ``relaxation``: all moduli, the
-    half-space's too, relax by one function of time; E is the instant modulus.
+    half-space's too, relax by one function of time; E is the instantaneous modulus.
     """
 
     layers: Annotated[tuple[AnyLayer, ...], BeforeValidator(as_tuple)] = ()

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..base.errors import InputError, did_you_mean, nearest
+from ..base.errors import InputError, counted, did_you_mean, nearest
 from ..base.files import read_bytes
 from ..base.units import doubtful_work, ranges_of
 from ..bodies.indenters import SHAPES
@@ -174,7 +174,7 @@ def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path 
 def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) -> list[str]:
     """One sentence per mistake, sorted; a missing key that an unknown one is a misspelling of is not reported twice."""
     items = error.errors(include_url=False)
-    more = [f"has {len(items) - MOST_TOLD:,} more mistakes"] if len(items) > MOST_TOLD else []
+    more = [f"has {counted(len(items) - MOST_TOLD, 'more mistake')}"] if len(items) > MOST_TOLD else []
     items = items[:MOST_TOLD]
     meant = {
         (*item["loc"][:-1], close)

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from .. import __version__
-from ..base.errors import InputError
+from ..base.errors import InputError, counted
 from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_text
 from ..case.models import CaseModel, LoadingTable, fem_of
 from ..case.reading import Case, load_case, parse_case
@@ -224,5 +224,5 @@ def check(case: Path, as_json: bool) -> None:
     if words := long_look(loaded.model.problem()):
         note(words)
     works = loaded.model.adhesion.w
-    announce(f"check for {len(works):,} works of adhesion", seconds_of_works(works))
+    announce(f"check for {counted(len(works), 'work', 'works')} of adhesion", seconds_of_works(works))
     give(Check.of(case, loaded), as_json)

@@ -13,7 +13,7 @@ import click
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..adhesion.from_rest import Rest
-from ..base.errors import InputError
+from ..base.errors import InputError, counted
 from ..base.files import atomic, together, write_text
 from ..base.registry import Result
 from ..bodies.materials import relaxing
@@ -452,7 +452,9 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
         if output.plots and len(records) > 1:
             from ..report.curve_page import page
 
-            write_text(curves[".html"], page(records, f"{len(records):,} curves: {', '.join(map(str, files[:3]))}"))
+            write_text(
+                curves[".html"], page(records, f"{counted(len(records), 'curve')}: {', '.join(map(str, files[:3]))}")
+            )
             pictures.append(str(curves))
     whole = Results(results, [line for result in results for line in result.warnings], "files")
     if not any(result.records for result in results):

@@ -13,7 +13,7 @@ from click.core import ParameterSource
 
 from ..adhesion.rate import RATE_LAWS
 from ..base import files
-from ..base.errors import InputError, SolveError
+from ..base.errors import InputError, SolveError, counted
 from ..base.executors import executor
 from ..base.files import beside, together, write_text
 from ..base.process import one_thread
@@ -263,7 +263,7 @@ def fit_curves(
     curves, unread = usable(request.measured, request.reading)
     each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     seconds = sum(each_curve)
-    begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
+    begin(f"fit of {counted(len(curves), 'curve')}", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
     each = []
     for one in bodies:
         with executor(*parallel, progress, seconds) as pool:

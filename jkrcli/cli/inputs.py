@@ -14,7 +14,7 @@ import click
 
 from .. import __version__
 from ..adhesion.finite_range import RangeRequest
-from ..base.errors import InputError, writable
+from ..base.errors import InputError, counted, writable
 from ..base.files import check_series_target
 from ..base.units import doubtful_modulus
 from ..bodies.indenters import Indenter
@@ -241,7 +241,7 @@ def read_files(verb: str, paths: Sequence[Path]) -> tuple[tuple[Path, ...], list
 
 def announce_files(verb: str, paths: Sequence[Path]) -> None:
     """Say what it takes a ``verb`` to read series files, where that is much."""
-    announce(f"{verb} of {len(paths):,} files", PER_FILE * len(paths))
+    announce(f"{verb} of {counted(len(paths), 'file')}", PER_FILE * len(paths))
 
 
 def read_series(path: Path) -> Solution:
@@ -304,7 +304,7 @@ def begin_curves(
     total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
     rows = sum(solution.increments.a.size for solution in solutions)
     under = f" under {devices:,} controls" if devices else ""
-    what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion{under}"
+    what = f"{verb} of {counted(rows, 'row')} for {counted(sum(map(len, works)), 'work')} of adhesion{under}"
     less = f"fewer rows, files{', controls' if devices else ''} or works of adhesion, or leave out the plots"
     begin(what, total, limits, less)
 

@@ -18,7 +18,7 @@ from typing import Any, TextIO
 
 import click
 
-from ..base.errors import printable, writable
+from ..base.errors import counted, printable, writable
 from ..base.process import SILENCE, duration
 
 TYPE_CHECKING = False
@@ -84,7 +84,7 @@ def present(*results: Sequence[str], last: str = "", most: int = FIRST_LINES) ->
     heights = list(accumulate(folded(printable(line)).count("\n") + 1 for line in shown))
     if _level() != VERBOSE and shown and (heights[-1] > room or shown != lines):
         shown = shown[: max(sum(height <= room - 1 for height in heights), 1)]
-        shown.append(f"  ... {len(lines) - len(shown):,} more lines with -v")
+        shown.append(f"  ... {counted(len(lines) - len(shown), 'more line')} with -v")
     say("\n".join([*shown, *filter(None, [last])]))
 
 

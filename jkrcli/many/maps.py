@@ -17,7 +17,7 @@ from ..adhesion.device_path import Program
 from ..adhesion.finite_range import FiniteRangeBody, Range
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.rate import RateContact, rate_law_of
-from ..base.errors import InputError, JkrError, SolveError, Unknown, known
+from ..base.errors import InputError, JkrError, SolveError, Unknown, counted, known
 from ..base.executors import Pool, in_order
 from ..base.files import lists
 from ..base.numerics import MOST_STEPS, Array
@@ -152,7 +152,7 @@ class MapResult(Result):
     @property
     def warnings(self) -> list[str]:
         reasons = [reason for reason in self.columns.get("reason", np.array([])).tolist() if reason]
-        return [f"{len(reasons)} points are not known, the first: {reasons[0]}"] if reasons else []
+        return [f"{counted(len(reasons), 'point')} not known, the first: {reasons[0]}"] if reasons else []
 
     def words(self) -> list[str]:
         shown = self.map.shown

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast, get_type_hints
 
-from ..base.errors import InputError, Refusal
+from ..base.errors import InputError, Refusal, counted
 from ..base.numerics import NOTICEABLE
 from ..base.process import SHARE, SILENCE, duration, free_memory
 from ..base.units import Length, Ranged, check_ranges
@@ -291,7 +291,7 @@ def long_look(problem: Problem) -> str | None:
     seconds = looks * spectrum_seconds(problem)
     if seconds < SILENCE:
         return None
-    pieces = f" with {specimen.pieces:,} pieces of E over depth" if specimen.is_graded else ""
+    pieces = f" with {counted(specimen.pieces, 'piece')} of E over depth" if specimen.is_graded else ""
     layers = "a layer" if len(problem.layers) == 1 else f"{len(problem.layers):,} layers"
     return f"{layers}{pieces}: estimating the cost of each method takes about {duration(seconds)} of CPU time"
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import __version__
 from ..base import hdf5
-from ..base.errors import InputError, accuracy
+from ..base.errors import InputError, accuracy, counted
 from ..base.files import as_json, read_bytes, write_bytes
 from ..base.hdf5 import Dataset, Group, unit_column
 from ..base.numerics import Array
@@ -293,7 +293,8 @@ def _as_dict(solution: Solution) -> dict[str, Any]:
 def _words(solution: Solution) -> list[str]:
     raw = solution.increments
     lines = [
-        f"{raw.a.size} rows by method {solution.method}, {accuracy(solution.budget.total)}: {solution.record.path}",
+        f"{counted(raw.a.size, 'row')} by method {solution.method}, {accuracy(solution.budget.total)}: "
+        f"{solution.record.path}",
         f"  columns   {', '.join(_columns(solution))}",
         f"  a         {show(raw.a[0], 'length')} to {show(raw.a[-1], 'length')}",
         f"  delta     {show(raw.delta[0], 'length')} to {show(raw.delta[-1], 'length')}",

@@ -16,7 +16,7 @@ from typing import Any, Literal
 
 from .. import __version__
 from ..adhesion.finite_range import unable
-from ..base.errors import Estimate, Refusal, Unknown, installs
+from ..base.errors import Estimate, Refusal, Unknown, counted, installs
 from ..base.process import free_memory
 from ..base.registry import Result
 from ..base.units import reached, show
@@ -233,7 +233,7 @@ def examine() -> Iterator[Finding]:
 
     importlib.import_module("scipy.linalg")
     pools = [f"{pool['internal_api']} {pool['num_threads']}" for pool in threadpool_info()]
-    threads = f"{', '.join(pools) or 'unknown'} (jkr uses one, of {os.cpu_count()} cores)"
+    threads = f"{', '.join(pools) or 'unknown'} (jkr uses one, of {counted(os.cpu_count() or 1, 'core')})"
     yield Finding("BLAS threads", "ok", threads)
     # What is free for a solve, one GiB of it asked for
     free = free_memory() / 1024

@@ -16,7 +16,7 @@ from scipy.special import ndtri
 
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.validity import NEGLECTED
-from ..base.errors import InputError, Unknown
+from ..base.errors import InputError, Unknown, counted
 from ..base.numerics import Array
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show, show_within
@@ -98,7 +98,7 @@ class Fits(Several):
             reasons.update(item.flags or [item.lines[0].removeprefix(f"{item.curve.where}: ")[:LONGEST_REASON]])
         doubtful = sum(status_of(item) == DOUBTFUL for item in self.fits)
         failed, unread = len(self.outcomes) - len(self.fits), len(self.unread)
-        counts = [f"{len(self.fits):,} of {len(self.outcomes) + unread:,} curves fitted",
+        counts = [f"{len(self.fits):,} of {counted(len(self.outcomes) + unread, 'curve')} fitted",
                   f"{doubtful:,} doubtful{_counted(doubts)}"]  # fmt: skip
         counts += [f"{failed:,} unusable{_counted(reasons)}"] * bool(failed)
         counts += [f"{unread:,} not read"] * bool(unread)
@@ -113,7 +113,7 @@ class Fits(Several):
             for line in item.warnings:
                 kind = NUMBER.sub("", line) if len(self.fits) >= LEAST_CURVES else f"{where}: {line}"
                 alike.setdefault(kind, []).append(f"{where}: {line}")
-        each = [lines[0] + f" ({len(lines) - 1:,} more curves with this warning)" * (len(lines) > 1)
+        each = [lines[0] + f" ({counted(len(lines) - 1, 'more curve')} with this warning)" * (len(lines) > 1)
                 for lines in alike.values()]  # fmt: skip
         return [*each, *self.remarks]
 
@@ -745,7 +745,7 @@ class Work(Result):
     def words(self) -> list[str]:
         lines = [line for item in self.curves[:SHOWN] for line in work_words(item)]
         if len(self.curves) > SHOWN:
-            lines.append(f"  ... and {len(self.curves) - SHOWN} more curves")
+            lines.append(f"  ... and {counted(len(self.curves) - SHOWN, 'more curve')}")
         return lines + ([] if self.law is None else [f"  {rate.through_words(self.law)}"])
 
     @property
@@ -840,7 +840,7 @@ def flags(item: WorkAlong) -> list[str]:
 
 def work_words(item: WorkAlong) -> list[str]:
     """One curve: the work of adhesion along all rows, then of advancing and receding edges."""
-    parts = [f"{int(item.ok.sum())} of {len(item.curve)} rows: {item.curve.where}"]
+    parts = [f"{int(item.ok.sum())} of {counted(len(item.curve), 'row')}: {item.curve.where}"]
     for name, spread in curve_summary(item)["w"].items():
         if spread is None:
             continue
@@ -904,9 +904,11 @@ class Look(Result):
         lines = [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
         if (count := len(self.records)) > 1:
             flagged = sum(bool(record.flags) for record in self.records)
-            head = [f"{count} curves, {flagged} of them with remarks: {self.path}"]
+            head = [f"{counted(count, 'curve')}, {flagged} of them with remarks: {self.path}"]
             lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
-        return lines + ([f"  ... and {count - SHOWN} more curves (all with --json)"] if count > SHOWN else [])
+        return lines + (
+            [f"  ... and {counted(count - SHOWN, 'more curve')} (all with --json)"] if count > SHOWN else []
+        )
 
     @property
     def warnings(self) -> Sequence[str]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.validity import judge_solution
-from ..base.errors import Estimate, Unknown, accuracy
+from ..base.errors import Estimate, Unknown, accuracy, counted
 from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import reached, show
@@ -64,7 +64,7 @@ class Solved(SeriesFile):
         missing = missed(self.tolerance, self.solution.budget.total)
         # Without a work of adhesion: a/R, delta/h, a/L, and too few points to go on with
         geometry = judge_solution(problem, series, self.solution.facts).warnings
-        few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
+        few = [f"only {counted(len(series), 'point')}: adhesive curves need at least 5"] if len(series) < 5 else []
         return [
             *missing, *self.remarks,
             *relaxing(problem.specimen.relaxation), *self.solution.warnings,
@@ -86,7 +86,7 @@ class Solved(SeriesFile):
 
     def words(self) -> list[str]:
         return [
-            f"{self._reached} in {len(self.solution.series)} points; {accuracy(self.solution.budget.total)}",
+            f"{self._reached} in {counted(len(self.solution.series), 'point')}; {accuracy(self.solution.budget.total)}",
             f"  body      {self.solution.problem.words}",
             f"  method    {self.choice.name}: {self.choice.reason}",
             f"  written   {self.file} ({self.seconds:.2f} s CPU)",

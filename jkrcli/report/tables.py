@@ -26,7 +26,7 @@ from ..adhesion.pull_off_error import Errors
 from ..adhesion.stability import Stability, branch
 from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
-from ..base.errors import Estimate, InputError, Unknown, accuracy, known
+from ..base.errors import Estimate, InputError, Unknown, accuracy, counted, known
 from ..base.files import read_bytes
 from ..base.numerics import SAME, Array
 from ..base.process import check_text
@@ -468,7 +468,7 @@ def _of_curve(result: Analysis) -> Iterator[str]:
     below = result.solution.facts.get("rows_below", 0)
     more = f", {below} of them at smaller radii, for pull-off" if below else ""
     yield (
-        f"solution: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
+        f"solution: {counted(len(result.curve.series), 'point')} kept{more}, {result.dropped} dropped; "
         f"slopes {slopes.method} ({slopes.reason})"
     )
 

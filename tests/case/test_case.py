@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jkrcli.base import units
+from jkrcli.base.errors import counted
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Rigid, Specimen
@@ -141,3 +142,8 @@ def test_shown_values_are_rounded_before_the_unit_is_chosen() -> None:
 ])  # fmt: skip
 def test_a_value_within_a_larger_error_takes_its_unit(value: float, error: float, words: str) -> None:
     assert units.show_within(value, error, "work").startswith(words)
+
+
+def test_one_of_a_thing_has_no_plural() -> None:
+    assert [counted(n, "row") for n in (0, 1, 1200)] == ["0 rows", "1 row", "1,200 rows"]
+    assert counted(2, "radius", "radii") == "2 radii"

@@ -29,7 +29,7 @@ from ...adhesion.interpolation import Nonadhesive
 from ...adhesion.slopes import checked_rule
 from ...adhesion.stability import stability_under
 from ...adhesion.validity import strain_size, strain_words
-from ...base.errors import InputError, JkrError, Unknown, did_you_mean
+from ...base.errors import InputError, JkrError, Unknown, counted, did_you_mean
 from ...base.files import check_target
 from ...base.numerics import DISTRIBUTIONS, MOST_CELLS, Distribution, draw
 from ...bodies.problem import Problem
@@ -82,7 +82,8 @@ def _assign(tables: Tables, key: str, value: Any) -> None:
     for i, part in enumerate([*parents, last]):
         is_list = isinstance(here, list | tuple)
         if isinstance(part, int) and not (is_list and part < len(here)):
-            raise InputError(f"{key}: the base case has {len(here) if is_list else 0} entries there, numbered from 0")
+            there = counted(len(here) if is_list else 0, "entry", "entries")
+            raise InputError(f"{key}: the base case has {there} there, numbered from 0")
         if isinstance(part, str) and not isinstance(here, dict):
             listed = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parents[:i]).removeprefix(".")
             remedy = f"a list, its entries are {listed}[0], [1], ..." if is_list else "no table"

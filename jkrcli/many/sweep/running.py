@@ -22,7 +22,7 @@ import numpy as np
 from ... import __version__
 from ...adhesion.validity import strain_words
 from ...base import process
-from ...base.errors import InputError, JkrError, Unknown, printable
+from ...base.errors import InputError, JkrError, Unknown, counted, printable
 from ...base.executors import Progress, completed, executor, silent
 from ...base.files import atomic, check_target, make_folder, remove_file, together, write_csv
 from ...base.hdf5 import Dataset, Group
@@ -256,7 +256,7 @@ class Swept(Result):
     @property
     def warnings(self) -> list[str]:
         failed = self.failed
-        return [f"{len(failed):,} cases failed, the first because: {failed[0][1]}"] if failed else []
+        return [f"{counted(len(failed), 'case')} failed, the first because: {failed[0][1]}"] if failed else []
 
     def summary(self) -> dict[str, Any]:
         return {
@@ -272,7 +272,7 @@ class Swept(Result):
         plan, failed, strained = self.plan, self.failed, self.strained
         doubt = f"large strains change the pull-off force in {strained:,} ({STRAINS}): "
         return [
-            f"{plan.count:,} cases, {len(failed):,} of them failed{f'; {doubt}' if strained else ': '}"
+            f"{counted(plan.count, 'case')}, {len(failed):,} of them failed{f'; {doubt}' if strained else ': '}"
             f"{plan.title or plan.source}",
             f"  one case  {plan.command(failed[0][0] if failed else 0)}",
         ]
@@ -408,7 +408,8 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
         check_target(folder / name, force)
     look = SWEEP_LOOK * plan.count
     if look > SILENCE:
-        say(f"{plan.count:,} cases: checking them takes about {duration(look)} of CPU time before the first is solved")
+        all_cases = counted(plan.count, "case")
+        say(f"{all_cases}: checking them takes about {duration(look)} of CPU time before the first is solved")
     with opened(folder / JOURNAL) as journal:
         # Say which lines are not believed, a few of them by number.
         if journal.damaged:
@@ -426,11 +427,11 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
                 left * (_beside(plan, plan.count) + count * each) for count in (plan.count, plan.least_solves)
             )
             say(f"all cases: at most about {duration(most)} of CPU time, if each is solved separately like the first")
-            so_many = f"{plan.count:,} cases with at least {plan.least_solves:,} solves"
+            so_many = f"{counted(plan.count, 'case')} with at least {counted(plan.least_solves, 'solve')}"
             _guard(so_many, least, means.hours, ", as the first case does")
         groups = _left(plan, journal, say)
         seconds = forecast(plan, groups)
-        _guard(f"{sum(map(len, groups)):,} cases with {len(groups):,} solves", seconds, means.hours)
+        _guard(f"{counted(sum(map(len, groups)), 'case')} with {counted(len(groups), 'solve')}", seconds, means.hours)
         if groups:
             _solve(plan, groups, seconds, folder, journal, means, say)
         swept = Swept(plan, table(plan, journal))
@@ -466,12 +467,12 @@ def _left(plan: Plan, journal: Journal, say: Say) -> list[Cases]:
             journal.rows.pop(identity, None)
             new.setdefault(identity, number)
     if done := plan.count - len(new):
-        say(f"{done:,} of {plan.count:,} cases are there from an earlier run")
+        say(f"{done:,} of {counted(plan.count, 'case')} are there from an earlier run")
     groups, wrong = plan.groups(new.values())
     for number, reason in wrong:
         journal.append(plan.identity(number), failed(plan.recipe, number, reason))
     if groups:
-        say(f"{sum(map(len, groups)):,} cases to compute by {len(groups):,} solves")
+        say(f"{counted(sum(map(len, groups)), 'case')} to compute by {counted(len(groups), 'solve')}")
     return groups
 
 

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...base.errors import Refusal, SolveError
+from ...base.errors import Refusal, SolveError, counted
 from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline
 from ...bodies.indenters import Indenter
 from ...bodies.materials import Solid, contact_modulus
@@ -293,8 +293,8 @@ class LayeredContact(IndenterOnLayers):
             fewer = ", or fewer points" if many else ""
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.spectrum.scale:.4g} times the length over which "
-                f"the layers act ({self.spectrum.scale:.3g} m) and needs {plan.nodes} nodes for {radii.size} radii "
-                f"(limit {LAYERED_MOST_NODES}); use a smaller contact{fewer}"
+                f"the layers act ({self.spectrum.scale:.3g} m) and needs {plan.nodes} nodes for "
+                f"{counted(radii.size, 'radius', 'radii')} (limit {LAYERED_MOST_NODES}); use a smaller contact{fewer}"
             )
 
     def solved(self, radii: Array, plan: Quadrature) -> fredholm.ContactResult:

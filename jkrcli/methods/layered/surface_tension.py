@@ -27,7 +27,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ... import formulas
-from ...base.errors import Refusal
+from ...base.errors import Refusal, counted
 from ...base.numerics import Array, EvenCubic, PiecewiseCubic, cubic_spline
 from ...base.units import show
 from ...bodies.materials import AnyGraded
@@ -324,9 +324,10 @@ class SurfaceTensionSolver(IndenterOnLayers):
         if plan.nodes > LAYERED_MOST_NODES or flops > LAYERED_MOST_FLOPS:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii, {flops:.1e} operations"
-                f" (limits {LAYERED_MOST_NODES} and {LAYERED_MOST_FLOPS:.0e}); use a smaller contact or fewer "
-                "points, or use method fem"
+                f"act and needs {plan.nodes} nodes under surface tension for "
+                f"{counted(radii.size, 'radius', 'radii')}, {flops:.1e} operations (limits "
+                f"{LAYERED_MOST_NODES} and {LAYERED_MOST_FLOPS:.0e}); use a smaller contact or fewer points, or use "
+                "method fem"
             )
 
     def solved(self, radii: Array, plan: TensePlan) -> ContactResult:

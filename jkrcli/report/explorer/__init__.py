@@ -20,7 +20,7 @@ from ... import __version__
 from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint
 from ...adhesion.interpolation import Nonadhesive
 from ...adhesion.validity import LIMITS, regime, strains_are_known
-from ...base.errors import InputError, Unknown, installs
+from ...base.errors import InputError, Unknown, counted, installs
 from ...base.numerics import DRAWN, Array
 from ...base.registry import Result
 from ...base.units import SI, UNITS, decades, scale
@@ -187,7 +187,7 @@ def _form(left: Array, matrices: Array, right: Array) -> Array:
 
 
 def _relaxed(result: Analysis) -> float | None:
-    """The relaxed over the instant modulus of a viscoelastic specimen that comes to rest; None for any other."""
+    """The relaxed over the instantaneous modulus of a viscoelastic specimen that comes to rest; None for any other."""
     law = result.problem.specimen.relaxation
     return (None if law is None else law.relaxed) or None
 
@@ -298,7 +298,11 @@ class Explored(Result):
         return written | {"measured_curves": self.curves, "measured_points": self.measured_rows}
 
     def words(self) -> list[str]:
-        overlaid = f", {self.measured_rows} measured points in {self.curves} curves" if self.curves else ""
+        overlaid = (
+            f", {counted(self.measured_rows, 'measured point')} in {counted(self.curves, 'curve')}"
+            if self.curves
+            else ""
+        )
         return [
             f"{self.rows} points{overlaid}: {self.file}",
             f"  written {self.page} ({self.size / 1e6:.1f} MB): open it in a browser",

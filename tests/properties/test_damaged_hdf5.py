@@ -53,7 +53,8 @@ def exported(path: Path) -> Path:
 
 
 def solved(path: Path) -> Path:
-    write_solution(path, solve(load_case(Path(__file__).parents[2] / "cases" / "gel.toml")))
+    _, solution = solve(load_case(Path(__file__).parents[2] / "cases" / "gel.toml"))
+    write_solution(path, solution)
     return path
 
 

@@ -574,7 +574,17 @@ class FiniteRangeBody:
             if not any(abs(kink / r - 1) < 2 * FEWER_POINTS_NEAREST for kink in kinks for r in radii):
                 points.append((stiffness, point))
         moved = self._moved(curve, pulled, other, points)
-        by_points = self._by_points(curve, pulled, points) if of_profile else {}
+        by_points = dict[float, Array]()
+        if of_profile:  # errors where contact is lost, by a profile that is known at points only
+            indenter, end = self.problem.indenter, float(rims.a[-1])
+            fewer = (replace(pulled.panels, indenter=thinned) for thinned in indenter.thinned)
+            bodies = [pulled, *(replace(pulled, panels=panels) for panels in fewer)]
+
+            def columns(a: Array) -> list[Array]:
+                return [_columns(body.states(a, curve.around(a))) for body in bodies]
+
+            lost = ((k, point) for k, point in points if point.a > 0)
+            by_points = {k: decimation_error(indenter, columns, point, k, end) for k, point in lost}
         return replace(curve, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points)
 
     def _begun(self, pulled: Pulled, rims: Rims) -> Rims:
@@ -719,19 +729,6 @@ class FiniteRangeBody:
                 moved[stiffness] = FEWER_POINTS_NEAREST * FINITE_RANGE_SAFETY * float(added) / float(bend)
                 moved[stiffness] += kernel + FINITE_RANGE_NO_CLAIM
         return moved
-
-    def _by_points(
-        self, curve: FiniteRangeCurve, pulled: Pulled, points: Iterable[tuple[float, CriticalPoint]]
-    ) -> dict[float, Array]:
-        """Errors where contact is lost, by a profile that is known at points only."""
-        indenter, end = self.problem.indenter, float(curve.touching.a[-1])
-        fewer = (replace(pulled.panels, indenter=thinned) for thinned in indenter.thinned)
-        bodies = [pulled, *(replace(pulled, panels=panels) for panels in fewer)]
-
-        def columns(a: Array) -> list[Array]:
-            return [_columns(body.states(a, curve.around(a))) for body in bodies]
-
-        return {k: decimation_error(indenter, columns, point, k, end) for k, point in points if point.a > 0}
 
 
 def _columns(rims: Rims) -> Array:

@@ -104,15 +104,21 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         beside, series, words = compared(problem, raw, reading.compare), _series(kept, indenter), ()
     loads = beside.loads()
     doubts = () if loads is None else loads.doubts(problem)
+    # What the bodies say of radii and loads
+    said = "not compared with these bodies" if loads is None else loads.words
+    if doubts:
+        said = doubts[0].removeprefix("the loads are ") if said in doubts[0] else f"{said}; {doubts[0]}"
+    facts = _facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"}
+    facts |= {"loads": said, "radii": beside.of_nodes or "those of the rows"}
+    if loads is not None:
+        facts |= {"loads_factor": loads.factor, "loads_factor_error": loads.error * loads.factor}
     return Solution(
         problem=replace(problem, loading=Loading("depth", float(raw.delta.max()), raw.delta.size, "depth")),
         series=series,
         raw=raw,
         budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),
         method="import",
-        facts=_facts(table, chosen, reading, dropped)
-        | {"order": "by the fit" if noisy else "of the rows"}
-        | _beside(beside),
+        facts=facts,
         warnings=(*doubts, *unit_flags, *table.left_out, *words, *(() if doubts else check_against_solution(beside))),
     )
 
@@ -120,17 +126,6 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 def _series(rows: RawSeries, indenter: Indenter) -> Series:
     """The rows as a series; S at first touch is known where the contact begins in a point."""
     return Series(rows.a, rows.delta, rows.P, a0=indenter.a0, S0=None if indenter.a0 > 0 else 0.0)
-
-
-def _beside(beside: Compared) -> dict[str, Any]:
-    """What the bodies say of radii and loads."""
-    loads = beside.loads()
-    doubts = () if loads is None else loads.doubts(beside.problem)
-    known = {} if loads is None else {"loads_factor": loads.factor, "loads_factor_error": loads.error * loads.factor}
-    words = "not compared with these bodies" if loads is None else loads.words
-    if doubts:
-        words = doubts[0].removeprefix("the loads are ") if words in doubts[0] else f"{words}; {doubts[0]}"
-    return {"loads": words, "radii": beside.of_nodes or "those of the rows"} | known
 
 
 def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tuple[Compared, Series, tuple[str, ...]]:

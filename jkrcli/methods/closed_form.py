@@ -88,25 +88,21 @@ def _formula(problem: Problem) -> Formula:
         other = "layered" if problem.specimen.radius is None else "fem"
         raise Refusal(f"no formula is known for no slip: use method {other}")
     if problem.specimen.is_half_space:
-        return _half_space(problem)
+        E_star, indenter = problem.E_star, problem.indenter
+        if indenter.half_space(np.array([indenter.a0]), 1.0) is None:
+            raise Refusal(f"there is no closed form for a {indenter.noun}: use method layered")
+
+        def columns(a: Array) -> tuple[Array, Array, Array, Array]:
+            pair = indenter.half_space(a, E_star)
+            assert pair is not None
+            return *pair, 2 * E_star * a, np.full_like(a, 2 * E_star)
+
+        return Formula("half-space", columns)
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
         case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
             return _thin_layer(problem, layer, base)
     other = "layered" if problem.specimen.radius is None else "hybrid"
     raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)")
-
-
-def _half_space(problem: Problem) -> Formula:
-    E_star, indenter = problem.E_star, problem.indenter
-    if indenter.half_space(np.array([indenter.a0]), 1.0) is None:
-        raise Refusal(f"there is no closed form for a {indenter.noun}: use method layered")
-
-    def columns(a: Array) -> tuple[Array, Array, Array, Array]:
-        pair = indenter.half_space(a, E_star)
-        assert pair is not None
-        return *pair, 2 * E_star * a, np.full_like(a, 2 * E_star)
-
-    return Formula("half-space", columns)
 
 
 def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:

@@ -169,7 +169,14 @@ def archive_summary(archive: Archive) -> dict[str, Any]:
             rows = {len(values) for values in columns.values()}
             if len(rows) != 1:
                 raise ValueError("columns of several lengths")
-            contents = {"rows": rows.pop(), "columns": {name: _ends(values) for name, values in columns.items()}}
+            ends = dict[str, list[Any]]()
+            for name, values in columns.items():  # least and greatest number, of words the first that occur, in order
+                if isinstance(values, list):
+                    ends[name] = sorted(set(values))[:SHOWN]
+                else:
+                    there = values[np.isfinite(values)]
+                    ends[name] = [there.min().item(), there.max().item()] if there.size else []
+            contents = {"rows": rows.pop(), "columns": ends}
         listing = identity | contents | {"warnings": [] if archive.is_protected else [DOUBT]}
         archive_words(listing), as_json(listing)  # what cannot be told is none
     except (*hdf5.UNREADABLE, AttributeError, RecursionError):  # a number where a group belongs, and the like
@@ -188,14 +195,6 @@ def _stored_values(member: hdf5.Group | hdf5.Dataset) -> Array | list[str]:
     if not isinstance(member, hdf5.Dataset):
         raise TypeError("a group in place of a column")
     return member.values if isinstance(member.values, np.ndarray) else list(member.values or ())
-
-
-def _ends(values: Array | list[str]) -> list[Any]:
-    """Least and greatest number of a column; of words the first that occur, in order."""
-    if isinstance(values, list):
-        return sorted(set(values))[:SHOWN]
-    there = values[np.isfinite(values)]
-    return [there.min().item(), there.max().item()] if there.size else []
 
 
 def archive_words(listing: Mapping[str, Any]) -> list[str]:

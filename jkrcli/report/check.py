@@ -16,7 +16,7 @@ from typing import Any, Literal
 
 from .. import __version__
 from ..adhesion.finite_range import unable
-from ..base.errors import Estimate, Refusal, Unknown, counted, installs
+from ..base.errors import Refusal, Unknown, counted, installs
 from ..base.process import free_memory
 from ..base.registry import Result
 from ..base.units import reached, show
@@ -150,19 +150,16 @@ def _table(rows: Sequence[NeglectedEffect], title: str) -> Iterator[str]:
     if rows:
         yield f"  {title:<{name + 2}}    load       S pull-off  included by"
     for one in rows:
-        load, S, pull_off = map(_percent, one.changes.values())
+        cells = []
+        for change in one.changes.values():  # ``+63%``, ``-4.4%``, ``+0.02%``; a dash where it is not known
+            if isinstance(change, Unknown) or not round(change, 4):
+                cells.append("-" if isinstance(change, Unknown) else "0")
+            else:
+                digits = sum(abs(change) < limit for limit in (0.1, 0.01))  # two of them are shown
+                cells.append(f"{change:+.{digits}%}")
+        load, S, pull_off = cells
         why = "" if one.largest else f"({one.load})"
         yield f"    {one.name:<{name}}{load:>8}{S:>8}{pull_off:>9}  {why or one.key}".rstrip()
-
-
-def _percent(change: Estimate) -> str:
-    """``+63%``, ``-4.4%``, ``+0.02%``; a dash where it is not known."""
-    if isinstance(change, Unknown):
-        return "-"
-    if not round(change, 4):
-        return "0"
-    digits = sum(abs(change) < limit for limit in (0.1, 0.01))  # two of them are shown
-    return f"{change:+.{digits}%}"
 
 
 # --------------------------------------------------------------------------------------------------

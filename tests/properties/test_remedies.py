@@ -283,7 +283,7 @@ def test_a_chart_that_finds_no_reference_names_what_it_can_follow() -> None:
 
 # ---------------------------------------------------------------------- nothing left out
 REFUSALS = {"Refusal", "InaccurateError"}
-REASONS = {"refusal", "_unable", "_too_much", "_no_radius", "unsmooth", "_formula", "_half_space", "_thin_layer"}
+REASONS = {"refusal", "_unable", "_too_much", "_no_radius", "unsmooth", "_formula", "_thin_layer"}
 PASSED_ON = {  # what such functions return, and refusals that another one holds
     "reason", "found", "error.fixed", "_no_radius(problem, reach)", "_too_much(problem)",
     "[*_unreached(tolerance, reached, solved).lines, *refusal.lines]", "self._too_far(a)", "self.no_range",

@@ -35,20 +35,8 @@ from ...base.numerics import ROUNDED, Array
 from ...bodies.indenters import Indenter
 from ...bodies.materials import AnyGraded, AnyTransverse, Coated, Material
 from ...bodies.problem import Specimen
+from ..integral import fredholm
 from ..integral.density import DENSITY_WIDEST
-from ..integral.fredholm import (
-    EXACT,
-    ContactResult,
-    Panels,
-    Quadrature,
-    crowded,
-    forward_substitution,
-    gauss,
-    nested_factor,
-    rounding_error,
-    rule,
-    split,
-)
 from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers
 from .spectrum import LayeredSpectrum, LayerMedium, minors_of, resolved, shear_moduli
 
@@ -201,7 +189,7 @@ class StuckDisc:
     radius b lack at x to the unit one, as the equation has them (0 inside b in the first place; the formula goes on).
     """
 
-    panels: Panels
+    panels: fredholm.Panels
     Lambda: float
     eta: float
     S: Array
@@ -209,15 +197,15 @@ class StuckDisc:
     largest: float
 
     @classmethod
-    def of(cls, kernel: StuckKernel, panels: Panels) -> StuckDisc:
+    def of(cls, kernel: StuckKernel, panels: fredholm.Panels) -> StuckDisc:
         """Solve; SolveError where the panels do not resolve the kernel."""
         n, root = 2 * panels.x.size, np.repeat(np.sqrt(panels.w), 2)
         K = 2 / math.pi * kernel.square(panels.places)
-        factor = nested_factor(K[:n, :n], root, panels, "the kernel of contact without slip")
+        factor = fredholm.nested_factor(K[:n, :n], root, panels, "the kernel of contact without slip")
         unit = np.zeros(n)
         unit[::2] = kernel.Lambda
         right = np.column_stack([root * unit, root[:, None] * K[:n, n:]])
-        forward = forward_substitution(factor, right)
+        forward = fredholm.forward_substitution(factor, right)
         y, last = forward[:, 0], 2 * panels.stops - 1
         sums = np.cumsum(y[:, None] * forward[:, 1:], axis=0)[last].reshape(last.size, last.size, 2)
         residual = np.array([kernel.Lambda, 0.0]) - sums
@@ -232,7 +220,7 @@ class StuckDisc:
     @property
     def rounding(self) -> Array:
         """Relative error that the rounding of K lets expect at each radius, as that of ``EquationResult``."""
-        return rounding_error(self.panels, self.largest, self.S)
+        return fredholm.rounding_error(self.panels, self.largest, self.S)
 
 
 # Integrals of the ring fields Z.
@@ -316,7 +304,7 @@ class Pieces:
 
     def _over(self, indenter: Indenter, x: Array, piece: Array, inner: int, power: int) -> Array:
         """Integrals over b^power dF of the polynomials (m, count) from the beginning of their ``piece`` to ``x``."""
-        t, w = crowded(self.edges[piece], x, inner)
+        t, w = fredholm.crowded(self.edges[piece], x, inner)
         basis = self.basis(t, np.broadcast_to(piece[:, None], t.shape))
         return np.einsum("mi,mic->mc", w * indenter.abel_slope(t) * t**power, basis)
 
@@ -354,8 +342,8 @@ class Growth:
         eta, edges = self.disc.eta, self.pieces.edges
         inside = np.append(edges[edges < x * (1 - 1e-12)], [])
         ends = np.append(np.arctanh(inside / x), GROWTH_LAST)
-        lo, hi = split(ends[:-1], ends[1:], np.maximum(np.ceil(np.diff(ends) / DENSITY_WIDEST), 1).astype(int))
-        tau, w = gauss(lo, hi, *rule(EXACT))
+        lo, hi = fredholm.split(ends[:-1], ends[1:], np.maximum(np.ceil(np.diff(ends) / DENSITY_WIDEST), 1).astype(int))
+        tau, w = fredholm.gauss(lo, hi, *fredholm.rule(fredholm.EXACT))
         s = x * np.tanh(tau)
         values = self.pieces.at(s) * self.indenter.abel(s)[:, None]
         here = self.pieces.at(np.array([x]))[0] * self.indenter.abel(np.array([x]))
@@ -403,7 +391,7 @@ class StuckPlan:
     """``quadrature`` of the densities and of integrals over dF, ``widest`` piece [m] and ``points`` on each of the
     growth, ``order``: Gauss nodes on every panel in k."""
 
-    quadrature: Quadrature
+    quadrature: fredholm.Quadrature
     widest: float
     points: int
     order: int = 24
@@ -509,10 +497,10 @@ class StuckLayeredContact(IndenterOnLayers):
         points, widest = min(points, STUCK_MOST_POINTS), STUCK_PIECE * self.scale
         count = points * math.ceil(float(radii[-1]) / widest) if math.isfinite(widest) else points
         if count > LAYERED_MOST_NODES:  # more than is solved: counted, not laid out
-            return StuckPlan(Quadrature(points, widest, count), widest, points)
+            return StuckPlan(fredholm.Quadrature(points, widest, count), widest, points)
         nodes = self._pieces(float(radii[-1]), widest, points).nodes
-        quadrature = Quadrature.cheapest(nodes, self.indenter.a0, self.scale, tolerance)
-        return StuckPlan(replace(quadrature, inner=EXACT), widest, points)
+        quadrature = fredholm.Quadrature.cheapest(nodes, self.indenter.a0, self.scale, tolerance)
+        return StuckPlan(replace(quadrature, inner=fredholm.EXACT), widest, points)
 
     def _pieces(self, largest: float, widest: float, points: int) -> Pieces:
         return Pieces.of(self.indenter, largest, min(widest, largest), points)
@@ -533,23 +521,23 @@ class StuckLayeredContact(IndenterOnLayers):
                 f"smaller contact{' or use method fem' if self.indenter.material is None else ''}"
             )
 
-    def solved(self, radii: Array, plan: StuckPlan) -> ContactResult:
+    def solved(self, radii: Array, plan: StuckPlan) -> fredholm.ContactResult:
         """Contact at the increasing ``radii`` [m]."""
         self.guard(radii, plan)
         a0, factor = self.indenter.a0, 2 * self.E_star
         beyond = radii > a0 * (1 + 1e-12)
         pieces = self._pieces(float(radii[-1]), plan.widest, plan.points) if beyond.all() else None
         ends = radii if pieces is None else pieces.nodes
-        panels = Panels.through(ends, plan.quadrature, a0)
+        panels = fredholm.Panels.through(ends, plan.quadrature, a0)
         disc = StuckDisc.of(self.spectrum.stuck_kernel(2 * float(radii[-1]), plan.order), panels)
         if pieces is None:  # the flat end itself
             nothing = np.zeros_like(radii)
-            return ContactResult(panels, nothing, nothing, factor * disc.S, factor * disc.dS, disc.rounding)
+            return fredholm.ContactResult(panels, nothing, nothing, factor * disc.S, factor * disc.dS, disc.rounding)
         growth = Growth(self.indenter, disc, pieces, plan.quadrature.inner)
         S, dS = growth.stiffness(radii)
         worst = np.full_like(radii, disc.rounding.max())
         columns = growth.displacement(radii), factor * growth.load(radii), factor * S, factor * dS
-        return ContactResult(replace(panels, radii=radii), *columns, worst)
+        return fredholm.ContactResult(replace(panels, radii=radii), *columns, worst)
 
 
 def why_unsupported(indenter: Indenter, specimen: Specimen) -> str | None:

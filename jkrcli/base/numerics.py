@@ -250,16 +250,18 @@ def _normal(u: Array, mean: float, sd: float, least: float, most: float) -> Arra
     return np.clip(mean + sd * ndtri(low + (high - low) * u), least, most)
 
 
-def _lognormal(u: Array, median: float, factor: float, *limits: float) -> Array:
-    cut = (math.log(x) if x > 0 else -math.inf for x in limits)
-    return np.exp(_normal(u, math.log(median), math.log(factor), *cut))
-
-
 DISTRIBUTIONS = {
     "uniform": Kind(("from", "to"), lambda u, start, end: start + (end - start) * u),
     "loguniform": Kind(("from", "to"), lambda u, start, end: start * (end / start) ** u, "from"),
     "normal": Kind(("mean", "sd"), _normal, "sd", LIMITS),
-    "lognormal": Kind(("median", "factor"), _lognormal, "median", LIMITS),
+    "lognormal": Kind(
+        ("median", "factor"),
+        lambda u, median, factor, *limits: np.exp(
+            _normal(u, math.log(median), math.log(factor), *(math.log(x) if x > 0 else -math.inf for x in limits))
+        ),
+        "median",
+        LIMITS,
+    ),
     "integer": Kind(("from", "to"), lambda u, start, end: (start + np.floor((end - start + 1) * u)).astype(int)),
     "choice": Kind(("values",), lambda u, values: np.fromiter(values, object)[(len(values) * u).astype(int)]),
 }

@@ -113,7 +113,7 @@ def test_measured_curves_are_overlaid(jkr: Callable, gel: Path) -> None:
     Path("one.csv").write_text("delta_m,P_N\n1e-6,2e-4\n2e-6,3e-4\n3e-6,5e-4\n4e-6,7e-4\n5e-6,9e-4\n")
     outcome = jkr("explore", "gel.h5", "one.csv")
     assert (outcome.code, outcome.err) == (0, "")
-    assert outcome.out.splitlines()[0] == "100 points, 5 measured points in 1 curves: gel.h5"
+    assert outcome.out.splitlines()[0] == "100 points, 5 measured points in 1 curve: gel.h5"
     (curve,) = content(gel.with_name("gel-explore.html"))["measured"]
     assert (curve["delta"], curve["P"], curve["a"]) == (
         [1e-6, 2e-6, 3e-6, 4e-6, 5e-6],

@@ -120,7 +120,8 @@ def _left_in(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[
     outcome = outcome_of(best, best.x, body)
     E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
     work = "w" if "w" in outcome else "w_approach"
-    return f"left in the loads E* = {show(E_star, 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}"
+    sizes = f"E* = {show(E_star, 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}"
+    return (f"left in the loads {sizes}",)
 
 
 def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:

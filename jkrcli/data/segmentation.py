@@ -370,7 +370,10 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     x, y = position[segment.rows][::order], P[segment.rows][::order]
     end = _end_of_free_part(x, y)
     base = _base_line(x, y, end)
-    if (sooner := _first_fall(y - base(x), base)) < end:
+    # The load falls at once for the first time: a tether or a second contact holds beyond, however straight it is.
+    fall, _, width = _sudden(y - base(x), base)
+    sooner = min((first for first, _ in _runs(fall, width) if first >= RECORD_FAR * x.size), default=x.size)
+    if sooner < end:
         end = sooner
         base = _base_line(x, y, end)
     off = y - base(x)
@@ -404,7 +407,9 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
         border = (border[0], max(inner, main[1] + ringing)) if order > 0 else (min(border[0], main[0] - ringing), inner)
     depth = float(x.max() - x[min(row, x.size - 1)])
     loads = float(off.max()), tension, unsure, float(x[lowest])
-    free = main[0] + 1 if main is not None else _before_least(off) if order > 0 else border[0] + 1
+    block = _block(off.size)  # contact raises the load: free rows lie before the least of means of rows
+    before_least = int(np.argmin(_blocks(off, block))) * block
+    free = main[0] + 1 if main is not None else before_least if order > 0 else border[0] + 1
     free -= 0 if order > 0 else ringing
     return Direction(
         segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth, max(free, 0), jump, ringing
@@ -466,12 +471,6 @@ def _ringing(y: Array) -> int:
     quiet = np.flatnonzero(left[last // 2 :] < RECORD_STRAIGHT * noise)
     rows = (last // 2 + int(quiet[0]) + 1) * wide if quiet.size else y.size
     return int(min(max(rows, (last + 1) * width), RECORD_HALF * y.size))
-
-
-def _before_least(off: Array) -> int:
-    """How many rows from the far end on lie before the least load, of means of rows: contact raises it."""
-    size = _block(off.size)
-    return int(np.argmin(_blocks(off, size))) * size
 
 
 def in_succession(marked: Array) -> Array:
@@ -667,13 +666,6 @@ def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
     return step < np.minimum(before, after) - least, step > np.maximum(before, after) + least, width
 
 
-def _first_fall(off: Array, base: BaseLine) -> int:
-    """The row at which the load falls at once for the first time: beyond it a tether or a second contact holds,
-    however straight the load is; the number of rows where none does, or too near the far end."""
-    fall, _, width = _sudden(off, base)
-    return min((first for first, _ in _runs(fall, width) if first >= RECORD_FAR * off.size), default=off.size)
-
-
 def _runs(marked: Array, width: int) -> list[tuple[int, int]]:
     """First row and last, ``width`` further on, of each run of ``marked`` rows, with short gaps."""
     rows = np.flatnonzero(marked)
@@ -748,7 +740,9 @@ def _on_jumps(touched: Sequence[Direction], limits: Array) -> Iterator[tuple[str
 
 def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     """Flags of devices that run to and fro, and of columns that count the other way round."""
-    if any(_wanders(curve.device[item.segment.rows]) for item in directions):
+    ways = (curve.device[item.segment.rows] for item in directions)
+    means = [_blocks(way, max(1, round(way.size / 20))) for way in ways]  # without noise
+    if any(float(np.abs(np.diff(way)).sum()) > RECORD_WANDERING * float(np.ptp(way)) for way in means):
         yield "no force curve", "the instrument reverses more than once"
     for item in directions:
         name = item.segment.kind
@@ -779,12 +773,6 @@ def _pulls_deepest(curve: Curve, item: Direction) -> bool:
     deepest = item.adhesion_at > z.max() - RECORD_SMALL * float(np.ptp(z))
     pressed = z[np.argmax(curve.load[item.segment.rows])] > item.adhesion_at
     return deepest and not pressed and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
-
-
-def _wanders(delta: Array) -> bool:
-    """Whether the way is much longer than the distance, noise apart."""
-    blocks = _blocks(delta, max(1, round(delta.size / 20)))
-    return float(np.abs(np.diff(blocks)).sum()) > RECORD_WANDERING * float(np.ptp(blocks))
 
 
 # --------------------------------------------------------------------------------------------------

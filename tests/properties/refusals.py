@@ -126,7 +126,7 @@ FALLS = (
     "contact is no longer a growing disc; use a smaller radius"
 )
 MUCH = (
-    "layered: a = {} m is {} times the length over which the layers act ({} m) and needs {} nodes for {} radii (limit "
+    "layered: a = {} m is {} times the length over which the layers act ({} m) and needs {} nodes for {} (limit "
     "{}); use a smaller contact"
 )
 FORMULAE = (

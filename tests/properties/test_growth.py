@@ -128,7 +128,7 @@ def test_intervals_are_announced_and_refused_before_anything_is_read(
     jkr, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], told: str
 ) -> None:
     """A bootstrap of 100,000 samples took 22 min without a word."""
-    stopped(monkeypatch, "jkrcli.data.measured.each", "jkrcli.cli.fit.fitted_body")
+    stopped(monkeypatch, "jkrcli.fitting.work.each", "jkrcli.data.measured.each", "jkrcli.cli.fit.fitted_body")
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("x.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 50)
     assert told in jkr("fit", "s.toml", "x.csv", *words).err
@@ -162,9 +162,9 @@ def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypa
 def test_devices_count_in_what_is_announced_and_refused(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
     """40 s for 2,000 of them."""
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
-    stopped(monkeypatch, "jkrcli.resolve.analysis.analyse")
+    stopped(monkeypatch, "jkrcli.cli.curve_verbs.analyse")
     words = ("pull-off", "s.toml", *(word for i in range(2_000) for word in ("--stiffness", f"{i + 1}")))
-    assert "pull-off of 100 rows for 1 works of adhesion under 2,000 controls needs about 0.108 GiB" in jkr(*words).err
+    assert "pull-off of 100 rows for 1 work of adhesion under 2,000 controls needs about 0.108 GiB" in jkr(*words).err
     done = jkr(*words, "--limit-time", "1e-3")
     assert done.code == 2
     assert "use fewer rows, files, controls or works of adhesion, or leave out the plots, or raise" in done.err

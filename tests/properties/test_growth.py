@@ -162,7 +162,7 @@ def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypa
 def test_devices_count_in_what_is_announced_and_refused(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
     """40 s for 2,000 of them."""
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
-    stopped(monkeypatch, "jkrcli.cli.curve_verbs.analyse")
+    stopped(monkeypatch, "jkrcli.cli.curve_verbs.where_lost")
     words = ("pull-off", "s.toml", *(word for i in range(2_000) for word in ("--stiffness", f"{i + 1}")))
     assert "pull-off of 100 rows for 1 work of adhesion under 2,000 controls needs about 0.108 GiB" in jkr(*words).err
     done = jkr(*words, "--limit-time", "1e-3")

@@ -484,7 +484,7 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
 @options.output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def work(
     series: Path, measured: tuple[Path, ...], modulus_factor: float, slopes: str, reading: Reading, workers: int,
-    output: Output, **figures: Any,
+    output: Output, **chosen: Any,
 ) -> None:  # fmt: skip
     """The work of adhesion along each MEASURED file, on the body of the SERIES file.
 
@@ -515,8 +515,8 @@ def work(
     inputs.warn_of_constant_moduli(solution)
     inputs.without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)
-    figures["noise"] = dict(figures["noise"])
-    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **figures)
+    chosen["noise"] = dict(chosen["noise"])
+    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **chosen)
     results = []
     with together():
         for path, target in zip(measured, targets, strict=True):

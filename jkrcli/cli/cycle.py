@@ -168,9 +168,9 @@ def cycled(
 
     # A body that does not: with a w that depends on the speed of the edge, by a table, or there and back
     if rates.rate is not None:
-        w = rate_law_of(rates.rate, "--rate")
+        outwards_law = rate_law_of(rates.rate, "--rate")
         advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
-        contact = RateContact(outwards.jkr.nonadhesive, w, outwards.w, inwards.w, stiffness, advance)
+        contact = RateContact(outwards.jkr.nonadhesive, outwards_law, outwards.w, inwards.w, stiffness, advance)
         program = rates.program_of(contact)
         return CycledAtSpeed.of(contact, program, outwards, stress=rates.stress, points=points, history=words)
     if rates.program is not None:

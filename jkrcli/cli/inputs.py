@@ -303,7 +303,7 @@ def begin_curves(
     costs = [forecast(*each, tables, figures, devices) for each in zip(solutions, works, ranges, strict=True)]
     total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
     rows = sum(solution.increments.a.size for solution in solutions)
-    under = f" under {devices:,} controls" if devices else ""
+    under = f" under {counted(devices, 'control')}" if devices else ""
     what = f"{verb} of {counted(rows, 'row')} for {counted(sum(map(len, works)), 'work')} of adhesion{under}"
     less = f"fewer rows, files{', controls' if devices else ''} or works of adhesion, or leave out the plots"
     begin(what, total, limits, less)

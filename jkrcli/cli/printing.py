@@ -31,7 +31,11 @@ QUIET, USUAL, VERBOSE = range(3)
 WIDE = 100  # choice: columns of a line, on wider terminals too
 FIRST_LINES = 12  # choice: lines of a first answer
 UNIT = r"(?:%|[anpumkMGTµ]?(?:m|N|J|Pa|s|V)\b)"
-TOGETHER = re.compile(rf"(?<=\S) (?== \S)|(?<=[=±]) (?=[-+]?\d)|(?<=\d) (?={UNIT})")  # name, value and unit
+# What stands in one line: name, value and unit, and the force of a rigid sphere, 1.5 pi w R.
+TOGETHER = re.compile(
+    rf"(?<=\S) (?== \S)|(?<=[=±]) (?=[-+]?\d)|(?<=\d) (?={UNIT})"
+    r"|(?<=\d) (?=pi\b)|(?<=\bpi) (?=w)|(?<=pi w) (?=/|R)|(?<=pi w /) (?=R)"
+)
 
 
 def _level() -> int:

@@ -17,7 +17,7 @@ from typing import Any, cast
 import numpy as np
 
 from ..base import hdf5, process
-from ..base.errors import InputError, first_line, installs
+from ..base.errors import InputError, counted, first_line, installs
 from ..base.files import opened, packed, read_bytes
 from ..base.numerics import LOOKED_AT, Array
 from ..base.process import check_size, check_text
@@ -166,7 +166,7 @@ class File:
         volts, finer = self._volts(DEFLECTION, number)
         P = volts * per_volt
         if P.size < LEAST_ROWS:
-            raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
+            raise InputError(f"{where}: holds {counted(P.size, 'row')}, at least {LEAST_ROWS} are needed")
         z, t, turn, what = self._motion(number, P)
         flags = (f"displacement from the {what}", *calibration, *finer)
         segment = np.where(np.arange(P.size) < turn, APPROACH, RETRACT)
@@ -238,8 +238,8 @@ class File:
         each = 2 * stride * count
         if each == 0 or size not in (2 * each, 4 * each):
             raise InputError(
-                f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for {count:,} curves of "
-                f"2 x {stride:,} rows, 2 or 4 bytes each: export it as text"
+                f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for "
+                f"{counted(count, 'curve')} of 2 x {stride:,} rows, 2 or 4 bytes each: export it as text"
             )
         return np.frombuffer(self.content, f"<i{size // each}", each, at).reshape(-1, 2, stride)
 
@@ -439,7 +439,7 @@ def _nanosurf_curve(
     measured = np.isfinite(list(columns.values())).all(axis=0)
     z, signal = columns[SURF_Z][measured], columns[SURF_DEFLECTION][measured]
     if z.size < LEAST_ROWS:
-        raise InputError(f"{place(path, name)}: holds {z.size} rows, at least {LEAST_ROWS} are needed")
+        raise InputError(f"{place(path, name)}: holds {counted(z.size, 'row')}, at least {LEAST_ROWS} are needed")
     k, sensitivity = (float(np.asarray(told.get(key, 0.0)).item()) for key in (SURF_K, SURF_SENS))
     of_file = {"stiffness": k, "sensitivity": sensitivity}
     if dimension != "volts" and not _is_size(sensitivity):  # it is not needed, and another's ratio to it unknown
@@ -728,7 +728,7 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
         raise InputError(f"{where}: holds no height or no force (columns: {', '.join(data.columns)})")
     delta, P = -_column(where, data, height), _column(where, data, "force")
     if P.size < LEAST_ROWS:
-        raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
+        raise InputError(f"{where}: holds {counted(P.size, 'row')}, at least {LEAST_ROWS} are needed")
     t = _column(where, data, "time") if _holds(data, "time") else None
     flags: tuple[str, ...] = (f"displacement from the {height}",)
     if t is not None and (np.diff(t) < 0).any():
@@ -765,7 +765,7 @@ def _check_points(where: str, data: Any) -> None:
 
 def _check_count(where: str, declared: int | None, values: Array) -> None:
     if declared not in (None, len(values)):
-        raise InputError(f"{where}: is damaged or cut off: holds {len(values):,} points of {declared:,}")
+        raise InputError(f"{where}: is damaged or cut off: holds {counted(len(values), 'point')} of {declared:,}")
 
 
 def _metadata(data: Any, name: str) -> Any:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..base.errors import InputError, Unknown
+from ..base.errors import InputError, Unknown, counted
 from ..base.numerics import Array
 from ..base.units import LARGEST_SI
 from ..bodies.indenters import Indenter, Sphere
@@ -151,7 +151,8 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
         inside = (kept.a >= series.a[0]) & (kept.a <= series.a[-1])
         series = _series(RawSeries(kept.a[inside], kept.delta[inside], kept.P[inside]), indenter)
     lost = int(np.sum(raw.a[:first] > indenter.a0))
-    words = [f"{lost} rows near first touch, where noise hides the contact, are left out"] if lost else []
+    are = "is" if lost == 1 else "are"
+    words = [f"{counted(lost, 'row')} near first touch, where noise hides the contact, {are} left out"] if lost else []
     if alone := [str(row) for row in raw.rows[first:][hidden[first:]]]:
         what = f"{len(alone)} of {raw.a.size} rows left out, whose radius, displacement or load is not positive"
         words.append(f"{what}: {', '.join(some(alone))}")
@@ -166,7 +167,9 @@ def _wrong(path: Path, values: Mapping[str, Array], lines: Array, touching: Arra
     """
     if touching.sum() < LEAST_ROWS:
         there = f" (lines {', '.join(map(str, lines[touching]))})" if touching.any() else ""
-        raise InputError(f"{path}: holds {touching.sum()} rows in contact{there}, at least {LEAST_ROWS} are needed")
+        raise InputError(
+            f"{path}: holds {counted(int(touching.sum()), 'row')} in contact{there}, at least {LEAST_ROWS} are needed"
+        )
     wrong = []
     for key, rule in (("delta", "rise"), ("P", "rise"), ("a" if "a" in values else "area", "not fall")):
         column, rows, meaning = values[key][touching], lines[touching], NAMES.meaning(key)

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base.errors import Estimate, InputError, Unknown, known
+from ..base.errors import Estimate, InputError, Unknown, counted, known
 from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array, median
 from ..base.units import show
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve
@@ -252,7 +252,9 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
             + ("; jkr fit takes contact radius and load" if curve.a is not None else ""), *left_out,
         ])  # fmt: skip
     if len(curve) < FEWEST_ROWS:
-        raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {FEWEST_ROWS} are needed to look at")
+        raise InputError(
+            f"{curve.where}: holds {counted(len(curve), 'row')}, at least {FEWEST_ROWS} are needed to look at"
+        )
     whole, P, spikes = curve, curve.P, _spikes(curve.P)
     if spikes.size:
         z, P = curve.device, P.copy()

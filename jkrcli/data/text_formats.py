@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.errors import InputError, counted
 from ..base.numerics import SAME, SHOWN, Array
 from ..tables import TEXT_GAPS, TextTable, read_table, split_name, unit_power
 from . import instruments
@@ -250,8 +250,10 @@ def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:
     left = [i for i in range(len(table.names)) if i not in copies]
     text = {left.index(i): cells for i, cells in table.text.items()}
     names = tuple(table.names[i] for i in left)
-    flag = f"{len(copies)} columns repeat others of the same names and were left out"
-    return replace(table, names=names, values=table.values[:, left], text=text), [flag]
+    single = "a column repeats another of the same name and was"
+    several = f"{len(copies)} columns repeat others of the same names and were"
+    repeat = single if len(copies) == 1 else several
+    return replace(table, names=names, values=table.values[:, left], text=text), [f"{repeat} left out"]
 
 
 def _rise(column: Array) -> float:
@@ -645,7 +647,8 @@ def _check(where: str, alone: bool, lines: Array, values: dict[str, Array]) -> N
     """Refuse too few rows, numbers that are not finite, negative areas and radii, time that runs back."""
     if lines.size < LEAST_ROWS:
         there = ", ".join(map(str, lines))
-        raise InputError(f"{where}: holds {lines.size} rows (lines {there}), at least {LEAST_ROWS} are needed")
+        rows = f"{counted(lines.size, 'row')} (line{'s' * (lines.size != 1)} {there})"
+        raise InputError(f"{where}: holds {rows}, at least {LEAST_ROWS} are needed")
     for key, column in values.items():
         size = key in SIZES
         wrong = ~np.isfinite(column) | ((column < 0) if size else False)

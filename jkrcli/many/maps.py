@@ -152,7 +152,8 @@ class MapResult(Result):
     @property
     def warnings(self) -> list[str]:
         reasons = [reason for reason in self.columns.get("reason", np.array([])).tolist() if reason]
-        return [f"{counted(len(reasons), 'point')} not known, the first: {reasons[0]}"] if reasons else []
+        are = "is" if len(reasons) == 1 else "are"
+        return [f"{counted(len(reasons), 'point')} {are} not known, the first: {reasons[0]}"] if reasons else []
 
     def words(self) -> list[str]:
         shown = self.map.shown

@@ -78,7 +78,7 @@ class Descriptor:
     model that represents a body is tried first. ``options``: a dataclass of the method's options, with a default each
     and ranges in the annotations, which stand in the case file's table ``table`` (its name where empty; or
     ``InTable``). ``automatic``: whether "auto" may choose it. ``exact``: to round-off or its tolerance, at next to no
-    cost; ``kernel``: its bodies have the kernel of the contact equation (see ``methods.attraction``); ``tension``:
+    cost; ``kernel``: its bodies have the kernel of the contact equation (see ``integral.finite_range``); ``tension``:
     whether it represents surface tension; ``coating``: layers of the indenter.
     """
 
@@ -417,7 +417,7 @@ class FEMOptions:
     ``growth``: increase of the element size per distance from the contact (default 0.15, first order 0.05; layout
     "zones" 0.25 and 0.08).
     ``margin``: candidates beyond the expected largest contact radius, as a factor of it.
-    ``edge_correction``: contact radii calibrated on a half-space with the same surface mesh (``fem.edge``).
+    ``edge_correction``: contact radii calibrated on a half-space with the same surface mesh (``fem.model``).
     ``estimate_error``: solve a mesh with doubled sizes too, for the error budget.
     ``tolerance``: of the series; spacing and growth then follow from it, mesh after mesh (layout "scaled").
     ``solver``: of the sparse factor: "auto" takes CHOLMOD for large meshes where the package cvxopt is installed.

@@ -201,7 +201,7 @@ def archive_words(listing: Mapping[str, Any]) -> list[str]:
     """The ``summary`` of an archive as lines of text."""
     by = f"format {listing['format']} {listing['version']}, jkr {listing['jkr']}"
     if listing["format"] == FITS:
-        lines = [f"{len(listing['curves']):,} curves fitted to {listing['body']}: {listing['file']} ({by})"]
+        lines = [f"{counted(len(listing['curves']), 'curve')} fitted to {listing['body']}: {listing['file']} ({by})"]
         for curve in listing["curves"][:SHOWN]:
             lines.append(f"  {curve['file']}, {curve['curve']}: {curve['status']}")
             for name, estimate in curve.get("estimates", {}).items():
@@ -210,7 +210,7 @@ def archive_words(listing: Mapping[str, Any]) -> list[str]:
                 lines.append(f"    {name:<12} {estimate['value']:.5g}{within} {estimate['unit']}".rstrip())
         lines += [f"  ... and {len(listing['curves']) - SHOWN:,} more"] * (len(listing["curves"]) > SHOWN)
     else:
-        lines = [f"{listing['rows']:,} cases of a sweep: {listing['file']} ({by})"]
+        lines = [f"{counted(listing['rows'], 'case')} of a sweep: {listing['file']} ({by})"]
         for name, ends in listing["columns"].items():
             in_words = bool(ends) and isinstance(ends[0], str)
             span = ", ".join(ends) if in_words else " to ".join(f"{end:.6g}" for end in dict.fromkeys(ends))

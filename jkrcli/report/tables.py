@@ -109,7 +109,7 @@ def read_curve(path: Path) -> dict[str, Array]:
     if table.shape[1] != len(lines) - 1 or not np.isfinite(table).all():  # a line needs a closer look
         table = np.array([_row(path, number, line, names) for number, line in enumerate(lines[1:], start=2)]).T
     if len(lines) < 3:
-        raise InputError(f"{path}: holds {len(lines) - 1} rows, at least 2 are needed")
+        raise InputError(f"{path}: holds {counted(len(lines) - 1, 'row')}, at least 2 are needed")
     along = "c_m" if "c_m" in numeric else "a_m"
     steps = np.diff(table[numeric.index(along)])
     if (steps <= 0).any():

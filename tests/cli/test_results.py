@@ -174,7 +174,7 @@ def test_csv_reads_back_to_the_last_bit(tmp_path) -> None:
         ("a_m,P_N\n1,2\n2,x\n", 'line 3 must hold 2 finite numbers, got "2,x"'),
         ("a_m,P_N\n1,2\n2,nan\n", 'line 3 must hold 2 finite numbers, got "2,nan"'),
         ("a_m,P_N\n1,2\n2\n", 'line 3 must hold 2 finite numbers, got "2"'),
-        ("a_m,P_N\n1,2\n", "holds 1 rows, at least 2 are needed"),
+        ("a_m,P_N\n1,2\n", "holds 1 row, at least 2 are needed"),
         ("a_m,P_N\n1,2\n3,2\n2,2\n", "line 4: a_m must increase from row to row"),
     ],
 )

@@ -79,7 +79,7 @@ WRONG = {
     "rigid": ({}, {"stiffness": np.inf}, "whose cantilever bends: give its stiffness, not rigid"),
     "columns": ({}, {"columns": {"P": "x"}}, "the columns of a microscope's file and their units are known"),
     "where": ({}, {"where": {"x": "1"}}, "of which --where takes segment or curve, not \"x\""),
-    "length": ({"Data length": "319"}, {}, "319 bytes for 1 curves of 2 x 40 rows, 2 or 4 bytes each"),
+    "length": ({"Data length": "319"}, {}, "319 bytes for 1 curve of 2 x 40 rows, 2 or 4 bytes each"),
     "offset": ({"Data offset": "99999"}, {}, "is cut off: holds 6,320 bytes of 100,159: copy it again"),
     "no rows": ({"Samps/line": "none"}, {}, "names no rows of its curves (Samps/line)"),
     "no scale": ({"@4:Z scale": "V [Sens. DeflSens] (0 V/LSB) 1 V"}, {}, "names no scale of its DeflectionError"),

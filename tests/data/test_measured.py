@@ -100,7 +100,7 @@ def test_a_bad_curve_does_not_cost_the_others(tmp_path: Path) -> None:
     assert [item.name for item in found if isinstance(item, Curve)] == ["one", "three"]
     assert [str(item) for item in found if isinstance(item, InputError)] == [
         f'{path}: curve "two": line 7: displacement must be finite, got nan (SI)',
-        f'{path}: curve "four": holds 1 rows (lines 14), at least 3 are needed',
+        f'{path}: curve "four": holds 1 row (line 14), at least 3 are needed',
     ]
     with pytest.raises(InputError) as caught:
         measured.read(path)

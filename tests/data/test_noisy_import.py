@@ -134,7 +134,7 @@ def test_an_outlier_at_the_end_of_few_rows_is_no_other_order(tmp_path: Path) -> 
     columns = disturbed(HERTZ.series(15), "independent", 1e-2, 0)
     columns[0, 14] = columns[0, 4]
     (words,) = read(tmp_path / "t.csv", columns).warnings
-    assert words == "1 of 15 rows are outliers and have little weight: 16"
+    assert words == "1 of 15 rows is an outlier and has little weight: 16"
 
 
 def test_rows_in_order_keep_their_scatter_where_one_is_left_out(tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_a_radius_beyond_all_others_is_an_outlier(tmp_path: Path, points: int, f
     columns[0, row] *= factor
     (found,) = analyse(read(tmp_path / "t.csv", columns), [50.0])
     assert found.curve.series.a[-1] == last
-    assert found.warnings == [f"1 of {points} rows are outliers and have little weight: {row + 2}"]
+    assert found.warnings == [f"1 of {points} rows is an outlier and has little weight: {row + 2}"]
     assert found.pull_off_errors["load"]["P"] / abs(found.pull_off["load"].P) < 0.01  # 0.008 and 0.002 measured
 
 

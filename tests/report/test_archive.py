@@ -193,7 +193,7 @@ def test_an_archive_of_a_later_release_is_refused(jkr, archives: dict[str, Path]
 
 def test_archives_are_told(jkr, archives: dict[str, Path]) -> None:
     fits, table = jkr("show", *archives.values(), "-v").out.split("\n8 cases of a sweep: ")
-    assert fits.startswith(f"1 curves fitted to s.toml: {archives['fits']} (format jkr-fit 3, ")
+    assert fits.startswith(f"1 curve fitted to s.toml: {archives['fits']} (format jkr-fit 3, ")
     assert "  probe.csv, probe: fitted" in fits
     assert table.startswith(f"{archives['table']} (format jkr-sweep-table 3, ")
     assert "  status                                   failed, ok" in table

@@ -886,7 +886,8 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     rows = [str(row) for row in np.sort(raw.rows[settled.outliers])]
     if rows:
         some = ", ".join(rows[:SHOWN]) + (", ..." if len(rows) > SHOWN else "")
-        yield f"{len(rows)} of {raw.a.size} rows are outliers and have little weight: {some}"
+        are = "is an outlier and has" if len(rows) == 1 else "are outliers and have"
+        yield f"{len(rows)} of {raw.a.size} rows {are} little weight: {some}"
     if settled.hidden:
         yield f"errors of neighbouring rows may be correlated; {TOO_FEW} ({raw.a.size})"
     rho = settled.correlation

@@ -528,7 +528,8 @@ def _solve(
                 for row in rows:
                     journal.append(plan.identity(row.number), row)
         except KeyboardInterrupt:
-            say(f"{len(journal.rows):,} cases are kept; the same command goes on from there")
+            kept = f"{counted(len(journal.rows), 'case')} {'is' if len(journal.rows) == 1 else 'are'} kept"
+            say(f"{kept}; the same command goes on from there")
             raise
 
 

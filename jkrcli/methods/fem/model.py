@@ -158,7 +158,7 @@ def point_force(material: Elastic | TransverselyIsotropic) -> Boussinesq | Trans
 # the factor a / r for every vertex.
 #
 # Where surfaces stick, the rows of L for a node read the field next to the edge of the disc that ends there: with the
-# densities xi of a stuck disc (``integral.stuck``), whose value at the edge is the amplitude of its singular fields,
+# densities xi of a stuck disc (``layered.no_slip``), whose value at the edge is the amplitude of its singular fields,
 # the halves in both rows of the node at r are
 #
 #     y delta - z = M xi(r) + N xi'(r)

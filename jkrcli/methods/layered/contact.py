@@ -24,7 +24,7 @@ from .spectrum import LayeredSpectrum
 # --------------------------------------------------------------------------------------------------
 # Product integration of the kernel's logarithmic part on composite Gauss panels.
 #
-# The symmetrised Nystrom matrix of ``equation`` is Galerkin's with the polynomials l_i of each panel that are 1 at
+# The symmetrised Nystrom matrix of ``fredholm`` is Galerkin's with the polynomials l_i of each panel that are 1 at
 # one Gauss node and 0 at the others, as long as Gauss quadrature may stand for the integrals. Where the kernel tau(|x
 # - t|) has a logarithm at x = t it may not: here the entries are the integrals themselves,
 #

@@ -1,7 +1,7 @@
 """Contact without slip on a layered specimen: it grows while it sticks, from the flat ends of all radii.
 
 A disc of radius b that sticks and is pressed down by d(delta) moves the surface outside; a point is touched when it has
-come up to the profile, and keeps its radial displacement. In the densities of ``stuck``, with E_j(s; b) what an end of
+come up to the profile, and keeps its radial displacement. In the densities below, with E_j(s; b) what an end of
 radius b lacks at s > b to its own displacement, and F the Abel image of the profile,
 
     D_j(s) = int_0^s E_j(s; b) delta'(b) db,         F(x) = (1/Lambda) int_0^x (Z_1(x, s) D_1(s) + Z_2(x, s) D_2(s)) ds,
@@ -129,7 +129,7 @@ def _taylor(eta: float, rho: float, F: float, slope: float) -> Array:
 #     xi + (2/pi) int K xi dt = (2/pi) (Lambda, 0),     K = int (d_zz C C^T + d_zr (C Q^T + Q C^T) + d_rr Q Q^T) dk
 #
 # for a unit displacement, Lambda^2 = pi eta coth(pi eta). S = pi E* Lambda int xi_1, S' = (pi^2 E*/2) |xi(a)|^2. The
-# matrices are nested as those of ``equation``, with two rows for each node.
+# matrices are nested as those of ``fredholm``, with two rows for each node.
 
 Pair: TypeAlias = tuple[Array, Array]
 

@@ -609,9 +609,8 @@ def compliance(specimen: Specimen, k: Array) -> Array:
     k = np.asarray(k, dtype=float)
     if not specimen.layers:
         return np.stack([np.ones_like(k), np.zeros_like(k)])
-    positive = np.maximum(
-        np.ravel(k), 1e-30 / specimen.layers[0].thickness
-    )  # minors over a sliding base vanish at 0 itself
+    # minors over a sliding base vanish at 0 itself
+    positive = np.maximum(np.ravel(k), 1e-30 / specimen.layers[0].thickness)
     return _of_stack(specimen, positive).reshape(2, *k.shape)
 
 

@@ -155,7 +155,7 @@ class AdhesiveCurve {
   }
 }
 
-/* Where a viscoelastic specimen loses contact by its history; ratio: its relaxed over its instant modulus. At rest under
+/* Where a viscoelastic specimen loses contact by its history; ratio: its relaxed over its instantaneous modulus. At rest under
    the load P [N], then pulled at once, it answers with the moduli at t = 0 under the profile times ratio, up to the
    radius of rest; the displacement counts from the dent that is kept. */
 function byHistory(table, w, factor, ratio, P, stiffness) {

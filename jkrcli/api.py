@@ -62,24 +62,28 @@ from .base.process import one_thread
 from .base.registry import Result
 from .base.units import parse
 from .bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
-from .bodies.materials import (
+from .bodies.problem import (
     Coated,
     Elastic,
     Exponential,
     Graded,
     GradedTransverselyIsotropic,
+    HalfSpace,
     Layer,
     Linear,
+    Loading,
     Power,
     PowerRelaxation,
+    Problem,
     Prony,
+    Rigid,
+    Specimen,
     StandardSolid,
     Tabulated,
     TransverselyIsotropic,
 )
-from .bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from .case.reading import Case, load_case
-from .case.reading import parse_case as _parse_case
+from .case.models import Case, load_case
+from .case.models import parse_case as _parse_case
 from .case.store import read_solution, write_solution
 from .case.store import solve as _solve
 from .data.curve import Curve, Reading
@@ -120,7 +124,7 @@ if TYPE_CHECKING:
     from .adhesion.device_path import Turning
     from .adhesion.rate import RateLaw
     from .bodies.indenters import Indenter
-    from .bodies.materials import Relaxation
+    from .bodies.problem import Relaxation
     from .fitting.rate import RateFit
     from .fitting.relaxation import RelaxationFit
     from .fitting.surface_tension import TensionFit

@@ -10,7 +10,7 @@ import numpy as np
 from jkrcli.base.numerics import Array
 from jkrcli.base.units import Length, Ranged, show
 from jkrcli.bodies.indenters import Indenter, shape
-from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import Elastic
 
 
 @shape("aspheric")

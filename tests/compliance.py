@@ -6,7 +6,7 @@ import numpy as np
 
 from jkrcli import Elastic, Specimen
 from jkrcli.base.numerics import Array
-from jkrcli.bodies.materials import contact_modulus
+from jkrcli.bodies.problem import contact_modulus
 from jkrcli.methods.layered.spectrum import minors_of, shear_moduli
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Rigid, Side, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Side, Specimen
 
 
 def stack(*layers: tuple[float, float, float], base: Rigid | HalfSpace | None = None) -> Specimen:

@@ -11,8 +11,7 @@ from scipy.optimize import brentq
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.parameters import Parameter

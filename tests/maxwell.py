@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jkrcli.bodies.materials import Modes, Time, relaxation_law
+from jkrcli.bodies.problem import Modes, Time, relaxation_law
 
 
 @relaxation_law("maxwell")

@@ -17,8 +17,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 
 LENGTH, MODULUS = 1e-4, 1e6  # units of the bodies below [m], [Pa]
 ONE = (1.0, 0.0)  # E and nu of a stack are given in pairs

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.base.numerics import Array
 
 

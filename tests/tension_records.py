@@ -12,8 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import jv
 
 from jkrcli.base.numerics import Array
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
 from jkrcli.data.curve import Curve
 
 DEGREES = 40  # radii at which a body of records is solved

@@ -21,8 +21,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
 from jkrcli.base.units import Ranged, check_ranges
 from jkrcli.case import store
-from jkrcli.case.models import method_of, options_of
-from jkrcli.case.reading import parse_case
+from jkrcli.case.models import method_of, options_of, parse_case
 from jkrcli.formulas import foundation_modulus, thin_layer
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import METHODS

@@ -24,7 +24,7 @@ MOST_AT_TOP = 4
 DOORS = {
     "afmformats": "data/afm_formats.py",
     "click": "cli",
-    "cvxopt": "methods/fem/contact.py",
+    "cvxopt": "methods/fem/elasticity.py",
     "distributed": "base/executors.py",
     "h5py": "base/hdf5.py",
     "gmsh": "methods/fem/mesh.py",

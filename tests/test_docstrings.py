@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import jkrcli as jkr
-from jkrcli.bodies.indenter import Indenter
+from jkrcli.bodies.problem import Indenter
 from jkrcli.fitting.alternatives import AlternativeModel
 from jkrcli.methods.protocol import Method
 

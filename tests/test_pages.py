@@ -76,7 +76,7 @@ def shown(block: Block) -> list[str]:
 
 
 def test_toml_blocks_are_whole_and_valid_cases() -> None:
-    from jkrcli.case.reading import parse_case, parse_toml, validated
+    from jkrcli.case.models import parse_case, parse_toml, validated
     from jkrcli.case.sweep import SweepModel
 
     found = [(page, block) for page in PAGES for block in blocks(page) if block.kind == "toml" and not block.mark]

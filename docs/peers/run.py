@@ -31,8 +31,7 @@ from jkrcli.adhesion.slopes.choice import smoothed
 from jkrcli.base.errors import JkrError
 from jkrcli.base.files import as_json, check_target, write_text
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.studies import Cost, process_cost
 from jkrcli.series import RawSeries
 from studies.chart_measure import machine, yardstick

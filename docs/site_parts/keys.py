@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 
 from jkrcli.base.units import DIMENSIONS, Ranged
 from jkrcli.bodies.indenters import SHAPES
-from jkrcli.bodies.materials import LAWS, RELAXATIONS
+from jkrcli.bodies.problem import LAWS, RELAXATIONS
 from jkrcli.case.models import (
     AdhesionTable,
     CapillaryTable,

@@ -16,8 +16,7 @@ from jkrcli.base.executors import completed
 from jkrcli.base.files import as_json
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Side, Spacing, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Side, Spacing, Specimen
 from jkrcli.formulas import shift
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered

@@ -15,7 +15,7 @@ import numpy as np
 
 from jkrcli.base.errors import InputError, known
 from jkrcli.base.files import as_json
-from jkrcli.case.reading import Case, load_case
+from jkrcli.case.models import Case, load_case
 from jkrcli.methods.protocol import METHODS
 from jkrcli.report.plots import (
     BLACK,

@@ -12,11 +12,9 @@ from typing import Any
 
 from jkrcli.base.errors import Estimate, InputError, JkrError, Unknown
 from jkrcli.base.files import read_bytes
-from jkrcli.bodies.materials import INCOMPRESSIBLE
-from jkrcli.bodies.problem import Problem
+from jkrcli.bodies.problem import INCOMPRESSIBLE, Problem
 from jkrcli.case import store
-from jkrcli.case.models import CaseModel, fem_of, method_of
-from jkrcli.case.reading import Case
+from jkrcli.case.models import Case, CaseModel, fem_of, method_of
 from jkrcli.many.studies import Cost, process_cost
 from jkrcli.methods.layered.solver import largest_radius
 from jkrcli.methods.protocol import METHODS, choose_method, method_class

@@ -22,8 +22,7 @@ from dirty_records import KINDS, Dirty, plain  # type: ignore[import-not-found]
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Reading
 from jkrcli.data.measured import read
 from jkrcli.fitting.forward_model import FittedBody

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 
 SHAPES = ("sphere", "paraboloid", "cone", "power", "flat", "table")
 BODIES = ("half-space", "bonded", "sliding", "coating", "two layers")

@@ -20,7 +20,7 @@ import numpy as np
 
 from jkrcli.base.files import write_csv
 from jkrcli.bodies.problem import Problem
-from jkrcli.case.reading import Case, parse_case
+from jkrcli.case.models import Case, parse_case
 from jkrcli.case.store import solve
 from jkrcli.cli import call as jkr
 from jkrcli.cli.inputs import (

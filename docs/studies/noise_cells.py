@@ -20,8 +20,7 @@ from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.executors import Pool, in_order
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.protocol import method_class
 from jkrcli.series import RawSeries, Series
 

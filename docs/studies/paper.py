@@ -22,8 +22,7 @@ from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.numerics import Array
 from jkrcli.base.units import scale, show
 from jkrcli.bodies.problem import Loading, Problem
-from jkrcli.case.models import method_of
-from jkrcli.case.reading import load_case
+from jkrcli.case.models import load_case, method_of
 from jkrcli.data.measured import read
 from jkrcli.many.studies import COLORS, converge, curves_panel, radius_panel
 from jkrcli.methods.fem.method import FEM

@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from jkrcli.adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Nonadhesive
 from jkrcli.adhesion.pull_off_error import pull_off_error
 from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.numerics import Array

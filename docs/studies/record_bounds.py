@@ -24,8 +24,7 @@ from layer_contact import BondedLayer, half_space  # type: ignore[import-not-fou
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import APPROACH, RETRACT, Curve
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.procedure import fit

@@ -27,8 +27,7 @@ from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.validity import LIMITS
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting import force_curve, verdict
 from jkrcli.fitting.alternative_tests import RecordRivals, relative_errors

@@ -16,7 +16,7 @@ import numpy as np
 from relaxation_records import record  # type: ignore[import-not-found]
 
 import jkrcli as jkr
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.adhesion.relaxation import Depths
 from jkrcli.base.errors import JkrError
 from jkrcli.fitting.forward_model import FittedBody, body_of

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.solver import Layered
 
 from .bounds import Bound, study

@@ -21,8 +21,7 @@ from numpy.polynomial import legendre
 from scipy.special import spherical_jn
 
 from jkrcli.base.numerics import Array
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Specimen
 
 # How far and how finely; halving or doubling any moves results by less than 1e-11.
 JUDGE_STEP = 1.0  # largest step in y; theory: the fields grow by e on it, so that two stay apart

@@ -30,8 +30,7 @@ from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import SolveError, Unknown
 from jkrcli.base.executors import Pool, completed
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Exponential, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.parameters import Parameter

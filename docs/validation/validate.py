@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import jkrcli as jkr
-from jkrcli.adhesion.stability import stability_under
+from jkrcli.adhesion.device_path import stability_under
 
 HERE = Path(__file__).parent
 HAYES = "Hayes 1972"

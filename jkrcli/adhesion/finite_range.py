@@ -24,8 +24,17 @@ from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
 from ..methods.protocol import METHODS
 from ..series import Record, Series, Solution
-from .curve import CONTROLS, CURVE_SAMPLES, CriticalPoint, Equilibrium, EquilibriumCurve, controlled, position
-from .interpolation import Nonadhesive, Parts
+from .curve import (
+    CONTROLS,
+    CURVE_SAMPLES,
+    CriticalPoint,
+    Equilibrium,
+    EquilibriumCurve,
+    Nonadhesive,
+    Parts,
+    controlled,
+    position,
+)
 from .pull_off_error import FEWER_POINTS_NEAREST, decimation_error
 from .slopes.result import Slopes
 

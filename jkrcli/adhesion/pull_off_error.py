@@ -38,10 +38,10 @@ from .curve import (
     AdhesiveCurve,
     CriticalPoint,
     Equilibrium,
+    Nonadhesive,
     position,
     transform,
 )
-from .interpolation import Nonadhesive
 from .slopes import slopes_function
 
 # Where curves are compared, and what is concluded.

@@ -26,10 +26,8 @@ from ..base.numerics import LOOKED_AT, MOST_STEPS, Array
 from ..base.registry import Registry
 from ..base.units import Ranged, check_ranges, show
 from . import device_path
-from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, AdhesiveCurve, position
-from .device_path import path
-from .interpolation import Nonadhesive
-from .stability import UNBOUNDED, turning_radius
+from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, AdhesiveCurve, Nonadhesive, position
+from .device_path import UNBOUNDED, path, turning_radius
 
 # --------------------------------------------------------------------------------------------------
 # Laws of the work of adhesion over the speed of the contact's edge; each is a class that registers itself.

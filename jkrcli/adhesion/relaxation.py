@@ -19,10 +19,9 @@ from ..base import numerics
 from ..base.errors import Estimate, InputError, SolveError, Unknown
 from ..base.numerics import SAME, Array
 from ..base.units import show
-from ..bodies.materials import Modes, Relaxation
-from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from ..bodies.problem import Modes, Relaxation
+from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, Nonadhesive, control, position
 from .device_path import Program, TimedState
-from .interpolation import Nonadhesive
 
 # --------------------------------------------------------------------------------------------------
 # What a sum of exponentials remembers of a quantity that is a polynomial of time from step to step.

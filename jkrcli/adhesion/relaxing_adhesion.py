@@ -32,18 +32,16 @@ import numpy as np
 from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
 from ..base.numerics import MOST_STEPS, SAME, TINY, Array, zeros_between
 from ..base.units import show
-from ..bodies.materials import Modes, Relaxation
-from ..bodies.problem import Problem
+from ..bodies.problem import Modes, Problem, Relaxation
 from ..methods.finite_range import AttractedBody
 from ..methods.integral.density import DentedProfile, DentPoints
 from ..methods.integral.finite_range import Attraction, Rims
 from ..methods.integral.fredholm import angle
 from ..series import Solution
-from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, Nonadhesive, control, position
 from .device_path import Jump, Program, Ramp, TimedState
 from .finite_range import Range, unable
 from .from_rest import Rest
-from .interpolation import Nonadhesive
 from .rate import History, RateContact
 
 # Accuracy.

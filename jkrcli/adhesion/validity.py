@@ -21,8 +21,7 @@ from ..base.errors import Estimate, InputError, Refusal, Unknown, counted
 from ..base.numerics import SAME
 from ..base.units import show
 from ..bodies.indenters import Indenter
-from ..bodies.materials import INCOMPRESSIBLE, Elastic
-from ..bodies.problem import HalfSpace, Problem
+from ..bodies.problem import INCOMPRESSIBLE, Elastic, HalfSpace, Problem
 from ..formulas import BY_DISPLACEMENT, BY_LOAD, edge_angle, strained_pull_off, tabor
 from ..series import Series
 

@@ -35,8 +35,7 @@ from ..series import (
     first_of_plateaus,
     is_series,
 )
-from .models import method_of
-from .reading import MOST_BYTES, Case, case_of, parse_case, parse_toml
+from .models import MOST_BYTES, Case, case_of, method_of, parse_case, parse_toml
 
 SERIES, VERSION = "jkr-series", 2  # type and version of the file
 COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements

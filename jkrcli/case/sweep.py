@@ -10,8 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..base.files import read_bytes
 from ..base.numerics import DISTRIBUTIONS
-from .models import Length, RootTable, Table, as_tuple, one_or_more, quantity, wrong
-from .reading import parse_toml, validated
+from .models import Length, RootTable, Table, as_tuple, one_or_more, parse_toml, quantity, validated, wrong
 
 MOST_CASES = 2_000_000  # of one sweep, about 2 kB of memory each in the process that collects their rows
 LIST, RANGE = {"key", "values"}, {"key", "from", "to", "count", "spacing"}

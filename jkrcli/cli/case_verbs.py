@@ -15,8 +15,7 @@ import click
 from .. import __version__
 from ..base.errors import InputError, counted
 from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_text
-from ..case.models import CaseModel, LoadingTable, fem_of
-from ..case.reading import Case, load_case, parse_case
+from ..case.models import Case, CaseModel, LoadingTable, fem_of, load_case, parse_case
 from ..case.store import record_of, solve, write_solution
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..methods.fem.mesh import write_msh, write_vtu

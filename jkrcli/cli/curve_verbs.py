@@ -16,8 +16,8 @@ from ..adhesion.from_rest import Rest
 from ..base.errors import InputError, counted
 from ..base.files import atomic, together, write_text
 from ..base.registry import Result
-from ..bodies.materials import relaxing
-from ..case.reading import Case
+from ..bodies.problem import relaxing
+from ..case.models import Case
 from ..data import measured
 from ..data.curve import Reading
 from ..methods.protocol import Limits

@@ -18,7 +18,7 @@ from ..base.executors import executor
 from ..base.files import beside, together, write_text
 from ..base.process import one_thread
 from ..base.registry import Result
-from ..bodies.materials import RELAXATIONS
+from ..bodies.problem import RELAXATIONS
 from ..data import measured
 from ..data.curve import Curve, Reading
 from ..data.measured import holds_map, usable

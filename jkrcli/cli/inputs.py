@@ -18,9 +18,8 @@ from ..base.errors import InputError, counted, writable
 from ..base.files import check_series_target
 from ..base.units import doubtful_modulus
 from ..bodies.indenters import Indenter
-from ..bodies.materials import relaxing
-from ..case.models import other_tables
-from ..case.reading import Case, load_case, parse_case
+from ..bodies.problem import relaxing
+from ..case.models import Case, load_case, other_tables, parse_case
 from ..case.store import NO_DIGEST, read_solution, record_of, write_solution
 from ..data.curve import Reading
 from ..data.text_formats import NAMES

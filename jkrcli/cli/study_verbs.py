@@ -13,7 +13,7 @@ from click.shell_completion import get_completion_class
 
 from ..base.errors import InputError
 from ..base.executors import executor
-from ..case.reading import load_case, plain_toml
+from ..case.models import load_case, plain_toml
 from ..case.store import solve
 from ..many.maps import MAPS
 from ..many.studies import FEW, Bench
@@ -121,8 +121,7 @@ def study_converge(
     jkr study converge cases/thin-layer.toml --levels 5
     jkr study converge cases/halfspace.toml --contact incremental -o results
     """
-    from ..case.models import method_of
-    from ..case.reading import load_case
+    from ..case.models import load_case, method_of
     from ..many import studies as convergence
     from ..methods.fem.method import FEM
 

@@ -19,7 +19,7 @@ from scipy.special import fdtrc
 
 from ..base.errors import JkrError, SolveError
 from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
-from ..bodies.materials import GEL_TENSION
+from ..bodies.problem import GEL_TENSION
 from .alternatives import (
     ADHESION_ENDLESS,
     AMOUNT,

@@ -17,14 +17,23 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtri
 
+from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
-from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.relaxation import RelaxingContact
 from ..adhesion.validity import EXCESS, LIMITS, STRAINED
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array
-from ..bodies.materials import Layer, PowerRelaxation, Relaxation, StandardSolid
-from ..bodies.problem import HalfSpace, Loading, Rigid, Specimen, without_side_walls
+from ..bodies.problem import (
+    HalfSpace,
+    Layer,
+    Loading,
+    PowerRelaxation,
+    Relaxation,
+    Rigid,
+    Specimen,
+    StandardSolid,
+    without_side_walls,
+)
 from ..data.curve import APPROACH
 from ..methods.radii import DENSE
 from .force_curve import (

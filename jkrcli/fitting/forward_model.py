@@ -19,8 +19,8 @@ from typing import Any, Protocol, cast
 import numpy as np
 from scipy.interpolate import BSpline, CubicHermiteSpline, PPoly, make_interp_spline
 
+from ..adhesion.curve import Nonadhesive
 from ..adhesion.finite_range import Broken, FiniteRangeBody, RangeRequest, leaps_of
-from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.slopes.choice import slopes
 from ..adhesion.slopes.result import Slopes
 from ..base.errors import InputError, JkrError, Refusal, SolveError
@@ -28,7 +28,7 @@ from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SA
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, without_side_walls
-from ..case.reading import Case, load_case
+from ..case.models import Case, load_case
 from ..case.store import read_solution, solve
 from ..methods.finite_range import AttractedBody
 from ..methods.integral.finite_range import Attraction, Discs, Rims, refuse_narrow

@@ -7,10 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from ..adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve
-from ..adhesion.from_rest import LoadingHistory, Rest, history_error
-from ..adhesion.interpolation import Nonadhesive
-from ..adhesion.stability import ELASTIC, FoundWork, work_from_pull_off
+from ..adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, Nonadhesive
+from ..adhesion.from_rest import ELASTIC, FoundWork, LoadingHistory, Rest, history_error, work_from_pull_off
 from ..adhesion.validity import Strains
 from ..base.errors import Estimate, InputError, JkrError, Unknown
 from ..base.numerics import evenly

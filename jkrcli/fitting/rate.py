@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import REST, Edge, Program
-from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
 from ..adhesion.slopes.result import TWO_SIDED_90
 from ..base.errors import InputError, JkrError, SolveError, Unknown

@@ -17,14 +17,14 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import RangeRequest
-from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.relaxation import RelaxingContact
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
 from ..base.units import Ranged, ranges_of, show
-from ..bodies.materials import RELAXATIONS, Relaxation
+from ..bodies.problem import RELAXATIONS, Relaxation
 from ..data.curve import Curve
 from .adhesive_march import ADHESION, MARCH_APART, MARCH_NEAR, MARCH_SHARES, AdhesiveMarch, ElasticLimits, Secants
 from .forward_model import FittedBody

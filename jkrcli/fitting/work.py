@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
-from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.curve import Nonadhesive
 from ..adhesion.slopes.result import TWO_SIDED_90
 from ..base.errors import InputError
 from ..base.executors import Pool, completed

@@ -12,10 +12,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .. import __version__
-from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, transform
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, transform
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import FiniteRangeBody, Range
-from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.rate import RateContact, rate_law_of
 from ..base.errors import InputError, JkrError, SolveError, Unknown, counted, known
 from ..base.executors import Pool, in_order
@@ -24,8 +23,7 @@ from ..base.numerics import MOST_STEPS, Array
 from ..base.registry import Result
 from ..base.units import Ranged
 from ..bodies.indenters import Paraboloid
-from ..bodies.materials import Elastic, Layer
-from ..bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from ..bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ..formulas import wetting_radius
 from ..methods.closed_form import ClosedForm
 from ..methods.finite_range import AttractedBody

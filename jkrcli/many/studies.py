@@ -26,7 +26,7 @@ from ..base.process import StageClock
 from ..base.registry import Result
 from ..base.units import show
 from ..bodies.problem import Problem
-from ..case.reading import Case
+from ..case.models import Case
 from ..case.store import solve, write_solution
 from ..methods.fem.method import FEM
 from ..methods.layered.solver import Layered

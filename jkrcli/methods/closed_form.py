@@ -14,8 +14,7 @@ from ..base.numerics import SAME, Array
 from ..base.process import PATIENCE, StageClock
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
-from ..bodies.materials import Elastic, Layer
-from ..bodies.problem import Loading, Problem, Rigid, without_side_walls
+from ..bodies.problem import Elastic, Layer, Loading, Problem, Rigid, without_side_walls
 from ..series import COLUMNS, ErrorBudget, Series, Solution
 from .layered.solver import Layered
 from .protocol import Forecast, without_coating, without_tension

@@ -21,8 +21,7 @@ from ..base.process import free_memory
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import Problem
-from ..case.models import method_of
-from ..case.reading import Case
+from ..case.models import Case, method_of
 from ..methods.protocol import Choice, Option, choose_method, survey
 from ..resolve.neglected import EffectsPreview, NeglectedEffect, neglected_effects, preview_effects
 from . import tables

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import device_path, stability
+from ..adhesion import device_path
 from ..adhesion.curve import (
     LOAD_CONTROL,
     AdhesiveCurve,
@@ -20,17 +20,16 @@ from ..adhesion.curve import (
     control,
     yield_warning,
 )
-from ..adhesion.device_path import Jump, Program
+from ..adhesion.device_path import Jump, Program, cycle, trace
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.stability import cycle, trace
 from ..adhesion.validity import Strains, faces, strain_words
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
 from ..base.numerics import ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import implausible_work, show, show_within
-from ..bodies.materials import relaxing
+from ..bodies.problem import relaxing
 from ..resolve.analysis import Analysis, Lost, analyse
 from ..resolve.histories import LostByHistory, strains_after
 from ..resolve.resolve import is_refined
@@ -335,11 +334,11 @@ class MeasuredPullOff(Result):
         return lines + _validity(means.result, work.point)
 
 
-def _solved(result: Analysis, behaviour: stability.Stability) -> bool:
+def _solved(result: Analysis, behaviour: device_path.Stability) -> bool:
     return isinstance(behaviour.pull_off, Equilibrium) and is_refined(result.curve, behaviour.pull_off)
 
 
-def _control(result: Analysis, behaviour: stability.Stability, error: Errors | Unknown | None) -> list[str]:
+def _control(result: Analysis, behaviour: device_path.Stability, error: Errors | Unknown | None) -> list[str]:
     """Points, jumps and energies under one control."""
     point = behaviour.pull_off
     digits = tables.digits(point.P, result.large_strains(point)) if isinstance(point, CriticalPoint) else 4
@@ -399,7 +398,7 @@ class Cycled(Result):
     branch; ``history``: of a viscoelastic specimen, in words; ``large_strains``: of the pull-off force."""
 
     file: Path
-    cycle: stability.Cycle
+    cycle: device_path.Cycle
     points: int = ROWS
     history: str = ""
     large_strains: Strains = None
@@ -412,7 +411,7 @@ class Cycled(Result):
         """The cycle on the ``curves`` of approach and retraction that turns at a ``load`` [N] or ``depth`` [m]."""
         inwards, outwards = (result.curve for result in curves)
         whole = load is None and depth is None
-        turn = None if whole else stability.turning_radius(inwards, stiffness, load=load, depth=depth)
+        turn = None if whole else device_path.turning_radius(inwards, stiffness, load=load, depth=depth)
         found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
         return replace(found, large_strains=_strains_at_loss(curves[1], stiffness))
 
@@ -458,8 +457,8 @@ class Cycled(Result):
         """Both energies [J] by their names, with their half-widths."""
         cycle = self.cycle
         return (
-            ("energy lost per cycle", cycle.energy_lost, stability.energy_lost_error(cycle)),
-            ("work of separation", cycle.separation, stability.separation_error(cycle.retraction)),
+            ("energy lost per cycle", cycle.energy_lost, device_path.energy_lost_error(cycle)),
+            ("work of separation", cycle.separation, device_path.separation_error(cycle.retraction)),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -716,7 +715,7 @@ class Fields(Result):
 
         if a is None:
             assert load is not None
-            a = stability.stable_radius(curve.curve, load)
+            a = device_path.stable_radius(curve.curve, load)
         delta, P = (float(value) for value in curve.curve.at(np.array(a)))
         # What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered;
         # None where it is rigid, or acts by the modulus alone

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri
 
-from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.curve import Nonadhesive
 from ..adhesion.validity import NEGLECTED
 from ..base.errors import InputError, Unknown, counted
 from ..base.numerics import Array

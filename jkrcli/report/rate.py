@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.curve import LOAD_CONTROL, CriticalPoint, control, position
+from ..adhesion.curve import LOAD_CONTROL, CriticalPoint, Nonadhesive, control, position
 from ..adhesion.device_path import Program
 from ..adhesion.from_rest import AT_MOST, FROM_REST, LoadingHistory, Rest
-from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.rate import History, RateContact, RateLaw, parameters_of, rate_parameters
 from ..adhesion.relaxation import RelaxedHistory, RelaxingContact
 from ..adhesion.relaxing_adhesion import AdhesiveHistory, RateLawCourse, RelaxingAdhesion, follow_crack_law
@@ -22,7 +21,7 @@ from ..base.errors import Estimate, InputError, SolveError, Unknown, known
 from ..base.numerics import NOTICEABLE, ROWS, SAME, UNSEEN, Array
 from ..base.registry import Result
 from ..base.units import show
-from ..bodies.materials import RELAXATIONS, Relaxation
+from ..bodies.problem import RELAXATIONS, Relaxation
 from ..fitting.rate import LawAlongRecords
 from ..resolve.analysis import Analysis
 from ..resolve.histories import checked_histories, relaxed_specimen

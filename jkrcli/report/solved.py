@@ -14,7 +14,7 @@ from ..base.errors import Estimate, Unknown, accuracy, counted
 from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import reached, show
-from ..bodies.materials import relaxing
+from ..bodies.problem import relaxing
 from ..methods.fem.mesh import Grid
 from ..methods.protocol import Choice
 from ..resolve.comparison import StickingEffect, effect_as_json, sticking_warnings

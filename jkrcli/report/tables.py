@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import stability
+from ..adhesion import device_path
 from ..adhesion.curve import (
     CONTROLS,
     DISPLACEMENT_CONTROL,
@@ -21,9 +21,8 @@ from ..adhesion.curve import (
     EquilibriumCurve,
     control,
 )
-from ..adhesion.device_path import Jump, Program, TimedState
+from ..adhesion.device_path import Jump, Program, Stability, TimedState, branch
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.stability import Stability, branch
 from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
 from ..base.errors import Estimate, InputError, Unknown, accuracy, counted, known
@@ -32,8 +31,7 @@ from ..base.numerics import SAME, Array
 from ..base.process import check_text
 from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
-from ..bodies.materials import Elastic
-from ..bodies.problem import Problem, Rigid
+from ..bodies.problem import Elastic, Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
 from ..resolve.analysis import Analysis
 from ..resolve.comparison import effect_as_json
@@ -272,7 +270,7 @@ def validity(result: Analysis, *points: CriticalPoint | Unknown) -> dict[str, An
 
 def stable_states(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
-    controls = {name: stability.stability_under(result.curve, k) for name, k in CONTROLS.items()}
+    controls = {name: device_path.stability_under(result.curve, k) for name, k in CONTROLS.items()}
     return {name: under_control(behaviour) for name, behaviour in controls.items()}
 
 

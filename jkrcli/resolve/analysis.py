@@ -19,17 +19,17 @@ from ..adhesion.curve import (
     AdhesiveCurve,
     CriticalPoint,
     EquilibriumCurve,
+    Nonadhesive,
     mask_below_atomic_spacing,
     yield_warning,
 )
+from ..adhesion.device_path import Stability, behaviours
 from ..adhesion.finite_range import Range, RangeRequest
-from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.pull_off_error import Errors, pull_off_error
 from ..adhesion.slopes import RULES
 from ..adhesion.slopes.choice import slopes, smoothed
 from ..adhesion.slopes.node_radii import Ahead
 from ..adhesion.slopes.result import Slopes
-from ..adhesion.stability import Stability, behaviours
 from ..adhesion.validity import (
     Strains,
     Validity,
@@ -44,8 +44,7 @@ from ..adhesion.validity import (
 from ..base.errors import Estimate, InputError, Refusal, Unknown
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI
-from ..bodies.materials import INCOMPRESSIBLE, relaxing
-from ..bodies.problem import Problem
+from ..bodies.problem import INCOMPRESSIBLE, Problem, relaxing
 from ..methods.protocol import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, StickingEffect, compare_half_space, effect_of_range, effect_on

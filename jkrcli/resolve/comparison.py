@@ -123,8 +123,7 @@ def pull_off_ratios(
 ) -> dict[float, Estimate]:
     """The pull-off force under load control of one series with exact slopes over that of the other, for each of the
     ``works`` of adhesion [J/m^2]; what lies between the rows is found once for all of them."""
-    from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint
-    from ..adhesion.interpolation import Nonadhesive
+    from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
 
     pair, ratios = [Nonadhesive.of(each, "exact") for each in (one, other)], dict[float, Estimate]()
     for w in works:

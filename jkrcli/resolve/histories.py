@@ -8,12 +8,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, mask_below_atomic_spacing
 from ..adhesion.finite_range import RangeRequest
-from ..adhesion.from_rest import FAST, FROM_REST, SLOW, FromRest, LoadingHistory, Rest, histories, history_error
-from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.from_rest import (
+    FAST,
+    FROM_REST,
+    SLOW,
+    FromRest,
+    LoadingHistory,
+    Rest,
+    histories,
+    history_error,
+    work_from_pull_off,
+)
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.stability import work_from_pull_off
 from ..adhesion.validity import LIMITS, Strains, large_strains
 from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
 from ..base.numerics import MOST_STEPS, ROWS, Array

@@ -15,16 +15,31 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing, transform
-from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.curve import (
+    LOAD_CONTROL,
+    AdhesiveCurve,
+    CriticalPoint,
+    Nonadhesive,
+    mask_below_atomic_spacing,
+    transform,
+)
 from ..adhesion.validity import Validity, judge, large_strains, refuse_wetting, sizes, with_large_strains
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
 from ..base.numerics import cubic_spline
 from ..base.process import PATIENCE
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
-from ..bodies.materials import GEL_TENSION, INCOMPRESSIBLE, Elastic
-from ..bodies.problem import HalfSpace, Loading, Problem, Rigid, alone, without_side_walls
+from ..bodies.problem import (
+    GEL_TENSION,
+    INCOMPRESSIBLE,
+    Elastic,
+    HalfSpace,
+    Loading,
+    Problem,
+    Rigid,
+    alone,
+    without_side_walls,
+)
 from ..formulas import over_hertz, over_jkr
 from ..methods.layered.solver import Layered
 from ..methods.radii import DENSE

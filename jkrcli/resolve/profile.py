@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from ..adhesion.device_path import stable_radius
 from ..adhesion.finite_range import Range, RangeRequest
-from ..adhesion.stability import stable_radius
 from ..base.errors import InputError, Refusal
 from ..base.numerics import ROUNDED, ROWS, Array
 from ..base.units import show
 from ..bodies.problem import Loading, Problem
-from ..case.reading import Case
+from ..case.models import Case
 from ..methods.finite_range import AttractedBody
 from ..methods.integral.density import nonsmooth_part
 from ..methods.layered.solver import surface_profile

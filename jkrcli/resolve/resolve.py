@@ -12,15 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
-from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, Nonadhesive
 from ..adhesion.slopes.result import TWO_SIDED_90, exact
 from ..base.errors import JkrError, Refusal
 from ..base.numerics import MOST_SOLVES, SAME, Array, composite_gauss
 from ..base.process import PATIENCE, duration
 from ..bodies.problem import Loading, Problem
-from ..case.models import method_of
-from ..case.reading import Case
+from ..case.models import Case, method_of
 from ..methods.protocol import METHODS, Method, method_class
 from ..series import Series, Solution
 

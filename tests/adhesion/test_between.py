@@ -9,14 +9,13 @@ import pytest
 from scipy.integrate import quad
 from stopwatch import takes_less_than
 
+from jkrcli.adhesion.curve import Nonadhesive, Rows
 from jkrcli.adhesion.device_path import there_and_back
-from jkrcli.adhesion.interpolation import Nonadhesive, Rows
 from jkrcli.adhesion.rate import PowerRate, RateContact
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series

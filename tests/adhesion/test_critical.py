@@ -12,14 +12,12 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from jkrcli.adhesion import pull_off_error as module
-from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, Nonadhesive, transform
 from jkrcli.adhesion.pull_off_error import pull_off_error
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import method_class
 from jkrcli.resolve.analysis import nonadhesive

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.stability import DemLaw, interpolated
+from jkrcli.report.export import DemLaw, interpolated
 
 CASE = """
 indenter = {{ shape = "paraboloid", radius = "10 um" }}

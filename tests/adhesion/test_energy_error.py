@@ -11,7 +11,7 @@ from maugis import finite_range_curve
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import AdhesiveCurve, EquilibriumCurve
-from jkrcli.adhesion.stability import Cycle, cycle, energy_lost_error, separation_error
+from jkrcli.adhesion.device_path import Cycle, cycle, energy_lost_error, separation_error
 
 LAYER = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 10e-6),), jkr.Rigid())
 SPHERE = jkr.Paraboloid(100e-6)

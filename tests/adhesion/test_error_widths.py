@@ -15,8 +15,7 @@ from jkrcli.adhesion.slopes.integral import smoothed
 from jkrcli.adhesion.slopes.loocv import loocv
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import RawSeries, Series

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.curve import AdhesiveCurve, transform
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive, transform
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.formulas import hertz, shift
 from jkrcli.report.explorer import start_work

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import jkrcli as python
-from jkrcli.adhesion.curve import LOAD_CONTROL, AdhesiveCurve, position
+from jkrcli.adhesion.curve import LOAD_CONTROL, AdhesiveCurve, Nonadhesive, position
 from jkrcli.adhesion.device_path import Program, QuasiStatic, path, there_and_back
-from jkrcli.adhesion.interpolation import Nonadhesive
 from jkrcli.adhesion.rate import PowerRate, RateContact
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.formulas import hertz

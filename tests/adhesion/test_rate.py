@@ -11,16 +11,13 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.curve import AdhesiveCurve
-from jkrcli.adhesion.device_path import Program, there_and_back
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive
+from jkrcli.adhesion.device_path import Program, cycle, there_and_back
 from jkrcli.adhesion.rate import HISTORY_TOLERANCE, RATE_LAWS, History, LogRate, PowerRate, RateContact
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.stability import cycle
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series

@@ -9,7 +9,7 @@ import pytest
 
 import jkrcli as jkr
 from jkrcli.adhesion.relaxing_adhesion import CrackRate, RateLawCourse, creep
-from jkrcli.bodies.materials import Prony, StandardSolid
+from jkrcli.bodies.problem import Prony, StandardSolid
 
 PRONY = Prony((0.4, 0.3), (0.2, 3.0))
 

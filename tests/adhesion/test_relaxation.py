@@ -14,8 +14,7 @@ from jkrcli.adhesion.device_path import Program
 from jkrcli.adhesion.relaxation import Depths, Drive, RelaxedPath, RelaxingContact, depth_controlled, moments
 from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
-from jkrcli.bodies.indenter import Indenter
-from jkrcli.bodies.materials import PowerRelaxation, Prony, Relaxation, StandardSolid
+from jkrcli.bodies.problem import Indenter, PowerRelaxation, Prony, Relaxation, StandardSolid
 from jkrcli.resolve.analysis import nonadhesive
 
 SOLID = StandardSolid(0.25, 1.0)

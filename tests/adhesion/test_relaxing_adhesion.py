@@ -19,7 +19,7 @@ from jkrcli.adhesion.finite_range import FiniteRangeBody, Range
 from jkrcli.adhesion.relaxing_adhesion import Course, Memory, Now, RelaxingAdhesion
 from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
-from jkrcli.bodies.materials import PowerRelaxation, Prony, Relaxation, StandardSolid
+from jkrcli.bodies.problem import PowerRelaxation, Prony, Relaxation, StandardSolid
 
 W, A0 = 0.05, 0.05 ** (1 / 3)  # work of adhesion, and (w R^2/Einf)^(1/3): R = Einf* = 1, E0* = 10
 SOLID = StandardSolid(0.1, 1.0)

@@ -9,8 +9,7 @@ import pytest
 from jkrcli.adhesion.curve import SHARP_PRESSURE, CriticalPoint
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import solve
 from jkrcli.resolve.analysis import analyse
 

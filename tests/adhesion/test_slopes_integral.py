@@ -13,8 +13,7 @@ from jkrcli.adhesion.slopes.integral import LogSplineModel, Shape, correlation_l
 from jkrcli.adhesion.slopes.loocv import loocv
 from jkrcli.adhesion.slopes.node_radii import node_radii
 from jkrcli.base.errors import InputError, Refusal
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.formulas import hertz, power_law, rounded_flat, thin_incompressible_layer, thin_layer
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import RawSeries, Series

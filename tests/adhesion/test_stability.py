@@ -14,24 +14,26 @@ from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
 
 from jkrcli.adhesion.curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, control, position, transform
-from jkrcli.adhesion.device_path import QuasiStatic, grow, largest_stable, shrink
-from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.slopes.result import Slopes
-from jkrcli.adhesion.stability import (
+from jkrcli.adhesion.device_path import (
     GRIPPED,
     STABLE,
     UNBOUNDED,
     UNSTABLE,
+    QuasiStatic,
     Stability,
     behaviours,
     branch,
     cycle,
+    grow,
+    largest_stable,
+    shrink,
     stability_under,
 )
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes.result import Slopes
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen
 from jkrcli.formulas import hertz, jkr, scales_half_space, thin_incompressible_layer, thin_layer
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series

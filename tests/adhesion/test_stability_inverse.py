@@ -10,14 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import Nonadhesive, transform
+from jkrcli.adhesion.from_rest import work_from_pull_off
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.stability import work_from_pull_off
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series

@@ -8,8 +8,7 @@ import pytest
 
 from jkrcli.adhesion.validity import NO_TIP_RADIUS, judge, regime
 from jkrcli.base.errors import InputError, Unknown
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
 
 SOUND = {"a": 1e-5, "delta": 1e-6, "E_star": 5e9 / 0.84, "w": 50.0, "R": 1e-4, "h": None, "L": None, "z0": 0.3e-9}
 

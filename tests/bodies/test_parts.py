@@ -6,8 +6,7 @@ import pytest
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen, changed, nominal
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen, changed, nominal
 
 
 def test_base_is_the_half_space_even_where_a_layer_is_called_so() -> None:

@@ -14,10 +14,9 @@ from hypothesis import strategies as st
 from jkrcli.base import units
 from jkrcli.base.errors import counted
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Rigid, Specimen
-from jkrcli.case import reading
-from jkrcli.case.reading import load_case, parse_case
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Rigid, Specimen
+from jkrcli.case import models
+from jkrcli.case.models import load_case, parse_case
 from jkrcli.cli.case_verbs import TEMPLATE
 
 SHIPPED = Path(__file__).parents[2] / "cases"
@@ -76,7 +75,7 @@ def test_template_is_a_valid_case_and_so_are_its_commented_options() -> None:
 def test_shapes(text: str, expected: object) -> None:
     problem = case_of(text).problem()
     assert problem.indenter == expected
-    assert reading.case_of(problem).model.problem() == problem
+    assert models.case_of(problem).model.problem() == problem
 
 
 def test_profile_file_is_read_beside_the_case_and_kept_in_the_resolved_case(tmp_path: Path) -> None:

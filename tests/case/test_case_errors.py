@@ -6,7 +6,7 @@ import pytest
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import SHAPES
-from jkrcli.case.reading import load_case, parse_case
+from jkrcli.case.models import load_case, parse_case
 
 GOOD = """
 [indenter]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jkrcli.case.reading import parse_case
+from jkrcli.case.models import parse_case
 from jkrcli.case.store import solve
 
 BODY = """

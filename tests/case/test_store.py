@@ -21,7 +21,7 @@ from series_files import edit
 from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.case import store
-from jkrcli.case.reading import load_case, parse_case
+from jkrcli.case.models import load_case, parse_case
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.series import COLUMNS, CoarseSeries, ErrorBudget, PressureTable, RawSeries, Series, Solution
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import CASES
 
-from jkrcli.adhesion.stability import GRIPPED, STABLE, UNBOUNDED, UNSTABLE
+from jkrcli.adhesion.device_path import GRIPPED, STABLE, UNBOUNDED, UNSTABLE
 from jkrcli.base.units import show
 from jkrcli.cli import call
 from jkrcli.report.tables import read_curve

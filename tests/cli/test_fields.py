@@ -16,8 +16,7 @@ import stack_fields
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, TransverselyIsotropic
 from jkrcli.methods.fem.fields import ContactState, contact_state
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import surface_profile

@@ -18,8 +18,7 @@ from rate_records import retraction
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.case import store
 from jkrcli.cli.fit import fit
 from jkrcli.methods.layered.solver import Layered

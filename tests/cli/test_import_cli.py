@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from jkrcli.case import store
-from jkrcli.case.reading import parse_case
+from jkrcli.case.models import parse_case
 from jkrcli.formulas import hertz
 
 DATA = Path(__file__).parents[1] / "references" / "calculix"

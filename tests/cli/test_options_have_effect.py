@@ -17,8 +17,7 @@ import pytest
 
 from jkrcli import cli
 from jkrcli.base.errors import InputError
-from jkrcli.case.models import method_of
-from jkrcli.case.reading import parse_case
+from jkrcli.case.models import method_of, parse_case
 from jkrcli.methods.protocol import METHODS
 
 CASE = """

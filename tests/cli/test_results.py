@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.device_path import stable_radius
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.stability import stable_radius
 from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.base.files import write_csv
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.integral.fredholm import InaccurateError
 from jkrcli.methods.layered.solver import Layered

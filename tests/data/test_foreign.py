@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, radius_from_area, read_series, surface_area
 from jkrcli.formulas import hertz
 from jkrcli.resolve.analysis import analyse

@@ -12,8 +12,7 @@ from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, complianc
 from jkrcli.adhesion.slopes.node_radii import node_radii
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import analyse
 from jkrcli.resolve.node_radii import check_against_solution, compared

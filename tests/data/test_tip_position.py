@@ -8,8 +8,7 @@ from force_curves import Instrument, equilibrium, record
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Curve, Reading
 from jkrcli.data.measured import from_columns
 from jkrcli.data.segmentation import SUBTRACTED_TWICE

@@ -16,7 +16,7 @@ import jkrcli as jkr
 from jkrcli.adhesion.device_path import Program
 from jkrcli.adhesion.finite_range import RangeRequest
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.materials import StandardSolid
+from jkrcli.bodies.problem import StandardSolid
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.adhesive_march import AdhesiveMarch, ElasticLimits, Secants
 from jkrcli.fitting.forward_model import FittedBody, body_of

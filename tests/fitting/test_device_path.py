@@ -9,8 +9,7 @@ import pytest
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.fitting.forward_model import Family, branch, rest
 from jkrcli.methods.closed_form import ClosedForm
 

@@ -31,7 +31,7 @@ from fit_data import (
 from jkrcli.adhesion.curve import transform
 from jkrcli.base.errors import InputError
 from jkrcli.base.executors import executor
-from jkrcli.case.reading import parse_case
+from jkrcli.case.models import parse_case
 from jkrcli.data.curve import NOT_SUBTRACTED, Curve
 from jkrcli.fitting import forward_model, rows
 from jkrcli.fitting.forward_model import body_of as body_of_case

@@ -11,8 +11,7 @@ from fit_data import coating, half_space, thin_layer, usual
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.least_squares import covariance_of_uneven

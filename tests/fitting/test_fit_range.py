@@ -15,8 +15,7 @@ from jkrcli.adhesion.finite_range import FiniteRangeBody, Range
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody, Member
 from jkrcli.fitting.procedure import _meaning, fit

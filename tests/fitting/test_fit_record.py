@@ -19,8 +19,7 @@ from layer_contact import BondedLayer, half_space
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve, Reading
 from jkrcli.data.measured import read
 from jkrcli.fitting.forward_model import FittedBody

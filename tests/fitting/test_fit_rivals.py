@@ -29,8 +29,7 @@ from maugis import Maugis
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Sphere
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import Drift, FittedBody
 from jkrcli.fitting.parameters import Parameter

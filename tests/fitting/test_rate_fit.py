@@ -11,14 +11,13 @@ import pytest
 from rate_records import retraction
 from stopwatch import takes_less_than
 
+from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.adhesion.device_path import Program
-from jkrcli.adhesion.interpolation import Nonadhesive
 from jkrcli.adhesion.rate import PowerRate
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.rate import (

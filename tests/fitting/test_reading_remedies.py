@@ -11,8 +11,7 @@ from force_curves import Instrument, record
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Reading
 from jkrcli.data.measured import read
 from jkrcli.fitting.forward_model import FittedBody

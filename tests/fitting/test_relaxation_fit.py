@@ -13,8 +13,8 @@ from relaxation_records import record
 from ting_records import ramp_record, ting_loads, ting_record
 
 import jkrcli as jkr
+from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.adhesion.device_path import Program
-from jkrcli.adhesion.interpolation import Nonadhesive
 from jkrcli.adhesion.relaxation import Depths, RelaxedHistory, RelaxingContact
 from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array

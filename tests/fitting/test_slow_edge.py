@@ -7,8 +7,7 @@ import pytest
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.fitting.force_curve import load_at, receding
 from jkrcli.fitting.forward_model import FittedBody, branch, rest
 from jkrcli.methods.layered.solver import Layered

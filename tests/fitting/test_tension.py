@@ -14,8 +14,7 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.surface_tension import tension_fit
 from jkrcli.methods.layered.solver import Layered

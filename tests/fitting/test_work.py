@@ -11,13 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from widths import assert_neither_doubled_nor_halved, mean_squares
 
-from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.curve import Nonadhesive, transform
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, runs, work_along
 from jkrcli.methods.layered.solver import Layered

@@ -11,8 +11,7 @@ from scipy.integrate import quad
 
 from jkrcli import formulas
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.methods.closed_form import CLOSED_FORM_ROUND_OFF, ClosedForm
 
 E_STAR, R = 7.0e5, 2e-3

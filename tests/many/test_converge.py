@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.studies import coarser, converge, edge_size, richardson
 from jkrcli.methods.fem.method import FEM
 

@@ -69,8 +69,7 @@ def test_a_solve_that_cannot_be_kept_is_no_failed_case(
 def test_unit_modulus_is_the_same_for_every_factor() -> None:
     """1/3 of 3 and 0.7 of 1.4: quotients are rounded alike, and the factor is the surface's E."""
     from jkrcli.bodies.indenters import Sphere
-    from jkrcli.bodies.materials import Elastic, Layer
-    from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+    from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen
 
     def body(factor: float) -> Problem:
         layers = (Layer(Elastic(1.1 * factor, 0.3), 1e-4),)

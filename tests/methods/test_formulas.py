@@ -7,8 +7,7 @@ import pytest
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.closed_form import CLOSED_FORM_WORST, ClosedForm
 from jkrcli.methods.layered.solver import Layered
 

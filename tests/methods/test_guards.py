@@ -16,7 +16,7 @@ from jkrcli.base import process
 from jkrcli.base.errors import Refusal
 from jkrcli.base.executors import available_cores
 from jkrcli.base.process import duration
-from jkrcli.case.reading import load_case
+from jkrcli.case.models import load_case
 from jkrcli.case.store import solve
 from jkrcli.methods.protocol import Forecast, Limits, check_cost
 

@@ -10,8 +10,7 @@ from stopwatch import seconds_of, takes_less_than
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Graded, Layer, Tabulated
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, Tabulated
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.fem.mesh import SizeLaw, expected_triangles
 from jkrcli.methods.fem.method import FEM

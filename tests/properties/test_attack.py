@@ -21,7 +21,7 @@ from jkrcli.adhesion.finite_range import RangeRequest
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import as_json, write_csv
 from jkrcli.case import store
-from jkrcli.case.reading import parse_case, plain_toml
+from jkrcli.case.models import parse_case, plain_toml
 from jkrcli.case.store import solve
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.methods.layered.solver import Layered
@@ -249,7 +249,7 @@ def bombs(most: int) -> dict[str, str]:
 @pytest.mark.parametrize("name", bombs(0))
 def test_a_file_of_as_much_as_can_be_is_refused_soon(jkr, name: str, tuned) -> None:
     """An eighth of what is read, in an eighth of the time; each mistake is told, of very many the first."""
-    tuned("jkrcli.case.reading.MOST_BYTES", 1 << 18)
+    tuned("jkrcli.case.models.MOST_BYTES", 1 << 18)
     Path("x.toml").write_text(bombs(1 << 18)[name])
     with takes_less_than(2):
         done = jkr("check", "x.toml")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import vendors
 
-from jkrcli.case.reading import load_case
+from jkrcli.case.models import load_case
 from jkrcli.case.store import solve, write_solution
 
 SECONDS = 10  # of one file; whole ones take some hundredths

@@ -25,8 +25,7 @@ from series_files import edit
 
 from jkrcli.base.errors import JkrError
 from jkrcli.case import store
-from jkrcli.case.models import method_of
-from jkrcli.case.reading import load_case, parse_case
+from jkrcli.case.models import load_case, method_of, parse_case
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.protocol import survey
 from jkrcli.series import PressureTable

@@ -23,7 +23,7 @@ from jkrcli.base.files import read_bytes
 from jkrcli.base.units import parse
 from jkrcli.bodies.indenters import TableProfile
 from jkrcli.case import store
-from jkrcli.case.reading import load_case, parse_case
+from jkrcli.case.models import load_case, parse_case
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.solver import Layered
 

@@ -15,7 +15,7 @@ from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.adhesion.slopes.choice import smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.base.process import SILENCE
-from jkrcli.case.reading import parse_case
+from jkrcli.case.models import parse_case
 from jkrcli.cli import MOST_WORDS
 from jkrcli.cli.inputs import TABLE_PER_ROW, begin_reading
 from jkrcli.data import foreign, instruments, measured

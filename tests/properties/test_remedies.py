@@ -33,8 +33,7 @@ from jkrcli import parse_case
 from jkrcli.adhesion.slopes import RULES
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen, without_side_walls
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, without_side_walls
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered

@@ -10,8 +10,7 @@ import pytest
 
 import jkrcli as jkr
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Solution

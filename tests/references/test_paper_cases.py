@@ -19,9 +19,8 @@ from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Side, Specimen
-from jkrcli.case.reading import load_case, parse_case
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Side, Specimen
+from jkrcli.case.models import load_case, parse_case
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Array, Series

@@ -59,7 +59,7 @@ from jkrcli import (
 )
 from jkrcli.adhesion.curve import transform
 from jkrcli.bodies.indenters import Indenter
-from jkrcli.bodies.materials import Graded, Power
+from jkrcli.bodies.problem import Graded, Power
 from jkrcli.series import Series
 
 

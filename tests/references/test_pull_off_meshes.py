@@ -8,8 +8,7 @@ import pytest
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Sphere
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.methods.fem.method import FEM
 from jkrcli.resolve.comparison import exact_curve
 

@@ -5,7 +5,7 @@ import math
 import pytest
 from conftest import CASES
 
-from jkrcli.case.reading import load_case
+from jkrcli.case.models import load_case
 from jkrcli.case.store import solve
 from jkrcli.resolve.analysis import analyse
 

@@ -15,7 +15,7 @@ from sweep_files import HALF_SPACE
 from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 from jkrcli.case import store
-from jkrcli.case.reading import load_case
+from jkrcli.case.models import load_case
 from jkrcli.case.store import solve
 from jkrcli.many.sweep import plan
 from jkrcli.report import archive

@@ -14,8 +14,7 @@ from force_curves import Instrument, record
 
 from jkrcli.base.executors import executor
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data import measured
 from jkrcli.fitting.forward_model import body_of
 from jkrcli.fitting.procedure import fit_all

@@ -14,8 +14,7 @@ from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.finite_range import RangeRequest
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Sphere
-from jkrcli.bodies.materials import Elastic, Graded, Layer, Linear
-from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Graded, Layer, Linear, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
 from jkrcli.methods.hybrid import correction
 from jkrcli.methods.hybrid.method import Hybrid

@@ -9,8 +9,7 @@ from scipy.optimize import brentq
 
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.materials import GEL_TENSION, Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import GEL_TENSION, Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import displacement, over_hertz, over_jkr, sneddon_sphere
 from jkrcli.resolve.neglected import GLASS, NeglectedEffect, neglected_effects, preview_effects
 

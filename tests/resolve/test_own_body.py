@@ -11,8 +11,7 @@ import pytest
 from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import RoundedFlat
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.formulas import rounded_flat
 from jkrcli.resolve.analysis import nonadhesive

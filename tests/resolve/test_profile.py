@@ -11,8 +11,7 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.resolve.analysis import JKR
 from jkrcli.resolve.profile import profile_columns

@@ -12,9 +12,8 @@ import pytest
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case.reading import load_case
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case.models import load_case
 from jkrcli.case.store import solve
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.hybrid.method import Hybrid

@@ -16,10 +16,8 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case.models import method_of
-from jkrcli.case.reading import load_case
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case.models import load_case, method_of
 from jkrcli.many.studies import Cost, process_cost
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import choose_method

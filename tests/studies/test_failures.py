@@ -17,8 +17,7 @@ from stopwatch import takes_less_than
 from jkrcli.base.errors import Refusal
 from jkrcli.base.executors import completed, executor
 from jkrcli.bodies.indenters import PowerLaw
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen
 from jkrcli.methods.integral.density import disc_warnings
 from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.solver import Layered, surface_profile

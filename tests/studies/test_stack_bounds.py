@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
 from studies.bounds import summary
 from studies.stack_bounds import COLUMNS, judged
 from studies.stack_judge import compliance_ratio, contact

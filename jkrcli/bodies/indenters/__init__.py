@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 
-from ..indenter import SHAPES, Indenter, shape
+from ..problem import SHAPES, Indenter, shape
 from .analytic import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere
 from .table import TableProfile
 

@@ -13,8 +13,7 @@ from ...base.errors import InputError, positive
 from ...base.numerics import Array
 from ...base.registry import Key
 from ...base.units import AnyLength, Length, Ranged, show
-from ..indenter import Indenter, shape
-from ..materials import Solid
+from ..problem import Indenter, Solid, shape
 
 HalfAngle = Annotated[float, Ranged("angle", above=0, below=math.pi / 2)]
 

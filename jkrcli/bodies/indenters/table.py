@@ -15,8 +15,7 @@ from ...base.errors import InputError, positive
 from ...base.numerics import AT_ONCE, LOOKED_AT, REMEMBERED, ROUNDED, TINY, Array, spline_slopes
 from ...base.registry import Key
 from ...base.units import AnyLength, Length, show
-from ..indenter import Indenter, shape
-from ..materials import Solid
+from ..problem import Indenter, Solid, shape
 from .smoothing import SMOOTHING_FEWEST, SmoothProfile, cut_at, scatter, smooth_convex
 
 # How points become a profile, and the error of that.

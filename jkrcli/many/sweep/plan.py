@@ -24,17 +24,15 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint, Equilibrium
-from ...adhesion.interpolation import Nonadhesive
+from ...adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint, Equilibrium, Nonadhesive
+from ...adhesion.device_path import stability_under
 from ...adhesion.slopes import checked_rule
-from ...adhesion.stability import stability_under
 from ...adhesion.validity import strain_size, strain_words
 from ...base.errors import InputError, JkrError, Unknown, counted, did_you_mean
 from ...base.files import check_target
 from ...base.numerics import DISTRIBUTIONS, MOST_CELLS, Distribution, draw
 from ...bodies.problem import Problem
-from ...case.models import CaseModel, method_of
-from ...case.reading import Case, model_of
+from ...case.models import Case, CaseModel, method_of, model_of
 from ...case.store import read_solution, write_solution
 from ...case.sweep import MOST_CASES, AxisTable, DistributionTable, SweepModel, load_sweep
 from ...methods.protocol import Choice, Method, choose_method, least_first, survey

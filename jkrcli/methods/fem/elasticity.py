@@ -1,4 +1,4 @@
-"""Axisymmetric linear elasticity on a grid (the door to scikit-fem).
+"""Axisymmetric linear elasticity on a grid (the door to scikit-fem), factorised and condensed onto the surface.
 
 With one scalar basis for both components, u = (u_r, u_z), and the strains
 
@@ -13,16 +13,21 @@ pressure p = -lambda div u of their own (Taylor and Hood 1973).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from scipy.sparse import block_diag, bmat, csr_matrix
+from scipy.linalg import cho_solve
+from scipy.sparse import block_diag, bmat, csc_matrix, csr_matrix, tril
+from scipy.sparse.linalg import splu
 
-from ...base.errors import Refusal
-from ...base.numerics import Array
-from ...bodies.materials import (
+from ... import formulas
+from ...base.errors import InputError, Refusal, SolveError, installs
+from ...base.numerics import RESIDUAL_LIMIT, Array
+from ...base.process import one_thread
+from ...bodies.problem import (
     AnyGraded,
     AnyTransverse,
     Elastic,
@@ -30,6 +35,7 @@ from ...bodies.materials import (
     Material,
     TransverselyIsotropic,
 )
+from ..protocol import Solver
 from .mesh import Grid, MeshedBody, require, sides
 
 try:
@@ -346,3 +352,412 @@ def stiffness_constants(material: Material, mixed: bool, depth: Array) -> Array:
     if np.isinf(lame):
         raise Refusal("nu: 0.5 needs the mixed form (second-order elements), got the displacement form")
     return np.multiply.outer([lame + 2 * G, lame, lame, lame + 2 * G, G], material.at(depth))
+
+
+# --------------------------------------------------------------------------------------------------
+# Sparse factors of symmetric matrices that keep the order they are given, and that order (the door to CHOLMOD).
+#
+# SciPy's SuperLU factorises everything; CHOLMOD, where the optional package cvxopt is installed, positive definite
+# matrices several times faster (Chen et al., ACM Trans. Math. Softw. 35 (2008) 22). Kept in order, the trailing block
+# of either factor is the Cholesky factor of the matrix condensed onto its last unknowns. The order is nested
+# dissection of the mesh (George, SIAM J. Numer. Anal. 10 (1973) 345): every group of cells is split at its median
+# along one of a few directions, whichever cuts the fewest facets, until the groups are small; all groups of a level
+# at once. The nodes between two halves are eliminated after both.
+
+# Sizes on which the time of a solve depends, not its result.
+FACTOR_SMALL = 20_000  # unknowns; CHOLMOD gains less than its import costs; tuned on its cases, by `make bench`
+FACTOR_LEAF = 6  # cells; smaller groups gain nothing; tuned on the cases of `make bench`, by `make bench`
+
+
+ONLY_THE_GIVEN_ORDER = {"supernodal": 2, "nmethods": 1, "postorder": False}
+
+
+@dataclass(frozen=True, eq=False)
+class SparseFactor:
+    """Factorised symmetric matrix A: ``solve(b)`` gives A^-1 b; ``root``: lower Cholesky factor of A condensed onto
+    its last unknowns; ``name`` of the library, ``entries``: numbers it stores."""
+
+    name: str
+    entries: int
+    root: Array
+    solve: Callable[[Array], Array]
+
+
+def sparse_factor(matrix: csc_matrix, tail: int, definite: bool, solver: Solver) -> SparseFactor:
+    """Factorise ``matrix`` as it is ordered, to condense it onto the last ``tail`` unknowns; ``definite``: positive
+    definite, no saddle point. "auto" takes CHOLMOD where it can and pays. Errors: InputError where it is missing,
+    SolveError."""
+    if solver == "cholmod" and not has_cholmod():
+        raise InputError(f'mesh.solver: "cholmod" needs the optional package cvxopt: {installs("fast")}')
+    pays = solver == "cholmod" or (solver == "auto" and matrix.shape[0] > FACTOR_SMALL)
+    return _cholmod(matrix, tail) if definite and pays and has_cholmod() else _superlu(matrix, tail)
+
+
+def has_cholmod() -> bool:
+    """Whether the optional package is installed."""
+    return find_spec("cvxopt") is not None
+
+
+def _superlu(matrix: csc_matrix, tail: int) -> SparseFactor:
+    """Factor by SuperLU, whose root is the last part of L, scaled by the pivots on U's diagonal."""
+    with one_thread():
+        lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    last = np.arange(matrix.shape[0] - tail, matrix.shape[0])
+    if not (np.array_equal(lu.perm_c[-tail:], last) and np.array_equal(lu.perm_r[-tail:], last)):
+        raise SolveError("factorisation: the solver did not keep the contact nodes last")
+    L, U = (part[:, -tail:][-tail:].toarray() for part in (lu.L, lu.U))
+    pivots = U.diagonal()
+    if not (pivots > 0).all():
+        raise SolveError(f"factorisation: the condensed stiffness is not positive (pivot {pivots.min():.3g} N/m)")
+    return SparseFactor("SuperLU", int(lu.nnz), np.tril(L) * np.sqrt(pivots), lu.solve)
+
+
+def _cholmod(matrix: csc_matrix, tail: int) -> SparseFactor:
+    """Factor by CHOLMOD, which gives it away whole and has none left then: it factorises once more for the solves."""
+    from cvxopt import cholmod, spmatrix
+    from cvxopt import matrix as dense
+
+    lower = tril(matrix, format="coo")
+    size = matrix.shape[0]
+    rows, columns, natural = (dense(index.astype(np.int64)) for index in (lower.row, lower.col, np.arange(size)))
+    A = spmatrix(dense(lower.data), rows, columns, matrix.shape)
+
+    def numeric() -> Any:
+        handle = cholmod.symbolic(A, p=natural)
+        cholmod.numeric(A, handle)
+        return handle
+
+    def solve(loads: Array) -> Array:
+        solution = dense(np.ascontiguousarray(loads, dtype=float))
+        cholmod.solve(handle, solution)
+        return np.array(solution).reshape(loads.shape)
+
+    before = dict(cholmod.options)
+    cholmod.options.update(ONLY_THE_GIVEN_ORDER)
+    try:
+        with one_thread():
+            L = cholmod.getfactor(numeric())
+            root, entries = np.tril(np.array(dense(L[size - tail :, size - tail :]))), len(L)
+            del L
+            handle = numeric()
+        return SparseFactor("CHOLMOD", entries, root, solve)
+    except ArithmeticError as error:
+        raise SolveError(f"factorisation: the stiffness is not positive definite (row {error})") from None
+    finally:
+        cholmod.options.clear()
+        cholmod.options.update(before)
+
+
+# ---------------------------------------------------------------------- the order
+def nested_dissection(cell_nodes: Array, centres: Array, neighbours: Array) -> Array:
+    """Rank of every node: eliminate in increasing rank.
+
+    ``cell_nodes`` (m, k): the nodes of each cell; ``centres`` (m, 2) [m]; ``neighbours`` (2, f): cells on both sides
+    of every inner facet.
+    """
+    code = _cell_codes(centres, neighbours)
+    nodes = cell_nodes.ravel()
+    codes = np.repeat(code, cell_nodes.shape[1])
+    lowest, highest = np.full(nodes.max() + 1, code.max()), np.zeros(nodes.max() + 1, dtype=np.int64)
+    np.minimum.at(lowest, nodes, codes)
+    np.maximum.at(highest, nodes, codes)
+    level = np.ceil(np.log2((lowest ^ highest) + 1)).astype(np.int64)  # digits in which the node's cells differ
+    last = lowest | ((1 << level) - 1)  # the last cell code of the subtree that the node separates
+    order = np.lexsort((level, last))
+    rank = np.empty_like(order)
+    rank[order] = np.arange(order.size)
+    return rank
+
+
+def _cell_codes(centres: Array, neighbours: Array) -> Array:
+    """Path of every cell in the tree of halves, as a binary number with one digit per level."""
+    m = len(centres)
+    r, z = centres.T
+    # split along them, along both diagonals, and in the polar coordinates of meshes that are graded towards the origin
+    along = r, z, r + z, r - z, np.hypot(r, z), np.arctan2(z, r)
+    by_axis = [np.argsort(values, kind="stable") for values in along]
+    code = np.zeros(m, dtype=np.int64)
+    groups = 1
+    while m > FACTOR_LEAF * groups:
+        code = 2 * code + _halves(code, groups, by_axis, neighbours)
+        groups *= 2
+    return code
+
+
+def _halves(group: Array, groups: int, by_axis: list[Array], neighbours: Array) -> Array:
+    """The half of its group, 0 or 1, that every cell goes to."""
+    sizes = np.bincount(group, minlength=groups)
+    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    together = neighbours[:, group[neighbours[0]] == group[neighbours[1]]]
+    halves, cuts = [], []
+    for order in by_axis:
+        order = order[np.argsort(group[order], kind="stable")]
+        half = np.empty(group.size, dtype=np.int64)
+        half[order] = 2 * (np.arange(group.size) - starts[group[order]]) >= sizes[group[order]]
+        halves.append(half)
+        crossing = half[together[0]] != half[together[1]]
+        cuts.append(np.bincount(group[together[0, crossing]], minlength=groups))
+    best = np.argmin(cuts, axis=0)
+    return np.array(halves)[best[group], np.arange(group.size)]
+
+
+# --------------------------------------------------------------------------------------------------
+# The contact surface of an elastic body: one factorisation, condensed onto the candidate contact nodes.
+#
+# The displacements of the candidate nodes along which the contact acts are eliminated last. The trailing block of the
+# one sparse factor is then the Cholesky factor of the body's stiffness condensed onto them, and its inverse the
+# surface compliance: no right-hand sides are needed.
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessFactor:
+    """Factorised stiffness of the free unknowns in the ``order`` of their elimination, the ``last`` of them those that
+    the contact acts on. The first ``displacements`` of all unknowns are displacements [m], the others pressures [Pa].
+    """
+
+    factor: SparseFactor
+    order: Array
+    last: Array
+    stiffness: csr_matrix
+    displacements: int
+
+    def loads(self, forces: Array) -> Array:
+        """Loads of all unknowns [N] from ``forces`` on the ``last`` ones."""
+        loads = np.zeros(self.stiffness.shape[0])
+        loads[self.last] = forces
+        return loads
+
+    def solve(self, loads: Array) -> Array:
+        """Displacements (and pressures) of all unknowns for nodal ``loads`` (n,); zero where constrained."""
+        solution = np.zeros_like(loads)
+        with one_thread():
+            solution[self.order] = self.factor.solve(loads[self.order])
+        return solution
+
+    def compliance(self) -> Array:
+        """Displacements of the ``last`` unknowns under unit forces on them [m/N], (n, n)."""
+        inverse = cho_solve((self.factor.root, True), np.eye(self.last.size))
+        return (inverse + inverse.T) / 2
+
+    def residual(self, solution: Array, loads: Array) -> float:
+        """Largest relative imbalance of the free unknowns: of the forces against the ``loads``, of the volumes that
+        belong to pressures against what the largest of all displacements could make (they do not share a unit).
+
+        Their own terms are no measure: where a layer is fixed on all sides they are nothing but round-off.
+        """
+        left = np.abs(self.stiffness @ solution - loads)
+        is_force = self.order < self.displacements
+        imbalance = float(left[self.order[is_force]].max() / np.abs(loads).max())
+        volumes = self.order[~is_force]
+        if not volumes.size:
+            return imbalance
+        largest = np.abs(solution)
+        largest[: self.displacements] = largest[: self.displacements].max()
+        terms = abs(self.stiffness[volumes]) @ largest
+        return max(imbalance, float(left[volumes].max() / terms.max()))
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The contact surface as the contact problem sees it: n candidate nodes by increasing radius.
+
+    ``C`` (m, m): displacement i under a unit force along displacement j [m/N], symmetric. Of sliding surfaces these are
+    the downward displacements of the nodes, m = n; of surfaces that stick the downward and the outward displacement of
+    each node in turn (downward alone on the axis). ``radii``, ``is_vertex``, ``areas`` [m, -, m^2] of the candidates;
+    ``exempt``: number of leading nodes whose force may have any sign (the axis node of second-order elements: the
+    integral of its shape function is zero). ``residual``, ``asymmetry``: what the check solves left, relative.
+    """
+
+    C: Array
+    radii: Array
+    is_vertex: Array
+    areas: Array
+    exempt: int
+    residual: float
+    asymmetry: float
+
+    @property
+    def sticks(self) -> bool:
+        """Whether radial displacements are among the m."""
+        return len(self.C) > self.radii.size
+
+    @cached_property
+    def normal(self) -> Array:
+        """Rows of C that are downward displacements (n,)."""
+        if not self.sticks:
+            return np.arange(self.radii.size)
+        return np.cumsum(np.where(self.radii > 0, 2, 1)) - np.where(self.radii > 0, 2, 1)
+
+    @cached_property
+    def last(self) -> Array:
+        """Last row of C of each node (n,)."""
+        return np.append(self.normal[1:], len(self.C)) - 1
+
+    @property
+    def direction(self) -> Array:
+        """Sense of each of the m displacements along its coordinate: downwards -1, outwards 1."""
+        signs = np.ones(len(self.C))
+        signs[self.normal] = -1.0
+        return signs
+
+    def shifted(self, w: float) -> Surface:
+        """The surface with a uniform downward displacement ``w`` [m] per unit downward force added."""
+        if not self.sticks:
+            return replace(self, C=self.C + w)
+        C = self.C.copy()
+        C[np.ix_(self.normal, self.normal)] += w
+        return replace(self, C=C)
+
+
+def factorise(system: ElasticSystem, last: Array, solver: Solver = "auto") -> StiffnessFactor:
+    """Factorise with the unknowns ``last`` at the end, in their order."""
+    facets, centres = system.basis.mesh.f2t, system.grid.points[system.grid.cells].mean(axis=1)
+    rank = nested_dissection(system.basis.element_dofs.T, centres, facets[:, facets[1] >= 0])
+    inner = np.setdiff1d(system.free, last)
+    # Rank of every unknown: its node's; a pressure follows all displacements it couples to (no zero pivots).
+    ranks = 2 * rank[system.node_of]
+    displacements = 2 * len(system.nodes)
+    if ranks.size > displacements:
+        latest = np.zeros_like(rank)
+        nodes = system.basis.element_dofs
+        np.maximum.at(latest, nodes, np.broadcast_to(rank[nodes].max(axis=0), nodes.shape))
+        ranks[displacements:] = 2 * latest[system.node_of[displacements:]] + 1
+    order = np.concatenate([inner[np.argsort(ranks[inner], kind="stable")], last])
+    factor = sparse_factor(system.K[order][:, order].tocsc(), last.size, not system.mixed, solver)
+    return StiffnessFactor(factor, order, last, system.K, 2 * len(system.nodes))
+
+
+def condense(system: ElasticSystem, factor: StiffnessFactor) -> Surface:
+    """Surface whose contact forces act on the displacements that the ``factor`` has last; checked by full solves."""
+    n = np.unique(system.node_of[factor.last]).size
+    C = factor.compliance()
+    residual, asymmetry = _check(factor, C)
+    radii, areas = system.radii[:n], system.areas[:n]
+    exempt = int(radii[0] == 0 and abs(areas[0]) < 1e-6 * abs(areas[1]))
+    surface = Surface(C, radii, system.is_vertex[:n], areas, exempt, residual, asymmetry)
+    return replace(surface, C=C * np.outer(surface.direction, surface.direction)) if surface.sticks else surface
+
+
+def _check(factor: StiffnessFactor, C: Array) -> tuple[float, float]:
+    """Residual of full solves for unit forces on the innermost and outermost candidate, and their distance to the
+    columns of C."""
+    residuals, distances = [], []
+    for j in {0, len(C) - 1}:
+        loads = factor.loads(np.eye(len(C))[j])
+        solution = factor.solve(loads)
+        residuals.append(factor.residual(solution, loads))
+        distances.append(np.abs(solution[factor.last] - C[:, j]).max() / np.abs(C[:, j]).max())
+    if not max(residuals) < RESIDUAL_LIMIT:
+        raise SolveError(
+            f"factorisation: residual {max(residuals):.1e} of the check solves, allowed {RESIDUAL_LIMIT:g}: moduli or "
+            "sizes differ by too much for elements; use method layered or hybrid, or leave out what is far softer, "
+            "stiffer or thinner than all else"
+        )
+    return max(residuals), float(max(distances))
+
+
+# --------------------------------------------------------------------------------------------------
+# What cutting a half-space at finite depth and width changes: an estimate by Betti's theorem.
+#
+# Far from the contact the half-space carries the field of a point force: Boussinesq's (Johnson 1985, Sec. 3.2), or
+# that of a transversely isotropic material. The cut body holds its base still and leaves its side free instead. With
+# u the cut body's field under a unit load, the missing displacement of the contact is
+#
+#     w = -sum(base reactions . u_point) + int_side t_point . u dA,
+#
+# to leading order in contact radius over the body's size; at equal depth the load is then off by S w, relatively.
+
+# theory: equal roots, as of an isotropic material, are taken this far apart; the field changes by the square of it
+EQUAL_ROOTS = 1e-4
+
+
+def missing_displacement(system: ElasticSystem, material: Elastic | TransverselyIsotropic, solution: Array) -> float:
+    """Displacement of the contact that the cut body lacks, per unit load [m/N]; ``solution``: its field under a unit
+    load near the origin, pressing down."""
+    force = point_force(material)
+    reactions_r, reactions_z = system.components(system.reactions(solution))
+    u_r, u_z = system.components(solution)
+    at_side = system.side_load(lambda r, z: force.side_traction(r, z)[0]) @ u_r
+    at_side += system.side_load(lambda r, z: force.side_traction(r, z)[1]) @ u_z
+    r, z = system.nodes.T
+    supported = np.flatnonzero((r > 0) & (np.hypot(r, z) > 0.5 * min(r.max(), -z.min())))
+    u_r, u_z = force.displacement(r[supported], z[supported])
+    at_base = reactions_r[supported] @ u_r + reactions_z[supported] @ u_z
+    axis = np.flatnonzero((r == 0) & (z < 0))
+    at_base += reactions_z[axis] @ force.displacement(r[axis], z[axis])[1]
+    return float(-at_base + at_side)
+
+
+@dataclass(frozen=True)
+class Boussinesq:
+    """Field of a unit force that presses down on an isotropic half-space z <= 0 at the origin.
+
+    Johnson (1985), Sec. 3.2.
+    """
+
+    material: Elastic
+
+    def displacement(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """u_r, u_z [m/N], u_z upwards."""
+        u_r, u_z = formulas.point_force(r, -z, self.material.E, self.material.nu)
+        return u_r, -u_z
+
+    def side_traction(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """sigma_rr, sigma_rz [1/m^2]: the traction on a cylinder r = const, outward normal, z upwards."""
+        nu, depth = self.material.nu, -z
+        rho = np.hypot(r, depth)
+        s_rr = ((1 - 2 * nu) / (rho * (rho + depth)) - 3 * r**2 * depth / rho**5) / (2 * np.pi)
+        return s_rr, 3 * r * depth**2 / rho**5 / (2 * np.pi)
+
+
+@dataclass(frozen=True)
+class TransversePointForce:
+    """Field of a unit force that presses down on a transversely isotropic half-space z <= 0 at the origin.
+
+    Elliott (1949), Hanson (J. Appl. Mech. 1992). In Hankel space the displacements are sums of exp(-s_j k z), z
+    downwards, with the two roots s_j, Re s_j > 0, of
+
+        C33 C44 s^4 - (C11 C33 - C13^2 - 2 C13 C44) s^2 + C11 C44 = 0,
+
+    real or conjugate, and u_z/u_r = m_j = (C13 + C44) s_j/(C33 s_j^2 - C44). No shear at the surface and the unit force
+    fix the two factors; int exp(-k z) J0(kr) dk = 1/sqrt(r^2 + z^2) and its derivatives do the rest.
+    """
+
+    material: TransverselyIsotropic
+
+    @cached_property
+    def _terms(self) -> list[tuple[complex, complex, complex]]:
+        """Roots s_j [-], ratios m_j [-] and the factor c_j [1/Pa] of both terms."""
+        C11, _, C13, C33, C44 = self.material.stiffness
+        middle = (C11 * C33 - C13**2 - 2 * C13 * C44) / (2 * C33 * C44)
+        apart = np.sqrt(complex(middle**2 - C11 / C33))
+        if abs(apart) < EQUAL_ROOTS * middle:
+            apart = complex(EQUAL_ROOTS * middle)
+        s = np.sqrt(np.array([middle + apart, middle - apart]))
+        m = (C13 + C44) * s / (C33 * s**2 - C44)
+        c = np.linalg.solve(np.array([s + m, C13 - C33 * m * s]), np.array([0.0, -1 / (2 * np.pi)]))
+        return list(zip(s, m, c, strict=True))
+
+    def displacement(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """u_r, u_z [m/N], u_z upwards."""
+        along_r, along_z = np.zeros(np.shape(r), complex), np.zeros(np.shape(r), complex)
+        for s, m, c in self._terms:
+            deep, rho = -s * z, np.sqrt(r**2 + (s * z) ** 2)
+            along_r += c * r / (rho * (rho + deep))
+            along_z -= c * m / rho
+        return along_r.real, along_z.real
+
+    def side_traction(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """sigma_rr, sigma_rz [1/m^2]: the traction on a cylinder r = const, outward normal, z upwards."""
+        C11, C12, C13, _, C44 = self.material.stiffness
+        s_rr, s_rz = np.zeros(np.shape(r), complex), np.zeros(np.shape(r), complex)
+        for s, m, c in self._terms:
+            deep, rho = -s * z, np.sqrt(r**2 + (s * z) ** 2)
+            s_rr += c * ((C11 * s - C13 * m * s**2) * -z / rho**3 - (C11 - C12) / (rho * (rho + deep)))
+            s_rz += C44 * c * (s + m) * r / rho**3
+        return s_rr.real, s_rz.real
+
+
+def point_force(material: Elastic | TransverselyIsotropic) -> Boussinesq | TransversePointForce:
+    """Field of a unit force on a half-space of ``material``."""
+    return TransversePointForce(material) if isinstance(material, TransverselyIsotropic) else Boussinesq(material)

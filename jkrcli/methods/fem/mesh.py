@@ -19,8 +19,17 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from ...base.errors import InputError, Refusal, SolveError, installs
 from ...base.numerics import AT_ONCE, ROUNDED, SAME, Array
-from ...bodies.materials import AnyGraded, AnyTransverse, Elastic, Material, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Problem, Side, Specimen
+from ...bodies.problem import (
+    AnyGraded,
+    AnyTransverse,
+    Elastic,
+    HalfSpace,
+    Material,
+    Problem,
+    Side,
+    Specimen,
+    TransverselyIsotropic,
+)
 from ..layered.no_slip import half_space_compliances
 from ..layered.solver import largest_radius
 from ..protocol import FEMOptions

@@ -26,15 +26,17 @@ from numpy.polynomial import legendre
 
 from ...base.errors import Refusal, SolveError
 from ...base.numerics import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array
-from ...bodies.materials import (
+from ...bodies.problem import (
     AnyGraded,
     AnyTransverse,
     Elastic,
     GradedTransverselyIsotropic,
+    HalfSpace,
     Material,
+    Rigid,
+    Specimen,
     TransverselyIsotropic,
 )
-from ...bodies.problem import HalfSpace, Rigid, Specimen
 from ...formulas import point_force
 from ..integral.fredholm import rule
 

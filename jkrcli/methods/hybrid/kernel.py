@@ -15,8 +15,7 @@ from ...base.numerics import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array
 from ...base.process import duration
 from ...base.units import show
 from ...bodies.indenters import Indenter
-from ...bodies.materials import AnyGraded, contact_modulus
-from ...bodies.problem import HalfSpace, Specimen
+from ...bodies.problem import AnyGraded, HalfSpace, Specimen, contact_modulus
 from ...series import KeptKernel
 from ..integral.finite_range import Attraction, panels_for
 from ..integral.fredholm import EquationResult, Panels, Quadrature, rule, solve, tolerance_remedy

@@ -11,8 +11,7 @@ from ...base.errors import JkrError, Refusal
 from ...base.numerics import MOST_SOLVES, NO_CLAIM, ROUNDED, Array
 from ...base.process import StageClock
 from ...base.units import show
-from ...bodies.materials import AnyTransverse, Graded, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Problem
+from ...bodies.problem import AnyTransverse, Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, KeptKernel, Solution
 from ..integral.density import disc_warnings, refuse_shrinking
 from ..integral.fredholm import FLOPS_PER_SECOND, search, series_of

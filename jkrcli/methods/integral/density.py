@@ -22,8 +22,7 @@ from ...base.errors import JkrError, Refusal
 from ...base.numerics import SAME, Array
 from ...base.units import show
 from ...bodies.indenters import Indenter
-from ...bodies.materials import AnyGraded
-from ...bodies.problem import Specimen, stacks
+from ...bodies.problem import AnyGraded, Specimen, stacks
 from . import fredholm
 from .fredholm import angle
 

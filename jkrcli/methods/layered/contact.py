@@ -14,8 +14,7 @@ import numpy as np
 from ...base.errors import Refusal, SolveError, counted
 from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline
 from ...bodies.indenters import Indenter
-from ...bodies.materials import Solid, contact_modulus
-from ...bodies.problem import Specimen
+from ...bodies.problem import Solid, Specimen, contact_modulus
 from ..integral import fredholm
 from ..integral.finite_range import Attraction, panels_for
 from ..integral.fredholm import Quadrature

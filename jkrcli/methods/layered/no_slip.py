@@ -33,8 +33,7 @@ from numpy.polynomial import legendre, polynomial
 from ...base.errors import Refusal
 from ...base.numerics import ROUNDED, Array
 from ...bodies.indenters import Indenter
-from ...bodies.materials import AnyGraded, AnyTransverse, Coated, Material
-from ...bodies.problem import Specimen
+from ...bodies.problem import AnyGraded, AnyTransverse, Coated, Material, Specimen
 from ..integral import fredholm
 from ..integral.density import DENSITY_WIDEST
 from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers

@@ -21,9 +21,25 @@ from numpy.polynomial import legendre
 
 from ...base.errors import SolveError
 from ...base.numerics import REMEMBERED, Array
-from ...bodies import materials
-from ...bodies.materials import AnyGraded
-from ...bodies.problem import HalfSpace, Problem, Rigid, Specimen, stacks
+from ...bodies.problem import (
+    AnyGraded,
+    AnyTransverse,
+    Elastic,
+    Graded,
+    GradedTransverselyIsotropic,
+    HalfSpace,
+    Law,
+    Layer,
+    Material,
+    Problem,
+    Rigid,
+    Solid,
+    Specimen,
+    TransverselyIsotropic,
+    contact_modulus,
+    smooth_parts,
+    stacks,
+)
 from ..integral.fredholm import CosineKernel, gauss, phase_allowed, rule, split, to_legendre
 
 # --------------------------------------------------------------------------------------------------
@@ -97,7 +113,7 @@ class LayerMedium:
         return cls(nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu))
 
     @classmethod
-    def transverse(cls, material: materials.AnyTransverse) -> LayerMedium:
+    def transverse(cls, material: AnyTransverse) -> LayerMedium:
         """Constants of a transversely isotropic material, at its top if graded."""
         one = material.top
         return cls.of(one.E_p, one.E_z, one.nu_p, one.nu_zp, one.G_z)
@@ -239,11 +255,7 @@ def _hyperbolic(X: Array, y: Array, A: Array) -> tuple[Array, Array]:
 def propagate_graded(m: Array, k: Array, material: AnyGraded, thickness: float) -> Array:
     """Minors (5, n) at the top of a graded layer, in units of its shear modulus there, from those at its bottom, in
     units of that at the bottom; ``k`` (n,) [1/m]. Raises SolveError where the moduli change too quickly."""
-    parts = [
-        part
-        for ends in materials.smooth_parts(material.laws, thickness)
-        for part in _gentle_parts(material.laws, *ends)
-    ]
+    parts = [part for ends in smooth_parts(material.laws, thickness) for part in _gentle_parts(material.laws, *ends)]
     for top, bottom in reversed(parts):
         count, slowest = _sublayers(material, top, bottom)
         steps = range(1, MINORS_STEPS + 1)
@@ -251,7 +263,7 @@ def propagate_graded(m: Array, k: Array, material: AnyGraded, thickness: float) 
     return m
 
 
-def _gentle_parts(laws: Sequence[materials.Law], top: float, bottom: float) -> list[tuple[float, float]]:
+def _gentle_parts(laws: Sequence[Law], top: float, bottom: float) -> list[tuple[float, float]]:
     """A smooth part halved until no modulus changes by more than the factor ``steep`` in each piece."""
     ends = np.array([law.at(np.array([top, bottom])) for law in laws])
     if np.all(ends.max(axis=1) <= MINORS_STEEP * ends.min(axis=1)):
@@ -282,18 +294,18 @@ def _sublayers(material: AnyGraded, top: float, bottom: float) -> tuple[int, flo
     )
 
 
-def slowest_root(material: materials.Material, top: float = 0.0, bottom: float = 0.0) -> float:
+def slowest_root(material: Material, top: float = 0.0, bottom: float = 0.0) -> float:
     """The least real part of the roots between two depths [m] of a layer, at most 1: that of an isotropic material."""
     match material:
-        case materials.TransverselyIsotropic():
+        case TransverselyIsotropic():
             return min(LayerMedium.transverse(material).slowest, 1.0)
-        case materials.GradedTransverselyIsotropic():
+        case GradedTransverselyIsotropic():
             return min(_medium(material, np.linspace(top, bottom, MINORS_LOOKS))[0].slowest, 1.0)
         case _:
             return 1.0
 
 
-def _medium(material: materials.GradedTransverselyIsotropic, depth: Array) -> tuple[LayerMedium, Array]:
+def _medium(material: GradedTransverselyIsotropic, depth: Array) -> tuple[LayerMedium, Array]:
     """Constants and shear modulus [Pa] at every ``depth`` [m]."""
     E_p, E_z, G_z = material.at(depth)
     return LayerMedium.of(E_p, E_z, material.nu_p, material.nu_zp, G_z), G_z
@@ -309,7 +321,7 @@ def _through_part(
     modulus = _shear_modulus(material, top + seen)
     for upper, middle, lower in zip(edges[-3::-2], edges[-2::-2], edges[:1:-2], strict=True):
         depth, y = top + seen * middle, k * seen * (lower - upper)
-        if isinstance(material, materials.Graded):
+        if isinstance(material, Graded):
             here = material.at(depth)
             m = propagate_isotropic(rescaled(m, here / modulus), y, material.nu)
         else:
@@ -321,7 +333,7 @@ def _through_part(
 
 def _shear_modulus(material: AnyGraded, depth: Array) -> Array:
     """What is proportional to the shear modulus, across the layer if that is not isotropic, at every ``depth`` [m]."""
-    return material.at(depth) if isinstance(material, materials.Graded) else material.at(depth)[2]
+    return material.at(depth) if isinstance(material, Graded) else material.at(depth)[2]
 
 
 def _extrapolated(steps: list[Array]) -> Array:
@@ -343,9 +355,9 @@ def minors_of(specimen: Specimen, k: Array) -> Array:
 def _base(base: Rigid | HalfSpace, size: int) -> tuple[Array, float]:
     """Minors of the base, and the shear modulus [Pa] in whose units they are (any, for a rigid base)."""
     match base:
-        case HalfSpace(material=materials.Elastic(nu=nu, G=G)):
+        case HalfSpace(material=Elastic(nu=nu, G=G)):
             minors = [1.0, 1 - nu, 1 - nu, nu - 0.5, (3 - 4 * nu) / 4]
-        case HalfSpace(material=materials.TransverselyIsotropic(G_z=G) as material):
+        case HalfSpace(material=TransverselyIsotropic(G_z=G) as material):
             minors = LayerMedium.transverse(material).half_space
         case Rigid(bonded=bonded):
             minors, G = [1.0, 0, 0, 0, 0] if bonded else [0.0, 1, 0, 0, 0], 1.0
@@ -374,29 +386,29 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
     return rescaled(given, shear_moduli(specimen.layers[0])[1] / G)
 
 
-def propagate(m: Array, k: Array, layer: materials.Layer) -> Array:
+def propagate(m: Array, k: Array, layer: Layer) -> Array:
     """Minors at the top of a layer, in units of the shear modulus there, from those at its bottom, in units of that."""
     match layer.material:
-        case materials.Graded() | materials.GradedTransverselyIsotropic() as material:
+        case Graded() | GradedTransverselyIsotropic() as material:
             return propagate_graded(m, k, material, layer.thickness)
-        case materials.TransverselyIsotropic() as material:
+        case TransverselyIsotropic() as material:
             return LayerMedium.transverse(material).through(m, k * layer.thickness)
-        case materials.Elastic(nu=nu):
+        case Elastic(nu=nu):
             return propagate_isotropic(m, k * layer.thickness, nu)
 
 
-def shear_moduli(layer: materials.Layer) -> tuple[float, float]:
+def shear_moduli(layer: Layer) -> tuple[float, float]:
     """Shear modulus [Pa] at the top and at the bottom of a layer, across the layer if that is not isotropic."""
     match layer.material:
-        case materials.Graded() as material:
+        case Graded() as material:
             G, ends = material.surface.G, material.at(np.array([0.0, layer.thickness]))
             return G, G * float(ends[1] / ends[0])
-        case materials.GradedTransverselyIsotropic() as material:
+        case GradedTransverselyIsotropic() as material:
             top, bottom = material.at(np.array([0.0, layer.thickness]))[2].tolist()
             return top, bottom
-        case materials.TransverselyIsotropic(G_z=G_z):
+        case TransverselyIsotropic(G_z=G_z):
             return G_z, G_z
-        case materials.Elastic(G=G):
+        case Elastic(G=G):
             return G, G
 
 
@@ -432,7 +444,7 @@ class Tail:
     finest: float
 
     @classmethod
-    def of(cls, specimen: Specimen, indenter: materials.Solid | None = None) -> Tail | None:
+    def of(cls, specimen: Specimen, indenter: Solid | None = None) -> Tail | None:
         """Tail of g - 1 of ``specimen`` under an ``indenter``; None where g - 1 decays exponentially."""
         material = specimen.layers[0].material if specimen.layers else None
         if not isinstance(material, AnyGraded):
@@ -441,9 +453,9 @@ class Tail:
         rate = float(np.max(np.abs(c) ** (1 / np.arange(1, COUNT + 1))))
         if rate * specimen.top_thickness < 1e-12:  # rounding
             return None
-        _, smooth = materials.smooth_parts(material.laws, specimen.top_thickness)[0]
+        _, smooth = smooth_parts(material.laws, specimen.top_thickness)[0]
         smooth *= slowest_root(material, 0.0, smooth)
-        factor = materials.contact_modulus(specimen.surface, indenter) / specimen.surface.E_star
+        factor = contact_modulus(specimen.surface, indenter) / specimen.surface.E_star
         return cls(factor * regularised(c, rate), rate, min(smooth, 1 / rate))
 
     @property
@@ -518,11 +530,11 @@ def _surface_medium(material: AnyGraded, size: int) -> tuple[LayerMedium, Array]
     """Constants as power series of depth at a layer's top, ``size`` terms; and that of the shear modulus over its value
     at the top."""
     one = np.eye(1, size)[0]
-    if isinstance(material, materials.Graded):
+    if isinstance(material, Graded):
         isotropic = LayerMedium.isotropic(material.nu)
         return LayerMedium(isotropic.c * one, isotropic.beta * one, isotropic.e * one), material.law.taylor(size)
     top = LayerMedium.transverse(material)
-    E_p, E_z, G_z = (m.taylor(size) if isinstance(m, materials.Law) else one for m in material.moduli.values())
+    E_p, E_z, G_z = (m.taylor(size) if isinstance(m, Law) else one for m in material.moduli.values())
     c = top.c * divided(E_p, E_z)
     share = 2 * material.nu_zp * c
     beta = top.beta / (1 - share[0]) * _product(divided(G_z, E_z), one - share)
@@ -584,7 +596,7 @@ SPECTRUM_NARROWEST = 1e-12  # panel over its k; theory: g varies over k itself, 
 SPECTRUM_BELOW = 50
 
 
-def deviation(specimen: Specimen, k: Array, indenter: materials.Solid | None = None) -> Array:
+def deviation(specimen: Specimen, k: Array, indenter: Solid | None = None) -> Array:
     """Deviation g(k) - 1 at the wave numbers ``k`` >= 0 [1/m], shape of ``k``; small values keep their relative
     accuracy.
 
@@ -594,9 +606,9 @@ def deviation(specimen: Specimen, k: Array, indenter: materials.Solid | None = N
     return _deviation(weighed_stacks(specimen, indenter), k)
 
 
-def weighed_stacks(specimen: Specimen, indenter: materials.Solid | None) -> tuple[tuple[Specimen, float], ...]:
+def weighed_stacks(specimen: Specimen, indenter: Solid | None) -> tuple[tuple[Specimen, float], ...]:
     """The bodies whose compliance is not that of a half-space, each with E*/E*_i."""
-    bodies, E_star = stacks(specimen, indenter), materials.contact_modulus(specimen.surface, indenter)
+    bodies, E_star = stacks(specimen, indenter), contact_modulus(specimen.surface, indenter)
     return tuple((body, E_star / body.surface.E_star) for body in bodies)
 
 
@@ -616,7 +628,7 @@ def compliance(specimen: Specimen, k: Array) -> Array:
 
 def _of_stack(specimen: Specimen, k: Array) -> Array:
     top, nu = specimen.layers[0], specimen.surface.nu
-    if not isinstance(top.material, materials.Elastic):
+    if not isinstance(top.material, Elastic):
         half_space = 2 * shear_moduli(top)[0] / specimen.surface.E_star  # F_zz in units of 1/G at the surface
         g = _over(minors_of(specimen, k), half_space)
         return np.array([g, g - 1])
@@ -659,7 +671,7 @@ class LayeredSpectrum:
     reach."""
 
     specimen: Specimen
-    indenter: materials.Solid | None = None
+    indenter: Solid | None = None
 
     def __call__(self, k: Array) -> Array:
         rest = _deviation(self.bodies, k)
@@ -751,7 +763,7 @@ def spectrum_seconds(problem: Problem) -> float:
     """CPU seconds to resolve the spectrum of the bodies and evaluate its kernels, about; a single look takes half."""
     specimen = problem.specimen
     graded = SPECTRUM_GRADED_SECONDS * (2 + specimen.pieces) if specimen.is_graded else 0.0
-    if any(isinstance(material, materials.GradedTransverselyIsotropic) for material in specimen.materials):
+    if any(isinstance(material, GradedTransverselyIsotropic) for material in specimen.materials):
         graded *= SPECTRUM_TRANSVERSE
     return SPECTRUM_START + SPECTRUM_LAYER_SECONDS * len(problem.layers) + graded
 

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint
-from ...adhesion.interpolation import Nonadhesive
+from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
 from ...adhesion.validity import LIMITS, regime, strains_are_known
 from ...base.errors import InputError, Unknown, counted, installs
 from ...base.numerics import DRAWN, Array

@@ -15,8 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from ...adhesion.curve import CriticalPoint, Equilibrium, EquilibriumCurve
-from ...adhesion.device_path import Jump
-from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
+from ...adhesion.device_path import GRIPPED, STABLE, UNSTABLE, Jump, branch
 from ...base.numerics import Array
 from ...base.units import scale, show
 from ...fitting.rate import RateFit
@@ -137,7 +136,7 @@ def _dwarfed(curve: EquilibriumCurve) -> bool:
 def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     """Load and contact radius over what the device controls (the displacement under load control), jumps dotted.
 
-    ``columns``: as ``stability.trace`` gives them, with "phase" and "part".
+    ``columns``: as ``device_path.trace`` gives them, with "phase" and "part".
     """
     over = "device_m" if "device_m" in columns else "delta_m"
     soft = not np.allclose(columns[over], columns["delta_m"], rtol=0, atol=1e-9 * np.ptp(columns["delta_m"]))

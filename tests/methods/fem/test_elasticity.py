@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import Refusal
-from jkrcli.bodies.materials import Elastic
-from jkrcli.methods.fem.contact import condense, factorise
-from jkrcli.methods.fem.elasticity import assemble
+from jkrcli.bodies.problem import Elastic
+from jkrcli.methods.fem.elasticity import assemble, condense, factorise
 from jkrcli.methods.fem.mesh import MeshedBody, make_grid, ringed_quads, tensor_quads, triangles
 
 HEIGHT, WIDTH = 1.5, 2.0

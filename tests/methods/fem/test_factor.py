@@ -9,10 +9,9 @@ from scipy.sparse import csc_matrix, diags
 from jkrcli.base.errors import InputError, SolveError, installs
 from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import contact
-from jkrcli.methods.fem.contact import sparse_factor
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem import elasticity
+from jkrcli.methods.fem.elasticity import sparse_factor
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, Model, run
 
@@ -84,7 +83,7 @@ def test_an_indefinite_matrix_is_found(solver: str, message: str) -> None:
 
 
 def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(contact, "has_cholmod", lambda: False)
+    monkeypatch.setattr(elasticity, "has_cholmod", lambda: False)
     with pytest.raises(InputError) as error:
         sparse_factor(chain(5), 2, True, "cholmod")
     assert error.value.lines == (f'mesh.solver: "cholmod" needs the optional package cvxopt: {installs("fast")}',)
@@ -94,5 +93,5 @@ def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_auto_takes_cholmod_where_it_pays(tuned) -> None:
     pytest.importorskip("cvxopt")
     assert sparse_factor(chain(50), 2, True, "auto").name == "SuperLU"
-    tuned("jkrcli.methods.fem.contact.FACTOR_SMALL", 10)
+    tuned("jkrcli.methods.fem.elasticity.FACTOR_SMALL", 10)
     assert sparse_factor(chain(50), 2, True, "auto").name == "CHOLMOD"

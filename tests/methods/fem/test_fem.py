@@ -9,15 +9,13 @@ from scipy.optimize import brentq
 from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
-from jkrcli.methods.fem import contact
-from jkrcli.methods.fem.contact import factorise, nested_events
-from jkrcli.methods.fem.elasticity import assemble
+from jkrcli.methods.fem import elasticity
+from jkrcli.methods.fem.elasticity import assemble, factorise
 from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout, triangles
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.model import Discretisation
+from jkrcli.methods.fem.model import Discretisation, nested_events
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
 
@@ -48,7 +46,7 @@ def layered_errors(solution, problem):
 
 
 def test_a_stiffness_that_elements_do_not_solve_is_refused_with_a_remedy(monkeypatch):
-    monkeypatch.setattr(contact, "RESIDUAL_LIMIT", 1e-30)
+    monkeypatch.setattr(elasticity, "RESIDUAL_LIMIT", 1e-30)
     with pytest.raises(SolveError, match=r"allowed 1e-30: moduli or sizes differ .*; use method layered or hybrid"):
         FEM(**QUICK)(PAPER)
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
-from jkrcli.bodies.materials import Elastic, Graded, Layer, Power
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Loading, Power, Problem, Rigid, Specimen
 from jkrcli.case import store
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid

@@ -10,8 +10,7 @@ import pytest
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution
 from jkrcli.many.studies import converge
 from jkrcli.methods.fem.mesh import Layout, Strip, homogenised_half_space, layout_for

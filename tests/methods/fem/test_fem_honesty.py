@@ -11,8 +11,7 @@ from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import Layered

@@ -9,8 +9,7 @@ import pytest
 from jkrcli.base.errors import Refusal
 from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Exponential, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.fields import contact_state
 from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout
 from jkrcli.methods.fem.method import FEM

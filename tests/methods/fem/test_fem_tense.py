@@ -6,8 +6,18 @@ import numpy as np
 import pytest
 
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import (
+    Elastic,
+    Exponential,
+    Graded,
+    HalfSpace,
+    Layer,
+    Loading,
+    Problem,
+    Rigid,
+    Specimen,
+    TransverselyIsotropic,
+)
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import Layered
 

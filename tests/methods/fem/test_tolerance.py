@@ -10,8 +10,7 @@ import pytest
 
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
 from jkrcli.methods.fem.method import FEM, REFINEMENT_COMPANION
 from jkrcli.methods.fem.model import Discretisation

@@ -11,8 +11,19 @@ from numpy.testing import assert_allclose
 
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Linear, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import (
+    Elastic,
+    Exponential,
+    Graded,
+    HalfSpace,
+    Layer,
+    Linear,
+    Loading,
+    Problem,
+    Rigid,
+    Specimen,
+    TransverselyIsotropic,
+)
 from jkrcli.methods.hybrid import correction
 from jkrcli.methods.hybrid.correction import Region
 from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, KernelContact, KernelLevels, count_for

@@ -11,8 +11,7 @@ from stopwatch import seconds_of, takes_less_than
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.hybrid import kernel
 from jkrcli.methods.hybrid.correction import Region, correction
 from jkrcli.methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement

@@ -8,8 +8,7 @@ from finite_bodies import FINITE
 from scipy.interpolate import CubicSpline
 
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer
-from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Exponential, Graded, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
 

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
 from jkrcli.formulas import point_force
 from jkrcli.methods.hybrid.correction import LINE_CORNER, LineElements, Mesh, Region, RingField, lines
 

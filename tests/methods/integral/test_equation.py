@@ -11,8 +11,7 @@ from scipy.linalg import solve_triangular
 
 from jkrcli.base.errors import SolveError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
 from jkrcli.methods.integral.fredholm import Panels, Quadrature, forward_substitution, panel_means, phase_allowed, solve
 from jkrcli.methods.layered.contact import LayeredContact, checked
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved

@@ -11,14 +11,12 @@ from scipy.linalg import expm
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case.reading import parse_case
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, TransverselyIsotropic
+from jkrcli.case.models import parse_case
 from jkrcli.formulas import hertz
-from jkrcli.methods.fem.elasticity import assemble
+from jkrcli.methods.fem.elasticity import Boussinesq, TransversePointForce, assemble
 from jkrcli.methods.fem.mesh import MeshedBody, triangles
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.model import Boussinesq, TransversePointForce
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayerMedium, deviation
 

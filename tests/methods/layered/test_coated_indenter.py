@@ -10,9 +10,19 @@ import pytest
 import jkrcli
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.materials import Coated, Elastic, Layer, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen, alone
-from jkrcli.case.reading import case_of, parse_case
+from jkrcli.bodies.problem import (
+    Coated,
+    Elastic,
+    HalfSpace,
+    Layer,
+    Loading,
+    Problem,
+    Rigid,
+    Specimen,
+    TransverselyIsotropic,
+    alone,
+)
+from jkrcli.case.models import case_of, parse_case
 from jkrcli.methods.layered.no_slip import StuckSpectrum
 from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.methods.layered.spectrum import deviation

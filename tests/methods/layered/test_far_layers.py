@@ -11,8 +11,7 @@ import pytest
 from numpy.polynomial import legendre
 
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.no_slip import StuckSpectrum
 from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.methods.layered.spectrum import (

@@ -18,9 +18,21 @@ from scipy.special import spherical_jn
 
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Linear, Power, Tabulated
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case.reading import parse_case
+from jkrcli.bodies.problem import (
+    Elastic,
+    Exponential,
+    Graded,
+    HalfSpace,
+    Layer,
+    Linear,
+    Loading,
+    Power,
+    Problem,
+    Rigid,
+    Specimen,
+    Tabulated,
+)
+from jkrcli.case.models import parse_case
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.integral.fredholm import Panels, Quadrature

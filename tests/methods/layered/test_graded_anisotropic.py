@@ -11,19 +11,23 @@ from scipy.integrate import solve_ivp
 
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import (
+from jkrcli.bodies.problem import (
     Elastic,
     Exponential,
     Graded,
     GradedTransverselyIsotropic,
+    HalfSpace,
     Layer,
     Linear,
+    Loading,
     Power,
+    Problem,
+    Rigid,
+    Specimen,
     Tabulated,
     TransverselyIsotropic,
 )
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case.reading import parse_case
+from jkrcli.case.models import parse_case
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered

@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose
 
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.solver import Profile, surface_profile
 
 HALF_SPACE = Specimen((), HalfSpace(Elastic(1.0, 0.3)))

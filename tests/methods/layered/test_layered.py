@@ -13,8 +13,19 @@ from numpy.testing import assert_allclose
 
 from jkrcli.base.errors import InputError, JkrError, Refusal, SolveError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Graded, Layer, Linear
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen, without_side_walls
+from jkrcli.bodies.problem import (
+    Elastic,
+    Graded,
+    HalfSpace,
+    Layer,
+    Linear,
+    Loading,
+    Problem,
+    Quantity,
+    Rigid,
+    Specimen,
+    without_side_walls,
+)
 from jkrcli.formulas import adhesive_half_space, thin_incompressible_layer, thin_layer
 from jkrcli.methods.integral import fredholm
 from jkrcli.methods.integral.fredholm import EquationResult, Quadrature, response

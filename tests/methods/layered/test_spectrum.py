@@ -8,8 +8,7 @@ from compliance import compliance_ratio
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.bodies.materials import Elastic, Layer, contact_modulus
-from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen, contact_modulus
 from jkrcli.methods.layered.spectrum import deviation
 
 ROUNDING = 1e-14  # relative: some forty operations in double precision

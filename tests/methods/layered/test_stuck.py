@@ -8,8 +8,18 @@ import pytest
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import (
+    Elastic,
+    Exponential,
+    Graded,
+    HalfSpace,
+    Layer,
+    Loading,
+    Problem,
+    Rigid,
+    Specimen,
+    TransverselyIsotropic,
+)
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.integral.fredholm import Panels, Quadrature
 from jkrcli.methods.layered.no_slip import StuckDisc, StuckLayeredContact

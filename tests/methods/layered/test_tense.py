@@ -10,8 +10,18 @@ from jkrcli.adhesion.curve import LOAD_CONTROL, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import (
+    Elastic,
+    Exponential,
+    Graded,
+    HalfSpace,
+    Layer,
+    Loading,
+    Problem,
+    Rigid,
+    Specimen,
+    TransverselyIsotropic,
+)
 from jkrcli.methods.layered.contact import lagrange
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.surface_tension import Angles, SurfaceTensionSolver

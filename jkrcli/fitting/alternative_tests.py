@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -39,11 +39,11 @@ from .alternatives import (
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .least_squares import (
     COLOURED_FREE,
+    SEARCH_DIGITS,
     STATISTICS_IMPROBABLE,
     Spectrum,
     frequencies,
     in_time,
-    orthogonal,
     t_quantile,
     waves,
 )
@@ -61,6 +61,8 @@ SCORE_NORMAL = 1.96  # theory: 95 % of a normal value
 SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from which they are named together
 # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
 SCORE_BESIDE = 1.5
+SCORE_TAIL = 0.125  # theory: of Student's t: cubics of logs of its tail between are good to 1e-7
+SCORE_FARTHEST = 1e3  # choice: of the same, beyond which a tail is as there
 
 
 @dataclass(frozen=True)
@@ -180,26 +182,24 @@ class Verdict:
 
 def rivals_of_record(record: FittedRecord) -> RecordRivals:
     """The scores of all rivals of a fit."""
-    by_rival, rows, J = record.columns, regular_rows(record), record.jacobian
-    table = np.column_stack([record.residuals, J, *by_rival.values()])
-    weighted, loose = _weighted(record, table, rows)
-    own, c = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
-    scale, Q, triangle = _factors(own)
-    r, beyond = (x - Q @ (Q.T @ x) for x in (weighted[:, 0], c))
-    sizes = np.linalg.norm(beyond, axis=0)
-    unit = beyond / np.maximum(sizes, TINY)  # c'/|c'|
-    along = r @ unit
-    moves = -np.linalg.lstsq(triangle, Q.T @ c, rcond=None)[0] / scale[:, None]
-    dof, misfit = max(int(np.count_nonzero(rows)) - J.shape[1], 1), float(r @ r)
-    dofs = _noise_dofs(record.fit, unit)
-    evidence = zip(sizes.tolist(), along.tolist(), np.linalg.norm(c, axis=0).tolist(), dofs,
+    rows = regular_rows(record)
+    weighted = _weighted(record, record.table, rows)
+    linear = Linearised.by(record, rows, weighted)
+    sizes, along, moves = linear.evidence
+    unit = None
+    if record.fit.spread.possible is not None or record.fit.spread.noise.slow:
+        own = 1 + record.fit.x.size
+        unit = (weighted[own:] + moves @ weighted[1:own]) / np.maximum(sizes, TINY)[:, None]  # c'/|c'|
+    dofs = _noise_dofs(record.fit, unit, sizes.size)
+    evidence = zip(sizes.tolist(), along.tolist(), linear.whole.tolist(), dofs,
                    _chances(record, unit, rows, along**2, dofs).tolist(), strict=True)  # fmt: skip
-    rates, errors = (_by_moves(record.fit) @ moves).T.tolist(), relative_errors(record.fit)
+    rates, errors = (moves @ _by_moves(record.fit).T).tolist(), relative_errors(record.fit)
+    misfit, dof = linear.left, max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
     scores = [
-        _score(record, rival, _Evidence(*items, len(by_rival), misfit), (E, w), errors)
-        for rival, items, (E, w) in zip(by_rival, evidence, rates, strict=True)
+        _score(record, rival, _Evidence(*items, len(record.columns), misfit), (E, w), errors)
+        for rival, items, (E, w) in zip(record.columns, evidence, rates, strict=True)
     ]
-    return RecordRivals(tuple(scores), _named(scores, unit), misfit, dof, loose)
+    return RecordRivals(tuple(scores), _named(scores, linear.alike), misfit, dof, _loose(record))
 
 
 @dataclass(frozen=True)
@@ -239,15 +239,16 @@ def _score(
     return Score(*labels, amount, error, by.chance, taken, share, *rates, *likely, word, quantile)
 
 
-def _noise_dofs(fit: ForceCurveFit, unit: Array) -> list[float]:
-    """The degrees of freedom of the noise at the frequencies of each ``unit`` column: waves of the free rows in each
-    octave, of which a share has as much of the variance, at least one."""
-    if not fit.spread.noise.slow:
-        return [fit.spread.dof] * unit.shape[1]
-    edges = _octaves(len(unit))
-    share = np.add.reduceat(unit**2, edges, axis=0)
-    counts = np.maximum(np.diff(np.append(edges, len(unit))) * fit.spread.dof / len(unit), 1)
-    share = np.maximum((share**2 / counts[:, None]).sum(axis=0), 1 / max(fit.spread.dof, 1.0))
+def _noise_dofs(fit: ForceCurveFit, unit: Array | None, count: int) -> list[float]:
+    """The degrees of freedom of the noise at the frequencies of each of ``count`` ``unit`` columns: waves of the free
+    rows in each octave, of which a share has as much of the variance, at least one."""
+    if unit is None or not fit.spread.noise.slow:
+        return [fit.spread.dof] * count
+    rows = unit.shape[1]
+    edges = _octaves(rows)
+    share = np.add.reduceat(unit**2, edges, axis=1)
+    counts = np.maximum(np.diff(np.append(edges, rows)) * fit.spread.dof / rows, 1)
+    share = np.maximum((share**2 / counts).sum(axis=1), 1 / max(fit.spread.dof, 1.0))
     return (1 / share).tolist()
 
 
@@ -256,20 +257,37 @@ def _octaves(n: int) -> Array:
     return np.append(0, 2 ** np.arange(math.ceil(math.log2(n))))
 
 
-def _chances(record: FittedRecord, unit: Array, rows: Array, taken: Array, dofs: Sequence[float]) -> Array:
+def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array, dofs: Sequence[float]) -> Array:
     """The chances that noise makes one number more, along each ``unit`` column, take as much of chi^2: the mean over
     the spectra that are possible, each of which raises it as much as the column is slow."""
     possible, noise = record.fit.spread.possible, record.fit.spread.noise
-    if possible is None:
+    if possible is None or unit is None:
         return np.array(fdtrc(1, dofs, taken))
-    power = waves(in_time(unit, record.model.rows[rows], noise)) ** 2
-    edges, f = _octaves(len(power)), frequencies(len(power))[:, None]
-    energy = np.add.reduceat(power, edges, axis=0)
-    centre = np.add.reduceat(f * power, edges, axis=0) / np.maximum(energy, TINY)
-    raised = possible.of_waves(centre, energy) / noise.A
-    chances = fdtrc(1, np.array(dofs), taken / np.maximum(raised, TINY))
-    mean: Array = possible.chance @ chances
+    power = waves(in_time(unit.T, record.model.rows[rows], noise)).T ** 2
+    edges, f = _octaves(power.shape[1]), frequencies(power.shape[1])
+    energy = np.add.reduceat(power, edges, axis=1)
+    centre = np.add.reduceat(f * power, edges, axis=1) / np.maximum(energy, TINY)
+    raised = possible.of_waves(centre.T, energy.T) / noise.A
+    mean: Array = possible.chance @ _tails(taken / np.maximum(raised, TINY), record.fit.spread.dof)
     return mean
+
+
+def _tails(taken: Array, dof: float) -> Array:
+    """The chances that the square of Student's t of ``dof`` degrees of freedom is above each of ``taken``: between even
+    t by cubics of their logs through values and slopes, good to 1e-7."""
+    t = np.sqrt(taken)
+    nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max()), SCORE_FARTHEST) / SCORE_TAIL) + 2)
+    tail = np.maximum(fdtrc(1, dof, nodes**2), TINY)
+    peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
+    slope = -SCORE_TAIL * peak * (1 + nodes**2 / dof) ** (-(dof + 1) / 2) / tail
+    log = np.log(tail)
+    rise = np.diff(log)
+    cubics = np.stack([log[:-1], slope[:-1], 3 * rise - 2 * slope[:-1] - slope[1:], slope[:-1] + slope[1:] - 2 * rise])
+    place = np.minimum(t / SCORE_TAIL, nodes.size - 1.0)
+    i = np.minimum(place.astype(int), nodes.size - 2)
+    x, (c0, c1, c2, c3) = place - i, cubics.take(i, axis=1)
+    chances: Array = np.exp(c0 + x * (c1 + x * (c2 + x * c3)))
+    return np.where(c0 > math.log(TINY), chances, 0.0)
 
 
 def chance_of(fit: ForceCurveFit, taken: float) -> float:
@@ -280,11 +298,9 @@ def chance_of(fit: ForceCurveFit, taken: float) -> float:
 def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
     """chi^2 of what a fit leaves on some ``rows``, its degrees of freedom, and how many rows the noise is estimated
     from."""
-    J = record.jacobian
-    weighted, loose = _weighted(record, np.column_stack([record.residuals, J]), rows)
-    _, Q, _ = _factors(weighted[:, 1:])
-    r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
-    return float(r @ r), max(int(np.count_nonzero(rows)) - J.shape[1], 1), loose
+    weighted = _weighted(record, np.vstack([record.residuals, record.jacobian.T]), rows)
+    dof = max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
+    return Linearised.by(record, rows, weighted).left, dof, _loose(record)
 
 
 def misfit_of(record: FittedRecord, rows: Array, noise: Spectrum) -> float:
@@ -324,24 +340,59 @@ def regular_rows(record: FittedRecord) -> Array:
 @dataclass(frozen=True, eq=False)
 class Linearised:
     """A fit with its derivatives in units of the noise, for steps of models that differ a little, on some ``rows``.
-    ``x``: its unknowns where the derivatives of chi^2 vanish, as they need not in the fit itself, at the kink of a
-    fold; ``left``: chi^2 left there."""
+    ``gram``: products of the residuals, these derivatives and the columns of rivals, as far as they are asked for, in
+    these units; ``own``: the derivatives, (unknowns, rows). J = Q R over the lengths ``scale`` of its columns, R the
+    ``triangle``; ``along``: what of all columns is along Q."""
 
     record: FittedRecord
     rows: Array
-    x: Array
+    own: Array
+    gram: Array
     scale: Array
-    Q: Array
     triangle: Array
-    left: float
+    along: Array
 
     @classmethod
-    def of(cls, record: FittedRecord, rows: Array | None = None) -> Linearised:
+    def of(cls, record: FittedRecord, rows: Array | None = None, rivals: bool = False) -> Linearised:
+        """That of all rows or some, of which the others count as exact; with the columns of ``rivals`` or without."""
         rows = np.ones(record.residuals.size, dtype=bool) if rows is None else rows
-        weighted = record.model.whitened(record.jacobian * rows[:, None], record.fit.spread.noise)
-        at_fit = cls(record, rows, record.fit.x, *_factors(weighted), 0.0)
-        step, left = at_fit.step(record.residuals)
-        return replace(at_fit, x=record.fit.x - step, left=left)
+        table = record.table if rivals else np.vstack([record.residuals, record.jacobian.T])
+        return cls.by(record, rows, record.model.whitened((table * rows).T, record.fit.spread.noise).T)
+
+    @classmethod
+    def by(cls, record: FittedRecord, rows: Array, weighted: Array, more: Array | float = 0.0) -> Linearised:
+        """That of residuals, derivatives and columns of rivals in units of the noise (columns, rows), and ``more``
+        rows whose products these are. By J^T J, unless that loses too many digits."""
+        gram, p = weighted @ weighted.T + more, record.fit.x.size
+        scale = np.maximum(np.sqrt(np.diag(gram)[1 : p + 1]), TINY)
+        own = weighted[1 : p + 1]
+        with contextlib.suppress(np.linalg.LinAlgError):
+            lower = np.linalg.cholesky(gram[1 : p + 1, 1 : p + 1] / np.outer(scale, scale))
+            size = np.diag(lower)
+            if size.min(initial=1.0) > SEARCH_DIGITS * size.max(initial=1.0):
+                return cls(
+                    record, rows, own, gram, scale, lower.T, np.linalg.solve(lower, gram[1 : p + 1] / scale[:, None])
+                )
+        Q, R = np.linalg.qr((own / scale[:, None]).T)
+        return cls(record, rows, own, gram, scale, R, Q.T @ weighted.T)
+
+    @cached_property
+    def left(self) -> float:
+        """chi^2 of what is left of the residuals."""
+        return float(self.gram[0, 0] - self.along[:, 0] @ self.along[:, 0])
+
+    @cached_property
+    def x(self) -> Array:
+        """The unknowns where the derivatives of chi^2 vanish, as they need not in the fit itself, at the kink of a
+        fold."""
+        x: Array = self.record.fit.x - self.inverse @ self.along[:, 0] / self.scale
+        return x
+
+    @cached_property
+    def Q(self) -> Array:
+        """Q, (rows, unknowns)."""
+        Q: Array = (self.inverse.T @ (self.own / self.scale[:, None])).T
+        return Q
 
     @cached_property
     def inverse(self) -> Array:
@@ -356,39 +407,41 @@ class Linearised:
         return self.inverse @ along / self.scale, float(r @ r - along @ along)
 
     @cached_property
-    def residuals(self) -> Array:
-        """What the fit leaves of the rows, in units of the noise."""
-        return self.record.model.whitened(self.record.residuals * self.rows, self.record.fit.spread.noise)
+    def whole(self) -> Array:
+        """The sizes |c| of the columns of rivals."""
+        whole: Array = np.sqrt(np.diag(self.gram)[1 + len(self.scale) :])
+        return whole
 
-    def along(self, columns: Array) -> tuple[Array, Array, Array]:
-        """Of changes of the loads by ``columns`` (rows, changes) per amount: by how much the unknowns move per amount,
-        (changes, unknowns), and the amounts that leave least and their standard errors, all to first order."""
-        c = self.record.model.whitened(columns * self.rows[:, None], self.record.fit.spread.noise)
-        own = self.Q.T @ c
-        beyond = c - self.Q @ own
-        size = np.maximum(np.einsum("ij,ij->j", beyond, beyond), TINY)
-        return -(self.inverse @ own).T / self.scale, -(self.residuals @ beyond) / size, 1 / np.sqrt(size)
+    @cached_property
+    def evidence(self) -> tuple[Array, Array, Array]:
+        """Of the columns c of rivals, c' what is left of them beyond the model's: |c'|, what of the residuals is along
+        it, and by how much the unknowns move per amount (rivals, unknowns)."""
+        c = self.along[:, 1 + len(self.scale) :]
+        sizes = np.sqrt(np.maximum(self.whole**2 - np.einsum("ij,ij->j", c, c), 0.0))
+        shared = self.gram[0, 1 + len(self.scale) :] - self.along[:, 0] @ c
+        return sizes, shared / np.maximum(sizes, TINY), -(self.inverse @ c).T / self.scale
+
+    def alike(self, which: int) -> Array:
+        """The correlations of what is left of the columns of rivals with that of one."""
+        c, first, sizes = self.along[:, 1 + len(self.scale) :], 1 + len(self.scale), self.evidence[0]
+        shared = self.gram[first:, first + which] - c.T @ c[:, which]
+        correlations: Array = shared / np.maximum(sizes * sizes[which], TINY)
+        return correlations
 
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""
         return float(np.linalg.norm(self.triangle @ (self.scale * step)))
 
 
-def _factors(own: Array) -> tuple[Array, Array, Array]:
-    """Lengths of the model's own columns, and Q and R of these over them."""
-    scale = np.maximum(np.linalg.norm(own, axis=0), TINY)
-    return (scale, *orthogonal(own / scale))
-
-
-def _named(scores: Sequence[Score], unit: Array) -> tuple[Score, ...]:
-    """Those that are detected and take nearly as much as the best, or whose ``unit`` column is much like its own."""
+def _named(scores: Sequence[Score], alike: Callable[[int], Array]) -> tuple[Score, ...]:
+    """Those that are detected and take nearly as much as the best, or whose columns are much ``alike`` its own."""
     detected = [i for i, one in enumerate(scores) if one.word == DETECTED]
     if not detected:
         return ()
     detected.sort(key=lambda i: -scores[i].taken)
     best = detected[0]
-    least, alike = least_taken(scores[best].taken), np.abs(unit.T @ unit[:, best]) > SCORE_ALIKE
-    return tuple(scores[i] for i in detected if scores[i].taken >= least or alike[i])
+    least, same = least_taken(scores[best].taken), np.abs(alike(best)) > SCORE_ALIKE
+    return tuple(scores[i] for i in detected if scores[i].taken >= least or same[i])
 
 
 def least_taken(most: float) -> float:
@@ -419,12 +472,19 @@ def relative_errors(fit: ForceCurveFit) -> tuple[float, float]:
     return E, math.sqrt(max(float(by @ fit.covariance @ by), 0.0)) if rates else math.inf
 
 
-def _weighted(record: FittedRecord, table: Array, rows: Array) -> tuple[Array, int]:
-    """The ``rows`` of a ``table`` in units of the noise of the free rows, so that noise has unit variance and no
-    colour; from how many rows it is estimated, 0 where they are too few."""
-    noise, loose = record.fit.spread.noise, sum(part.size for part in record.model.free(table[:, 0]))
-    ordered = in_time(table[rows], record.model.rows[rows], noise) if noise.slow else table[rows]
-    return noise.whitened(ordered), loose if loose >= COLOURED_FREE else 0
+def _weighted(record: FittedRecord, table: Array, rows: Array) -> Array:
+    """The ``rows`` of a ``table`` (columns, rows) in units of the noise of the free rows, so that noise has unit
+    variance and no colour."""
+    noise, some = record.fit.spread.noise, table[:, rows]
+    return (
+        noise.whitened(in_time(some.T, record.model.rows[rows], noise)).T if noise.slow else some / math.sqrt(noise.A)
+    )
+
+
+def _loose(record: FittedRecord) -> int:
+    """From how many rows the noise is estimated, 0 where they are too few."""
+    loose = sum(part.size for part in record.model.free(record.residuals))
+    return loose if loose >= COLOURED_FREE else 0
 
 
 # --------------------------------------------------------------------------------------------------
@@ -488,25 +548,24 @@ def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
         return rivals
-    near, off = Linearised.of(record), Linearised.of(record, off_folds(record))
-    columns = np.column_stack([record.columns[_rival(score)] for score in rivals.scores])
-    one_step = {at: [*zip(*at.along(columns), strict=True)] for at in (near, off)}
-    seen_by = [off if score.name in (RANGE.name, TENSION.name) else near for score in rivals.scores]
+    near, off = (Linearised.of(record, rows, rivals=True) for rows in (None, off_folds(record)))
     scores = [
-        _bounded(at, score, one_step[at][i]) for i, (at, score) in enumerate(zip(seen_by, rivals.scores, strict=True))
+        _bounded(off if score.name in (RANGE.name, TENSION.name) else near, score, i)
+        for i, score in enumerate(rivals.scores)
     ]
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 
 
-def _bounded(near: Linearised, score: Score, one_step: tuple[Array, float, float]) -> Score:
+def _bounded(near: Linearised, score: Score, which: int) -> Score:
     """The score with the moves at the largest amount that is possible: to first order where they are small by it, and
-    long ranges of adhesion, of which it says nothing, are excluded. ``one_step``: how the unknowns move per amount, the
-    amount that leaves least and its standard error."""
+    long ranges of adhesion, of which it says nothing, are excluded. ``which`` of the columns is the rival's."""
     ranged, tense, rival, record = score.name == RANGE.name, score.name == TENSION.name, _rival(score), near.record
     if not (score.most > 0 or ranged or tense):
         return score
-    ahead, best, error = one_step
+    sizes, along, moves = near.evidence
+    ahead, error = moves[which], 1 / max(float(sizes[which]), math.sqrt(TINY))
+    best = -float(along[which]) * error
     falls = (max(best, 0.0) / error) ** 2
     if tense and not record.known.tension and falls < FULL_HARDLY * FULL_LEANING:
         return score  # no data lean to any

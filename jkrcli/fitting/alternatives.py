@@ -8,7 +8,7 @@ at fixed positions of the device. The data are asked for each by its score (``al
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache, partial
 from typing import Any, cast
@@ -45,9 +45,21 @@ from .force_curve import (
     creep,
     hysteresis,
     load_at,
+    radii_at,
     receding,
 )
-from .forward_model import FAMILY_BELOW_LIMIT, DeviceBranch, Family, FittedBody, Rest, grid, on_grid, rest, solved
+from .forward_model import (
+    FAMILY_BELOW_LIMIT,
+    FUNCTIONS,
+    DeviceBranch,
+    Family,
+    FittedBody,
+    Rest,
+    grid,
+    on_grid,
+    rest,
+    solved,
+)
 
 # --------------------------------------------------------------------------------------------------
 # An alternative model in full: the model of a raw record with an amount of what it leaves out as one more unknown, or
@@ -60,6 +72,7 @@ from .forward_model import FAMILY_BELOW_LIMIT, DeviceBranch, Family, FittedBody,
 AMOUNT, ANY = "amount", (-math.inf, math.inf)
 Values = Mapping[str, float]  # of all unknowns, by name
 Loads = Callable[[ForceCurveModel, DirectionReadings, Values], Array]  # [N], of all rows of a stretch
+Shape = Callable[[Family, float], tuple[Array, Array]]  # changes of the logs of displacement and stiffness (n,)
 
 # Differences by amounts, and how far rivals are followed.
 CHANGE_LITTLE = 1e-3  # theory: relative amounts whose squares are below the noise of any record
@@ -92,6 +105,10 @@ class ChangedFamily(Family):
         near = np.clip(u, self.spline.x[0], self.spline.x[-1])
         return _changed(super().at(u), *(self.spline(near, order).T for order in range(3)))
 
+    def values(self, u: Array) -> Array:
+        values: Array = super().values(u) * np.exp(self.spline(np.clip(u, self.spline.x[0], self.spline.x[-1])).T)
+        return values
+
     def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
         assert self.body is not None
         return _changed(on_grid(self.body), self.changes, *_rates(self.changes, float(u[1] - u[0])))
@@ -111,11 +128,12 @@ def _changed(
 
 def _rates(g: Array, step: float) -> tuple[Array, Array]:
     """Two derivatives of rows at even nodes, of fourth order but at the two of each end."""
-    near, far = slice(1, -3), slice(3, -1)
-    first = (8 * (g[:, far] - g[:, near]) - g[:, 4:] + g[:, :-4]) / (12 * step)
-    second = (16 * (g[:, far] + g[:, near]) - g[:, 4:] - g[:, :-4] - 30 * g[:, 2:-2]) / (12 * step**2)
-    ends = np.clip(np.arange(-2, g.shape[1] - 2), 0, first.shape[1] - 1)
-    return first[:, ends], second[:, ends]
+    near, far = g[..., 1:-3], g[..., 3:-1]
+    first, second = rates = np.empty((2, *g.shape))
+    first[..., 2:-2] = (8 * (far - near) - g[..., 4:] + g[..., :-4]) / (12 * step)
+    second[..., 2:-2] = (16 * (far + near) - g[..., 4:] - g[..., :-4] - 30 * g[..., 2:-2]) / (12 * step**2)
+    rates[..., :2], rates[..., -2:] = rates[..., 2:3], rates[..., -3:-2]
+    return first, second
 
 
 def changed_family(family: Family, changes: Array) -> Family:
@@ -126,16 +144,16 @@ def changed_family(family: Family, changes: Array) -> Family:
 
 
 def perturbed_logs(family: Family, D: Array, S: Array) -> Array:
-    """Changes of the logs of D, T, H, V (4, n) on the grid of a body whose logs of displacement and stiffness change by
-    ``D`` and ``S`` there: P_H = int S d(delta_H), and adhesion follows from S'."""
+    """Changes of the logs of D, T, H, V (..., 4, n) on the grid of a body whose logs of displacement and stiffness
+    change by ``D`` and ``S`` (..., n) there: P_H = int S d(delta_H), and adhesion follows from S'."""
     u = grid(family)
     step = float(u[1] - u[0])
     (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
     s, ds = v / t, v / t * (dV / v - dT / t)
-    dS = np.exp(S) * (ds + s * np.gradient(S, step, edge_order=2))
-    rate = s * np.exp(S + D) * (dD + d * np.gradient(D, step, edge_order=2))
+    dS = np.exp(S) * (ds + s * np.gradient(S, step, axis=-1, edge_order=2))
+    rate = s * np.exp(S + D) * (dD + d * np.gradient(D, step, axis=-1, edge_order=2))
     T = np.log(ds / dS) / 2
-    return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T])
+    return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T], axis=-2)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -148,11 +166,10 @@ def _plain_integral(family: Family) -> Array:
 def _integral(u: Array, rate: Array) -> Array:
     """The integral of a ``rate`` over even nodes ``u``, a power law's up to the first: by cubics through values and
     derivatives (Euler and Maclaurin)."""
-    step, log = float(u[1] - u[0]), np.log(rate[:2])
-    by_u = _rates(rate[None], step)[0][0]
-    cells = step / 2 * (rate[1:] + rate[:-1]) - step**2 / 12 * np.diff(by_u)
-    integral: Array = np.cumsum(np.append(rate[0] * step / (log[1] - log[0]), cells))
-    return integral
+    step, log, integral = float(u[1] - u[0]), np.log(rate[..., :2]), np.empty_like(rate)
+    integral[..., 0] = rate[..., 0] * step / (log[..., 1] - log[..., 0])
+    integral[..., 1:] = step / 2 * (rate[..., 1:] + rate[..., :-1]) - step**2 / 12 * np.diff(_rates(rate, step)[0])
+    return np.cumsum(integral, axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +186,8 @@ class Perturbation:
     a search with; ``limits``: their least and largest; ``quantities``: what they mean, SI, by name. ``coupled``:
     whether the change depends on the other unknowns too. ``recentred``: the change about a fit that it led to, where it
     is made about one. The derivative of all loads [N] by the amount, where it is not that at 0: ``column``, or
-    that by ``per_amount``, changes of the logs of the body (4, n) for one of it.
+    that by ``per_amount``, changes of the logs of the body (4, n) for one of it. ``shape``: changes of the logs of its
+    displacement and stiffness, where the others follow from these.
     """
 
     starts: tuple[tuple[float, ...], ...] = ((0.0,),)
@@ -185,6 +203,7 @@ class Perturbation:
     recentred: Callable[[ForceCurveFit], Perturbation] | None = None
     column: Array | None = None
     per_amount: Array | None = None
+    shape: Shape | None = None
 
     def followed(self, plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         """The model that a stretch follows in place of the ``plain`` one."""
@@ -210,6 +229,13 @@ def body_perturbation(
         return replace(plain, family=body(plain.family, values[AMOUNT]))
 
     return Perturbation(limits={AMOUNT: limits}, log_changes=log_changes, model=model)
+
+
+def shape_perturbation(shape: Shape, limits: tuple[float, float] = ANY) -> Perturbation:
+    """The change of the body by that of the logs of its displacement and stiffness, its ``shape`` at an amount."""
+    return replace(
+        body_perturbation(lambda family, amount: perturbed_logs(family, *shape(family, amount)), limits), shape=shape
+    )
 
 
 def _before_loss(part: DirectionReadings) -> DirectionReadings:
@@ -357,6 +383,12 @@ class FittedRecord:
         """Their derivatives by the unknowns, (rows, unknowns)."""
         return self.model.residuals(self.fit.x, 0.0)[1]
 
+    @cached_property
+    def table(self) -> Array:
+        """Residuals, their derivatives by the unknowns and the columns of all rivals, one after the other: (columns,
+        rows)."""
+        return np.vstack([self.residuals, self.jacobian.T, *self.columns.values()])
+
     def by_unknown(self, name: str) -> Array:
         """The column of the Jacobian that belongs to an unknown."""
         return self.jacobian[:, self.fit.names.index(name)]
@@ -366,9 +398,14 @@ class FittedRecord:
         return next((part for part in self.model.stretches if part.kind != APPROACH), None)
 
     @cached_property
+    def edges(self) -> list[tuple[DeviceBranch, Rest | None, Array, Array, Array]]:
+        """The edges of each stretch, as the model gives them."""
+        return [self.model.edges(part, self.values) for part in self.model.stretches]
+
+    @cached_property
     def radii(self) -> list[tuple[Array, Array]]:
         """Contact radius [m] of the rows of each stretch, and which of them rest."""
-        return [self.model.contact_radii(part, self.values) for part in self.model.stretches]
+        return [radii_at(*edges) for edges in self.edges]
 
     def radii_of(self, part: DirectionReadings) -> tuple[Array, Array]:
         """The same of one stretch."""
@@ -389,7 +426,7 @@ class FittedRecord:
         """Factor of the body's moduli."""
         return math.exp(self.values["ln_s"])
 
-    @property
+    @cached_property
     def E_star(self) -> float:
         """E* of the body as fitted [Pa]."""
         return self.modulus * self.body.problem.E_star
@@ -400,11 +437,11 @@ class FittedRecord:
         return max(0.0, *(self.values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
 
     @cached_property
-    def nonadhesive(self) -> tuple[Array, Array]:
-        """Load [N] of all rows at their contact radii without adhesion, and the contact stiffness there [N/m]."""
-        _, T, H, V = self.model.family.at(np.log(np.maximum(self.a, LITTLE**2 * self.a_max)))[0]
-        touching = self.modulus * (self.a > 0)
-        return touching * H, touching * V / T
+    def P_H(self) -> Array:
+        """Load [N] of all rows at their contact radii without adhesion."""
+        load, touching = np.zeros(self.a.size), np.flatnonzero(self.a)
+        load[touching] = self.modulus * self.model.family.values(np.log(self.a[touching]))[2]
+        return load
 
     @cached_property
     def loads(self) -> Array:
@@ -433,32 +470,51 @@ class FittedRecord:
         """The columns of all rivals that mean anything for it, by rival."""
         return columns(self)
 
-    def column(self, change: Perturbation) -> Array | Sequence[Array | None]:
-        """Derivative of the loads [N] by the amount of a change, at 0 unless the change has a column of its own; of one
-        of the body the changes of its logs (4, n) per amount, in each stretch."""
-        if change.column is not None:
+    def column(self, change: Perturbation) -> Array | None:
+        """Derivative of the loads [N] by the amount of a change, at 0 unless the change has a column of its own; None
+        of one of the body, which has ``bodies``."""
+        if change.column is not None or change.per_amount is not None or change.log_changes is not None:
             return change.column
-        if change.per_amount is not None:
-            return [change.per_amount] * len(self.model.stretches)
         model = RivalModel.of(self.model, change)
         x = np.concatenate([self.fit.x, [LITTLE, *change.starts[0][1:]]])
-        if change.log_changes is None:
-            return (model.off(x, 0.0) - self.residuals) / LITTLE
-        each, values = change.log_changes, model.values(x)
-        return [None if (g := each(model, part, values)) is None else g / LITTLE for part in model.stretches]
+        return (model.off(x, 0.0) - self.residuals) / LITTLE
+
+    def bodies(self, changes: Sequence[Perturbation]) -> Array:
+        """Changes of the logs of the body (changes, stretches, 4, n) per amount of each of the ``changes`` of it."""
+        family, parts = self.model.family, self.model.stretches
+        bodies = np.zeros((len(changes), len(parts), FUNCTIONS, grid(family).size))
+        shaped = [i for i, change in enumerate(changes) if change.shape is not None]
+        if shaped:
+            shapes = [one.shape(family, LITTLE) for one in changes if one.shape is not None]
+            D, S = (np.array(logs) for logs in zip(*shapes, strict=True))
+            bodies[shaped] = (perturbed_logs(family, D, S) / LITTLE)[:, None]
+        for body, change in zip(bodies, changes, strict=True):
+            if change.per_amount is not None:
+                body[:] = change.per_amount
+            elif change.shape is None and change.log_changes is not None:
+                values = {**self.values, **dict(zip(change.names, (LITTLE, *change.starts[0][1:]), strict=True))}
+                for one, part in zip(body, parts, strict=True):
+                    changed = change.log_changes(self.model, part, values)
+                    one[:] = 0.0 if changed is None else changed / LITTLE
+        return bodies
+
+    def by_bodies(self, bodies: Array) -> Array:
+        """Derivatives of the loads [N] of all rows, (changes, rows), by an amount of each change of ``bodies``."""
+        columns = []
+        for part, edges, each in zip(self.model.stretches, self.edges, bodies.swapaxes(0, 1), strict=True):
+            moving, resting, depth, rows, still = edges
+            columns.append(column := np.zeros((len(each), part.z.size)))
+            column[:, rows] = moving.by_body(depth[rows], part.spacing / 2, each)
+            if resting is not None:
+                column[:, still] = resting.by_body(depth[still], moving.nodes.u, each)
+        return np.concatenate(columns, axis=1)
 
     @cached_property
-    def histories(self) -> list[_History]:
-        """The rows of each stretch in contact, in order of position; the base line is the mean of the free rows."""
-        (P_H, S), each = self.nonadhesive, []
-        for part, (a, _) in zip(self.model.stretches, self.radii, strict=True):
-            rows, touching = self.rows(part), a > 0
-            P = part.P + self.residuals[rows]
-            base = P[~touching].mean() if (~touching).any() else 0.0
-            t, delta = self.time(part), self.model.depth(part, self.values) - (P - base) / self.model.k
-            whole = _History(-t if part.kind == APPROACH else t, delta, a, P_H[rows], S[rows])
-            each.append(whole.ordered(touching))
-        return each
+    def history(self) -> _History | None:
+        """What memories act on; None where there are not two directions or next to no contact."""
+        if len(self.model.stretches) < 2 or min(np.count_nonzero(a) for a, _ in self.radii) < 4:
+            return None
+        return _History.of(self)
 
     @cached_property
     def reach(self) -> float:
@@ -484,9 +540,14 @@ class FittedRecord:
 
     def time(self, part: DirectionReadings) -> Array:
         """Time since the turn, in units of a whole record; by the number of rows where no column tells it."""
-        if min(float(np.ptp(one.t)) for one in self.model.stretches) > 0:
+        if self.timed:
             return np.abs(part.t) / self.duration
         return np.abs(part.rows - part.rows[-1]) / sum(float(np.ptp(one.rows)) for one in self.model.stretches)
+
+    @cached_property
+    def timed(self) -> bool:
+        """Whether a column tells the time of all rows."""
+        return min(float(np.ptp(one.t)) for one in self.model.stretches) > 0
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -558,10 +619,14 @@ def work_over_speed(record: FittedRecord) -> Perturbation | None:
 def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
     """Logs of the speed of the edge over that of the device, da/dz as the device moves evenly: their median, and those
     of all rows less it; None where no position has a neighbour on either side."""
-    positions, rows = np.unique(z, return_index=True)  # readings of a position repeat
+    if not (np.diff(z) > 0).all():  # readings of a position repeat
+        positions, rows = np.unique(z, return_index=True)
+        a = a[rows]
+    else:
+        positions = z
     if positions.size < 3:
         return None
-    log = np.log(np.maximum(np.abs(np.gradient(a[rows], positions)), 1e-9))
+    log = np.log(np.maximum(np.abs(np.gradient(a, positions)), 1e-9))
     median = float(np.median(log))
     return median, np.interp(z, positions, log - median)
 
@@ -632,8 +697,7 @@ def neck(record: FittedRecord) -> float:
 
 def narrow_range(record: FittedRecord) -> float:
     """The range z0 [m] of which the ring is ``CHANGES.small`` a_max wide there: d = pi E* z0^2/(4 w)."""
-    E_star = record.body.problem.E_star
-    return math.sqrt(4 * CHANGE_SMALL * record.a_max * record.work / (math.pi * record.modulus * E_star))
+    return math.sqrt(4 * CHANGE_SMALL * record.a_max * record.work / (math.pi * record.E_star))
 
 
 def amount_of_range(record: FittedRecord, z0: float) -> float:
@@ -744,6 +808,7 @@ def layer_below(record: FittedRecord) -> Perturbation | None:
     return replace(_on_base(record.body, a_max, a_max), per_amount=changes)
 
 
+@lru_cache(maxsize=REMEMBERED)
 def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
     """The body's half-space as a layer of thickness ``h`` [m] on a rigid base, up to ``most`` times that."""
     specimen = body.problem.specimen
@@ -818,19 +883,19 @@ def graded(record: FittedRecord) -> Perturbation:
     """ln S rises by the amount times a/a_max."""
     a_max = record.a_max
 
-    def changes(family: Family, amount: float) -> Array:
+    def shape(family: Family, amount: float) -> tuple[Array, Array]:
         place = np.minimum(np.exp(grid(family)) / a_max, CHANGE_BEYOND)
-        return perturbed_logs(family, np.zeros_like(place), amount * place)
+        return np.zeros_like(place), amount * place
 
-    return body_perturbation(changes, (BODY_SOFTEST, CHANGE_LARGEST))
+    return shape_perturbation(shape, (BODY_SOFTEST, CHANGE_LARGEST))
 
 
 def exponent(record: FittedRecord) -> Perturbation:
     """A profile of exponent 2 + amount, as deep as the tip at a_max: ln D rises by the amount times ln(a/a_max)."""
     log = math.log(record.a_max)
     return replace(
-        body_perturbation(
-            lambda family, amount: _of_tip(family, amount * (grid(family) - log)), (BODY_BLUNTEST, CHANGE_LARGEST)
+        shape_perturbation(
+            lambda family, amount: _of_tip(amount * (grid(family) - log)), (BODY_BLUNTEST, CHANGE_LARGEST)
         ),
         starts=tuple((amount,) for amount in BODY_PROFILES),
         quantities=lambda values: {"exponent": 2 + values[AMOUNT]},
@@ -854,9 +919,9 @@ def _exponent_at_turn(fit: ForceCurveFit) -> Perturbation:
             u = u - step
             if abs(float(step[0])) < SETTLED:
                 break
-        return _of_tip(plain.family, values[AMOUNT] * (grid(plain.family) - u))
+        return perturbed_logs(plain.family, *_of_tip(values[AMOUNT] * (grid(plain.family) - u)))
 
-    return replace(model.change, log_changes=log_changes, model=None, coupled=True, recentred=None)
+    return replace(model.change, log_changes=log_changes, shape=None, model=None, coupled=True, recentred=None)
 
 
 def quartic(record: FittedRecord) -> Perturbation | None:
@@ -865,15 +930,15 @@ def quartic(record: FittedRecord) -> Perturbation | None:
     if R is None:
         return None
 
-    def changes(family: Family, amount: float) -> Array:
-        return _of_tip(family, amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3)
+    return shape_perturbation(
+        lambda family, amount: _of_tip(amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3),
+        (BODY_FLATTEST, CHANGE_LARGEST),
+    )
 
-    return body_perturbation(changes, (BODY_FLATTEST, CHANGE_LARGEST))
 
-
-def _of_tip(family: Family, D: Array) -> Array:
-    """Changes of the logs (4, n) where that of the displacement alone changes by ``D``."""
-    return perturbed_logs(family, D, np.zeros_like(D))
+def _of_tip(D: Array) -> tuple[Array, Array]:
+    """Changes of the logs of displacement and stiffness where the former alone changes, by ``D``."""
+    return D, np.zeros_like(D)
 
 
 def no_slip(record: FittedRecord) -> Perturbation | None:
@@ -932,7 +997,7 @@ def strains(record: FittedRecord) -> Array | None:
     if known is None or problem.layers or R is None:
         return None
     excess = np.interp(record.a / R, STRAINED, known)
-    return -excess / (1 + excess) * record.nonadhesive[0] * record.at_fixed_position
+    return -excess / (1 + excess) * record.P_H * record.at_fixed_position
 
 
 def likely_strains(record: FittedRecord) -> float:
@@ -1066,58 +1131,58 @@ def _fall_and_time(duration: float, values: Values) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class _History:
-    """Rows in contact in order of time ``t``, over that of the record: ``delta`` [m], ``a`` [m], load ``P_H`` [N] and
-    contact stiffness ``S`` [N/m] without adhesion."""
+    """What memories act on, at some instants of the rows in contact: the instants ``t`` in two directions, over the
+    time of the record, ``ages`` of the changes of the strain before each (instants, changes), and what each counts
+    [N]. Ting: on the way out what came before t1, when the radius was the same, as load, the rest as displacement.
+    ``rows``: those in contact of each direction in order of time, at the times ``at``."""
 
-    t: Array
-    delta: Array
-    a: Array
-    P_H: Array
-    S: Array
+    t: tuple[Array, Array]
+    ages: tuple[Array, Array]
+    counts: tuple[Array, Array]
+    rows: tuple[Array, Array]
+    at: tuple[Array, Array]
 
-    def ordered(self, rows: slice | Array) -> _History:
-        return _History(*(column[rows] for column in (self.t, self.delta, self.a, self.P_H, self.S)))
+    @classmethod
+    def of(cls, record: FittedRecord) -> _History:
+        each, some, first = [], [], 0
+        for part, (a, _), order in zip(record.model.stretches, record.radii, (1, -1), strict=True):
+            touching, t = a > 0, record.time(part)
+            rows = np.flatnonzero(touching)[::order]
+            thin = rows[np.unique(np.linspace(0, rows.size - 1, RELAXATION_INSTANTS).astype(int))]
+            P = part.P + record.residuals[first : first + a.size]
+            base = P[~touching].mean() if rows.size < a.size else 0.0
+            depth = record.depth[first + thin] - (P[thin] - base) / record.model.k
+            times = -t if part.kind == APPROACH else t
+            some.append((times[thin], depth, a[thin], record.P_H[first + thin]))
+            each.append((first + rows, times[rows]))
+            first += a.size
+        (t, depth, a, P_H), (t_out, depth_out, a_out, _) = some
+        middle = np.append(t[0], (t[1:] + t[:-1]) / 2)
+        dP = np.diff(P_H, prepend=0.0)
+        met = np.interp(a_out, np.maximum.accumulate(a), t)[:, None]  # t1
+        times = np.concatenate([middle, (t_out + np.append(0.0, t_out[:-1])) / 2])
+        steps = np.diff(np.concatenate([depth, depth_out]), prepend=depth[0])
+        _, T, _, V = record.model.family.values(np.log(a_out))
+        S = record.modulus * V / T
+        counts = np.where(times > met, S[:, None] * steps, np.append(dP, np.zeros(t_out.size)))
+        ages = np.maximum(t[:, None] - middle, 0.0), np.maximum(t_out[:, None] - times, 0.0)
+        (rows, at), (rows_out, at_out) = each
+        return cls((t, t_out), ages, (np.broadcast_to(dP, ages[0].shape), counts), (rows, rows_out), (at, at_out))
 
-    @property
-    def thinned(self) -> _History:
-        return self.ordered(np.unique(np.linspace(0, self.t.size - 1, RELAXATION_INSTANTS).astype(int)))
+    def changed(self, memory: Memory) -> Iterator[tuple[Array, Array]]:
+        """Rows in contact, and the changes of their loads [N] per amount of a memory, which is 0 of no age."""
+        for rows, at, t, ages, counts in zip(self.rows, self.at, self.t, self.ages, self.counts, strict=True):
+            yield rows, np.interp(at, t, -np.einsum("ij,ij->i", memory(ages), counts))
 
 
 def _first_order(record: FittedRecord, memory: Memory) -> Array | None:
-    """dP/d(amount) of all rows; None where there are not two directions or next to no contact."""
-    if len(record.model.stretches) < 2:
+    """dP/d(amount) of all rows; None where memory has nothing to act on."""
+    if record.history is None:
         return None
-    touching = [a > 0 for a, _ in record.radii]
-    if min(map(np.count_nonzero, touching)) < 4:
-        return None
-    growing, shrinking = record.histories
-    into, out = _ting(memory, growing, shrinking.ordered(slice(None, None, -1)))
     column = np.zeros(record.a.size)
-    column[np.concatenate(touching)] = np.concatenate([into, out[::-1]])
+    for rows, changes in record.history.changed(memory):
+        column[rows] = changes
     return column * record.at_fixed_position
-
-
-def _ting(memory: Memory, growing: _History, shrinking: _History) -> tuple[Array, Array]:
-    """Changes of load per amount at the rows of both, in order of time."""
-    into, out = growing.thinned, shrinking.thinned
-    middle, dP = np.append(into.t[0], (into.t[1:] + into.t[:-1]) / 2), np.diff(into.P_H, prepend=0.0)
-
-    def remembered(t: Array, times: Array, counted: Array | bool, steps: Array) -> Array:
-        """The sum of the memory of what was ``counted`` of the ``steps`` at these ``times``, at instants ``t``."""
-        ages = t[:, None] - times
-        counted = counted & (ages >= 0)
-        each = np.zeros_like(ages)
-        each[counted] = memory(ages[counted])
-        return each @ steps
-
-    grown = -remembered(into.t, middle, True, dP)
-    first = np.interp(out.a, np.maximum.accumulate(into.a), into.t)[:, None]  # t1
-    before = remembered(out.t, middle, middle <= first, dP)
-    times = np.concatenate([middle, (out.t + np.append(0.0, out.t[:-1])) / 2])
-    steps = np.diff(np.concatenate([into.delta, out.delta]), prepend=into.delta[0])
-    since = remembered(out.t, times, times > first, steps)
-    shrunk = -(before + out.S * since)
-    return np.interp(growing.t, into.t, grown), np.interp(shrinking.t, out.t, shrunk)
 
 
 def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation]) -> Loads:
@@ -1288,18 +1353,17 @@ RIVALS: tuple[AlternativeModel, ...] = (
 def columns(record: FittedRecord, rivals: Sequence[AlternativeModel] = RIVALS) -> dict[AlternativeModel, Array]:
     """The columns of all rivals that mean anything for a record, by rival; those of changed bodies are taken together,
     by one look at where the rows lie on their branches."""
-    by_rival, bodies = dict[AlternativeModel, Array | None](), dict[AlternativeModel, Sequence[Array | None]]()
+    by_rival, bodies = dict[AlternativeModel, Array | None](), dict[AlternativeModel, Perturbation]()
     for rival in rivals:
         try:
             effect = rival.effect(record)
-            column = record.column(effect) if isinstance(effect, Perturbation) else effect
+            by_rival[rival] = column = record.column(effect) if isinstance(effect, Perturbation) else effect
         except (JkrError, FloatingPointError):
             continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
-        by_rival[rival] = column if isinstance(column, np.ndarray) else None
-        if column is not None and not isinstance(column, np.ndarray):
-            bodies[rival] = column
+        if column is None and isinstance(effect, Perturbation):
+            bodies[rival] = effect
     if bodies:
-        by_rival |= dict(zip(bodies, record.model.by_body(record.fit.x, [*bodies.values()]), strict=True))
+        by_rival |= dict(zip(bodies, record.by_bodies(record.bodies([*bodies.values()])), strict=True))
     return {
         rival: column
         for rival, column in by_rival.items()

@@ -28,7 +28,7 @@ from ..base.errors import SolveError, known
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median
 from ..data.curve import APPROACH, Curve
 from ..data.segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
-from .forward_model import DeviceBranch, Family, Rest, branch, grid, on_grid, rest
+from .forward_model import DeviceBranch, Family, Rest, branch, on_grid, rest
 from .least_squares import (
     TURNS,
     Least,
@@ -429,11 +429,7 @@ class ForceCurveModel:
 
     def contact_radii(self, part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Contact radius [m] at all rows of a stretch, 0 where they are free, and which of them are at rest."""
-        moving, resting, z = self.branch(part, values), self.rest(part, values), self.depth(part, values)
-        touching = self.touching(part, values, moving.fold)
-        still = np.zeros_like(touching) if resting is None else touching & (z > resting.end)
-        a = np.where(still, math.exp(resting.u), moving.radii(z)) if resting is not None else moving.radii(z)
-        return np.where(touching, a, 0.0), still
+        return radii_at(*self.edges(part, values))
 
     def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
         """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
@@ -554,18 +550,17 @@ class ForceCurveModel:
         by_modulus = by_s - q * by_q if part.kind in self.works else by_s
         return P, {"ln_s": by_modulus, "z": by_z, "z0": -by_z - by_turn, own: by_q} | more
 
-    def by_body(self, x: Array, changes: Sequence[Sequence[Array | None]]) -> Array:
-        """Derivatives of the loads of all rows, (changes, rows), by an amount of each of the ``changes`` of the body:
-        of its logs of D, T, H, V on its grid (4, nodes), in each stretch, None for none."""
-        values, columns, none = self.values(x), [], np.zeros((4, grid(self.family).size))
-        for part, *each in zip(self.stretches, *changes, strict=True):
-            bodies = np.stack([none if one is None else one for one in each])
-            columns.append(column := np.zeros((len(each), part.z.size)))
-            moving, resting, depth, rows, still = self.edges(part, values)
-            column[:, rows] = moving.by_body(depth[rows], part.spacing / 2, bodies)
-            if resting is not None:
-                column[:, still] = resting.by_body(depth[still], moving.nodes.u, bodies)
-        return np.concatenate(columns, axis=1)
+
+def radii_at(
+    moving: DeviceBranch, resting: Rest | None, depth: Array, rows: Array, still: Array
+) -> tuple[Array, Array]:
+    """Contact radius [m] at all rows of a stretch by its edges, 0 where they are free, and which of them are at
+    rest."""
+    a, rests = np.zeros(depth.size), np.zeros(depth.size, dtype=bool)
+    a[rows] = moving.radii(depth[rows])
+    if resting is not None:
+        a[still], rests[still] = math.exp(resting.u), True
+    return a, rests
 
 
 def _by_advance(

@@ -125,8 +125,16 @@ class Family:
         first, second = logs[FUNCTIONS : 2 * FUNCTIONS], logs[2 * FUNCTIONS :]
         return values, values * first, values * (second + first**2)
 
+    def values(self, u: Array) -> Array:
+        """(D, T, H, V) alone, (4, n)."""
+        return np.exp(self._values(u).T)
+
+    @cached_property
+    def _values(self) -> PPoly:
+        return PPoly(np.ascontiguousarray(self.logs.c[..., :FUNCTIONS]), self.logs.x)
+
     def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
-        """The same at evenly spaced nodes."""
+        """The same as ``at`` at evenly spaced nodes."""
         return self.at(u)
 
     def own_rates(self, u: Array) -> Mapping[str, Array]:
@@ -650,12 +658,6 @@ class DeviceBranch:
     nodes: Nodes
 
     @cached_property
-    def parts(self) -> Array:
-        """What D, T, H and V have of displacement and load (4, n)."""
-        D, T, H, V = self.nodes.family.at(self.u)[0]
-        return np.stack([D, self.r * T, self.s * H, self.s * self.r * V])
-
-    @cached_property
     def cubics(self) -> Array:
         """Between nodes: where they begin, the inverse width, and the load's coefficients of a cubic (6, n - 1)."""
         cubics = np.empty((6, self.zeta.size - 1))
@@ -715,15 +717,20 @@ class DeviceBranch:
     def by_body(self, z: Array, blunt: float, changes: Array) -> Array:
         """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
         the logs of D, T, H, V of the body (changes, 4, nodes)."""
-        place = np.clip((self.u - self.nodes.u[0]) / (self.nodes.u[1] - self.nodes.u[0]), 0, self.nodes.u.size - 1)
-        i = np.minimum(place.astype(int), self.nodes.u.size - 2)
-        here = changes[..., i]
-        D, T, H, V = ((here + (place - i) * (changes[..., i + 1] - here)) * self.parts).transpose(1, 0, 2)
-        rate = self.zeta * (H - V) - self.slope / 2 * (D - T + (H - V) / self.k)
+        begin, step = self.nodes.spacing
+        place = np.maximum((self.u - begin) / step, 0.0)  # between two nodes at the fold, on one of them beyond
+        i, first = np.rint(place).astype(int), min(int(place[0]), self.nodes.u.size - 2)
+        here, parts = changes[..., i], self.nodes.functions[:, 0, i]
+        here[..., 0] = changes[..., first] + (changes[..., first + 1] - changes[..., first]) * (place[0] - first)
+        parts[:, 0] = [value for value, _, _ in self.nodes.at(float(self.u[0]))]
+        of_load = self.s * (self.zeta - self.slope / (2 * self.k))
+        weights = np.stack([-self.slope / 2, self.r * self.slope / 2, of_load, -self.r * of_load]) * parts
+        rate = np.einsum("ijk,jk->ik", here, weights)
         zeta = np.sqrt(np.maximum(z - self.fold, blunt))
-        i = np.clip(self.zeta.searchsorted(zeta) - 1, 0, self.zeta.size - 2)
+        i = self.zeta[1:-1].searchsorted(zeta)
         x = np.minimum((zeta - self.zeta[i]) * self.cubics[1, i], 1.0)
-        dP: Array = (rate[:, i] + (rate[:, i + 1] - rate[:, i]) * x) / zeta
+        left, right = rate.take(i, axis=1), rate.take(i + 1, axis=1)
+        dP: Array = (left + (right - left) * x) / zeta
         return dP
 
 
@@ -813,7 +820,9 @@ class Rest:
     def by_body(self, z: Array, u: Array, changes: Array) -> Array:
         """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
         the logs of D, T, H, V of the body (changes, 4, nodes) at the nodes ``u``."""
-        D, T, H, V = np.array([[np.interp(self.u, u, row) for row in one] for one in changes]).T[..., None]
+        i = min(max(int(np.searchsorted(u, self.u)) - 1, 0), u.size - 2)
+        share = (self.u - u[i]) / (u[i + 1] - u[i])
+        D, T, H, V = (changes[..., i] + share * (changes[..., i + 1] - changes[..., i])).T[..., None]
         P, (_, _, _, by_turn) = self.at(z)
         turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
         off = (V - T) * (self.D - z + P / self.k) + D * self.D

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -60,7 +61,7 @@ class Side:
     code: float
     deep: Array
 
-    @property
+    @cached_property
     def noise(self) -> float:
         """Standard deviation of a row [N], at least what a converter and what matters leave."""
         least = FREE_SEEN * max(float(np.ptp(self.y)), abs(self.jump)) if self.y.size else 0.0
@@ -190,7 +191,8 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> FreeRows | 
 
 def row_noise(y: Array) -> float:
     """Standard deviation of a row by second differences, whatever the rows follow."""
-    return 1.4826 * median(np.abs(np.diff(y, 2))) / math.sqrt(6) if y.size > 3 else 0.0
+    steps = y[1:] - y[:-1]
+    return 1.4826 * median(np.abs(steps[1:] - steps[:-1])) / math.sqrt(6) if y.size > 3 else 0.0
 
 
 # ---------------------------------------------------------------------- levels
@@ -202,7 +204,7 @@ def _levels(side: Side) -> list[tuple[int, float, float]]:
         return []
     noise = side.noise
     for _ in range(FREE_MOST):
-        edge = _edge(side.y - _stairs(side, edges), noise)
+        edge = _edge(side.y - _stairs(side, edges) if edges else side.y, noise)
         if edge is None:
             break
         edges = sorted({*edges, edge})
@@ -248,11 +250,12 @@ def _edge(y: Array, noise: float) -> int | None:
     while width <= widest:
         means = (total[width:] - total[:-width]) / width
         a, b, c, d = (means[i * width : means.size - (3 - i) * width] for i in range(4))
-        change = (a - d) / 2 + 1.5 * (c - b)
-        usual = max(1.4826 * median(np.abs(change)), noise * math.sqrt(5 / width))
-        at = int(np.argmax(np.abs(change)))
-        if usual > 0 and abs(change[at]) / usual > max(best[0], FREE_SIGMAS):
-            best = (abs(change[at]) / usual, at + 2 * width, width)
+        change = np.abs((a - d) / 2 + 1.5 * (c - b))
+        at, least = int(np.argmax(change)), noise * math.sqrt(5 / width)
+        if change[at] > max(best[0], FREE_SIGMAS) * least:  # or it cannot stand out, whatever is usual
+            usual = max(1.4826 * median(change), least)
+            if usual > 0 and change[at] / usual > max(best[0], FREE_SIGMAS):
+                best = (change[at] / usual, at + 2 * width, width)
         width *= 2
     if best[0] == 0:
         return None
@@ -433,18 +436,21 @@ def _gaps(x: Array, at: float, size: float, reach: float, law: str, stiffness: f
 
 def _falls(blocks: Sequence[tuple[Array, Array, float]], at: float, way: float) -> tuple[float, float]:
     """How far chi^2 of lines falls by a bend at contact, and then by another at the far end, each of the best range."""
-    y = np.concatenate([block[1] / max(block[2], 1e-300) for block in blocks])
-    noise = np.concatenate([np.full(block[0].size, max(block[2], 1e-300)) for block in blocks])
-    from_contact = np.concatenate([np.maximum(at - block[0], 0.0) for block in blocks])
-    from_end = np.concatenate([block[0] - block[0][0] for block in blocks])
-    bends = np.exp(-np.concatenate([np.outer(1 / (FREE_LOOKED_AT * way), gaps) for gaps in (from_contact, from_end)]))
-    basis = np.linalg.qr(_lines(blocks, None) / noise[:, None])[0]
-    off = y - basis @ (basis.T @ y)
-    bends = bends / noise
-    bends -= (bends @ basis) @ basis.T
-    near, far = np.split(bends, 2)
+    reaches = -1 / (FREE_LOOKED_AT * way)
+    columns, offs = [], []
+    for x, y, noise in blocks:
+        bends = np.exp(np.concatenate([np.outer(reaches, gaps) for gaps in (np.maximum(at - x, 0.0), x - x[0])]))
+        along = x - x.mean()
+        line = np.stack([np.full(x.size, 1 / math.sqrt(x.size)), along / (math.sqrt(float(along @ along)) or 1.0)])
+        beside = np.vstack([bends, y]) / max(noise, 1e-300)
+        beside -= (beside @ line.T) @ line
+        columns.append(beside[:-1])
+        offs.append(beside[-1])
+    off = np.concatenate(offs)
+    near, far = np.split(np.concatenate(columns, axis=1), 2)
     falls = _of_each(near, off)
-    best = near[int(np.argmax(falls))] / np.linalg.norm(near[int(np.argmax(falls))])
+    best = near[int(np.argmax(falls))]
+    best = best / math.sqrt(float(best @ best))
     far -= np.outer(far @ best, best)
     return float(falls.max()), float(_of_each(far, off).max())
 

@@ -7,14 +7,16 @@ free: there the load is a straight line, and what leaves that line is contact or
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
 from ..base.errors import Estimate, InputError, Unknown, counted, known
-from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array, median
+from ..base.lockstep import Flow, alone, ask, together
+from ..base.numerics import FEWEST_ROWS, NOTICEABLE, REMEMBERED, ROUNDED, SAME, Array, median
 from ..base.units import show
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve
 from .free_rows import FreeRows, Side, free_rows
@@ -35,27 +37,35 @@ def saturation(curve: Curve) -> dict[str, Array]:
     does at a detector's limit: the load is at least that large there; none of a base line."""
     if curve.P is None or curve.delta is None:
         return {}
-    ends = {"largest": float(curve.P.max()), "smallest": float(curve.P.min())}
-    return {name: curve.P == end for name, end in ends.items() if _standing_still(curve.P, curve.device, end)}
+    found = {}
+    for name, end in (("largest", float(curve.P.max())), ("smallest", float(curve.P.min()))):
+        rows = curve.P == end
+        if np.count_nonzero(rows) >= SATURATION_SATURATED and _standing_still(curve.P, curve.device, rows):
+            found[name] = rows
+    return found
 
 
 def saturation_words(curve: Curve) -> tuple[str, ...]:
     """A sentence on each end of the loads at which they are saturated."""
+    return _words_on(curve, saturation(curve))
+
+
+def _words_on(curve: Curve, saturated: Mapping[str, Array]) -> tuple[str, ...]:
     return tuple(
         f"{np.count_nonzero(rows)} rows hold the same {name} load, {show(float(curve.load[rows][0]), 'load')}, as at "
         "the limit of a detector"
-        for name, rows in saturation(curve).items()
+        for name, rows in saturated.items()
     )
 
 
-def _standing_still(P: Array, z: Array, end: float) -> bool:
-    """Whether the longest run at the load ``end`` is long, and came there by more than some steps of the converter."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], end == P, [False]]).astype(int)))
+def _standing_still(P: Array, z: Array, at_end: Array) -> bool:
+    """Whether the longest run of rows ``at_end`` of the loads is long, and came there by more than some steps of the
+    converter."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], at_end, [False]]).astype(int)))
     first, last = edges[::2], edges[1::2]
     i = int(np.argmax(last - first))
     count = int(last[i] - first[i])
     held = z[first[i] : last[i]]
-    levels = np.diff(np.unique(P))
     if count < SATURATION_SATURATED or count == P.size or np.abs(held - held[0]).max() < NOTICEABLE * np.ptp(z):
         return False
     if held.min() < z.min() + SATURATION_FREE * np.ptp(z):
@@ -64,7 +74,7 @@ def _standing_still(P: Array, z: Array, end: float) -> bool:
     # changes by 4.5 levels in as many more, on the side of no jump.
     sides = P[max(first[i] - count, 0) : first[i] + 1], P[last[i] - 1 : last[i] + count]
     left = min((float(np.ptp(side)) for side in sides if side.size > count // 2 + 1), default=float(np.ptp(P)))
-    return left > SATURATION_LEVELS * float(levels.min())
+    return left > SATURATION_LEVELS * float(np.diff(np.unique(P)).min())
 
 
 DWELL, PERMANENT_SET = "dwell", "permanent set"
@@ -100,6 +110,7 @@ RECORD_WAVY = 0.03  # choice: of the range of the load, waviness of a base line 
 # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
 # least of what it makes over all of the base line
 RECORD_STEEP = 0.2
+ALONGSIDE = 50_000  # choice: rows of directions that are read at once; more no longer saves time
 RECORD_WANDERING = 2.0  # theory: way over distance of a device that reverses once
 
 
@@ -223,8 +234,7 @@ class ForceCurve:
         """The record with something else taken off its loads; base lines follow when it is fitted."""
         taken = np.zeros(len(self.curve)) if self.held is None else self.held.taken
         curve = replace(self.curve, P=self.curve.load + taken - held.taken)
-        P = curve.load
-        sides = tuple(_direction(curve.device, P, side.segment) for side in self.directions)
+        sides = alone(_directions(curve.device, curve.load, [side.segment for side in self.directions]))
         return replace(self, curve=curve, held=held, directions=sides)
 
     @cached_property
@@ -245,6 +255,17 @@ class ForceCurve:
 
 def segment_force_curve(curve: Curve) -> ForceCurve:
     """The parts of a measured curve; InputError where it holds no displacement and load, or too few rows."""
+    return alone(examined(curve))
+
+
+def segment_force_curves(curves: Sequence[Curve]) -> list[ForceCurve | Exception]:
+    """The parts of each of some curves, by ``segment_force_curve``; its error where one cannot be examined, whatever
+    the others are."""
+    return together([examined(curve) for curve in curves])
+
+
+def examined(curve: Curve) -> Flow[ForceCurve]:
+    """The parts of a measured curve, as a flow; InputError where it holds no displacement and load, or too few rows."""
     if curve.delta is None or curve.P is None:
         left_out = [f"{curve.where}: {flag}" for flag in curve.flags if NO_UNIT in flag]
         raise InputError([
@@ -255,35 +276,40 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
         raise InputError(
             f"{curve.where}: holds {counted(len(curve), 'row')}, at least {FEWEST_ROWS} are needed to look at"
         )
-    whole, P, spikes = curve, curve.P, _spikes(curve.P)
+    whole, z, P, spikes = curve, curve.device, curve.P, _spikes(curve.P)
     if spikes.size:
-        z, P = curve.device, P.copy()
+        P = P.copy()
         P[spikes] = (P[spikes - 1] + P[spikes + 1]) / 2
         curve = replace(curve, P=P, delta=z if curve.stiffness is None else z - P / curve.stiffness)
-    parts, by_load = _segments_by_motion(curve.device, P) if curve.segment is None else (_named_segments(curve), False)
+        z = curve.device
+    parts, by_load = _segments_by_motion(z, P) if curve.segment is None else (_named_segments(curve, z), False)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
-    directions = tuple(_direction(curve.device, P, part) for part in sides)
-    held = _free_rows(curve, directions, resolution(whole.load))
+    directions = yield from _directions(z, P, sides)
+    held = _free_rows(z, P, directions, resolution(whole.load), curve.stiffness)
     plain = ForceCurve(whole, tuple(parts), directions, {}, spikes, spikes[:0]) if held is not None else None
     if held is not None:  # the tip stays at its depth
         curve, whole = (replace(one, P=one.load - held.taken) for one in (curve, whole))
-        directions = tuple(_direction(curve.device, curve.load, part) for part in sides)
+        z, P = curve.device, curve.load
+        directions = yield from _directions(z, P, sides)
     # What a reader should know before trusting anything that is fitted to this curve; the last sentence of a name.
     touched = [item for item in directions if not isinstance(item.touch, Unknown)]
     flags = [*_missing(parts, directions)]
     if directions and not touched:
         flags.append(("no contact", "the load never leaves its base line"))
-    dent = _permanent_set(curve, directions) if by_load else ()
-    limits = np.flatnonzero(np.any([np.zeros(len(curve), dtype=bool), *saturation(curve).values()], axis=0))
-    flags += [*(dent or _on_base_lines(curve, touched)), *_on_jumps(touched, limits), *_on_signs(curve, directions)]
-    flags += [("saturated", f"{sentence}: they are left out") for sentence in saturation_words(curve)]
+    dent = _permanent_set(z, P, directions) if by_load else ()
+    saturated = saturation(curve)
+    limits = np.flatnonzero(np.any([*saturated.values()], axis=0)) if saturated else spikes[:0]
+    flags += [*(dent or _on_base_lines(P, touched)), *_on_jumps(touched, limits), *_on_signs(z, P, directions)]
+    flags += [("saturated", f"{sentence}: they are left out") for sentence in _words_on(curve, saturated)]
     return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held, plain)
 
 
-def _free_rows(curve: Curve, directions: Sequence[Direction], code: float) -> FreeRows | None:
+def _free_rows(
+    z: Array, P: Array, directions: Sequence[Direction], code: float, stiffness: float | None
+) -> FreeRows | None:
     """What the free rows of the first approach and the first retraction hold beside a base line; ``code`` [N]: the step
     of the converter."""
-    sides, z, P = [], curve.device, curve.load
+    sides = []
     for kind in (APPROACH, RETRACT):
         item = next((item for item in directions if item.segment.kind == kind), None)
         if item is None or isinstance(item.touch, Unknown):
@@ -291,24 +317,25 @@ def _free_rows(curve: Curve, directions: Sequence[Direction], code: float) -> Fr
         rows = np.arange(item.segment.first, item.segment.last + 1)[:: 1 if kind == APPROACH else -1]
         free, contact = rows[: item.free], rows[item.free :]
         sides.append(Side(kind, free, z[free], P[free], contact, item.jump, code, z[contact]))
-    return free_rows(sides, len(curve), math.inf if curve.stiffness is None else curve.stiffness)
+    return free_rows(sides, P.size, math.inf if stiffness is None else stiffness)
 
 
 def _spikes(P: Array) -> Array:
     """Rows that leave the lines through the two before and the two after by as much and to the same side, far beyond
     what the others do; none where they are many. At a jump one of the lines holds, or they are apart."""
-    before, after = 2 * P[1:-3] - P[:-4], 2 * P[3:-1] - P[4:]
-    off = np.minimum(np.abs(P[2:-2] - before), np.abs(P[2:-2] - after))
-    least = max(RECORD_SIGMAS * _robust(P[2:-2] - before), RECORD_LEAST * float(np.ptp(P)))
-    between = (P[2:-2] - before) * (P[2:-2] - after) > 0
-    spikes = np.flatnonzero(between & (off > least) & (np.abs(before - after) < RECORD_HALF * off)) + 2
+    from_before, from_after = P[2:-2] - (2 * P[1:-3] - P[:-4]), P[2:-2] - (2 * P[3:-1] - P[4:])
+    off = np.minimum(np.abs(from_before), np.abs(from_after))
+    alone = (off > RECORD_LEAST * float(np.ptp(P))) & (from_before * from_after > 0)
+    spikes = np.flatnonzero(alone & (np.abs(from_before - from_after) < RECORD_HALF * off))
+    if spikes.size:
+        spikes = spikes[off[spikes] > RECORD_SIGMAS * _robust(from_before)] + 2
     return spikes if spikes.size <= RECORD_SMALL * P.size else spikes[:0]
 
 
-def _named_segments(curve: Curve) -> list[Segment]:
+def _named_segments(curve: Curve, delta: Array) -> list[Segment]:
     """Stretches of rows with the same word. One that turns back in its middle holds both directions, whatever it is
     called; rows of one direction at a standstill by the turn are a dwell."""
-    words, delta, P = curve.segment, curve.device, curve.load
+    words, P = curve.segment, curve.load
     assert words is not None
     ends = np.flatnonzero(words[1:] != words[:-1])
     stretches = [
@@ -348,9 +375,11 @@ def _parts_of_way(delta: Array) -> list[Segment]:
     """The parts of what rises, rests and falls again."""
     n = delta.size
     window = _block(n)
-    smooth = np.convolve(np.pad(delta, window, mode="edge"), np.ones(2 * window + 1) / (2 * window + 1), "valid")
+    rows = np.concatenate([delta[:1].repeat(window), delta, delta[-1:].repeat(window)])
+    smooth = np.convolve(rows, np.ones(2 * window + 1) / (2 * window + 1), "valid")
     turn = int(np.argmax(smooth))
-    speed = np.abs(np.gradient(smooth))
+    ends = smooth[1:2] - smooth[:1], smooth[-1:] - smooth[-2:-1]
+    speed = np.abs(np.concatenate([ends[0], (smooth[2:] - smooth[:-2]) / 2, ends[1]]))
     # The speed at which half of the way is covered or less: dwells have no part in it, however long they last.
     ordered = np.sort(speed)
     way = np.cumsum(ordered)
@@ -366,24 +395,71 @@ def _parts_of_way(delta: Array) -> list[Segment]:
     return [part for part in parts if len(part) > RECORD_SMALL * n]
 
 
-def _direction(position: Array, P: Array, segment: Segment) -> Direction:
-    """Base line, touch, adhesion and jumps of one direction."""
-    order = 1 if segment.kind == APPROACH else -1  # from the far end inwards
-    x, y = position[segment.rows][::order], P[segment.rows][::order]
-    end = _end_of_free_part(x, y)
-    base = _base_line(x, y, end)
+def _directions(z: Array, P: Array, parts: Sequence[Segment]) -> Flow[tuple[Direction, ...]]:
+    """Base line, touch, adhesion and jumps of the directions that are ``parts`` of a record, as a flow."""
+    sides = [(z[part.rows], P[part.rows], part) for part in parts]
+    found: tuple[Direction, ...] = yield from ask(_directions_of, sides)
+    return found
+
+
+def _directions_of(records: Sequence[Sequence[tuple[Array, Array, Segment]]]) -> list[tuple[Direction, ...]]:
+    """The directions of each record, by their positions, loads and segments; those with equal rows together, as arrays
+    (directions, rows) from the far end inwards."""
+    found: list[list[Any]] = [[None] * len(sides) for sides in records]
+    by_rows: dict[int, list[tuple[int, int]]] = {}
+    for i, sides in enumerate(records):
+        for j, (x, _, _) in enumerate(sides):
+            by_rows.setdefault(x.size, []).append((i, j))
+    for rows, places in by_rows.items():
+        many = max(1, ALONGSIDE // rows)
+        for part in (places[k : k + many] for k in range(0, len(places), many)):
+            positions, loads, segments = zip(*(records[i][j] for i, j in part), strict=True)
+            x, y = (
+                np.stack([v if side.kind == APPROACH else v[::-1] for v, side in zip(columns, segments, strict=True)])
+                for columns in (positions, loads)
+            )
+            for (i, j), direction in zip(part, _equally_long(x, y, segments), strict=True):
+                found[i][j] = direction
+    return [tuple(sides) for sides in found]
+
+
+def _equally_long(x: Array, y: Array, segments: Sequence[Segment]) -> list[Direction]:
+    """Base lines, touch, adhesion and jumps of directions whose positions and loads are ``x, y`` (directions, rows), in
+    the order from their far ends inwards."""
+    roundings = [step / math.sqrt(12) for step in resolutions(y)]
+    ends = _ends_of_free_parts(x, y)
+    bases, off = _base_lines(x, y, ends, roundings)
+    fall, rise, width = _sudden(off, bases)
     # The load falls at once for the first time: a tether or a second contact holds beyond, however straight it is.
-    fall, _, width = _sudden(y - base(x), base)
-    sooner = min((first for first, _ in _runs(fall, width) if first >= RECORD_FAR * x.size), default=x.size)
-    if sooner < end:
-        end = sooner
-        base = _base_line(x, y, end)
-    off = y - base(x)
-    row, error = _touch(x, off, base, end)
+    first = math.ceil(RECORD_FAR * x.shape[1])
+    sooner = [min((one for one, _ in _runs(row, width) if one >= first), default=x.shape[1]) for row in fall]
+    again = np.flatnonzero(sooner < ends)
+    if again.size:
+        ends[again] = np.array(sooner)[again]
+        at = again.tolist()
+        changed, off[again] = _base_lines(x[again], y[again], ends[again], [roundings[i] for i in at])
+        fall[again], rise[again], _ = _sudden(off[again], changed)
+        for i, base in zip(at, changed, strict=True):
+            bases[i] = base
+    for i in np.flatnonzero(_are_curved(x, y, ends)).tolist():
+        bases[i] = replace(bases[i], curved=True)
+    return [
+        _direction(x[i], y[i], off[i], (fall[i], rise[i], width), bases[i], segment)
+        for i, segment in enumerate(segments)
+    ]
+
+
+def _direction(
+    x: Array, y: Array, off: Array, sudden: tuple[Array, Array, int], base: BaseLine, segment: Segment
+) -> Direction:
+    """Touch, adhesion and jumps of one direction by its base line and the loads ``off`` it; ``sudden``: where the load
+    falls and rises at once, over so many rows."""
+    order = 1 if segment.kind == APPROACH else -1
+    row, error = _touch(x, off, base)
     touch: Estimate = float(x[row]) if row < x.size else Unknown("the load never leaves its base line")
     lowest = int(np.argmin(off))
     rows = range(segment.first, segment.last + 1)[::order]
-    falls, others = _jumps(off, base)
+    falls, others = _jumps(off, base, *sudden)
     tension, unsure = _largest_tension(x, off, base, lowest, falls)
     main = min(falls, key=lambda fall: off[fall[1]] - off[fall[0]], default=None)
     jump = 0.0 if main is None else float(off[main[1]] - off[main[0]])
@@ -397,7 +473,8 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
         falls = [main, *(fall for fall in falls if fall[0] not in rung and fall[1] not in rung)]
         others = [step for step in others if step[0] not in rung and step[1] not in rung]
     falls = sorted(falls + _end_of_tether(off, base, falls))
-    turn = x.max() - RECORD_SMALL * np.ptp(x)  # beyond, a change of drag is no event
+    deepest, way = float(x.max()), float(np.ptp(x))
+    turn = deepest - RECORD_SMALL * way  # beyond, a change of drag is no event
     others = [(first, last) for first, last in others if x[last] < turn and not _by_motion(x, off, first, last)]
     jumps, steps = (
         tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in pairs)
@@ -407,15 +484,25 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     border = min([row - 1, *(first for first, _ in falls)]), inner
     if main is not None and ringing:
         border = (border[0], max(inner, main[1] + ringing)) if order > 0 else (min(border[0], main[0] - ringing), inner)
-    depth = float(x.max() - x[min(row, x.size - 1)])
+    depth = deepest - float(x[min(row, x.size - 1)])
     loads = float(off.max()), tension, unsure, float(x[lowest])
-    block = _block(off.size)  # contact raises the load: free rows lie before the least of means of rows
-    before_least = int(np.argmin(_blocks(off, block))) * block
-    free = main[0] + 1 if main is not None else before_least if order > 0 else border[0] + 1
+    if main is not None:
+        free = main[0] + 1
+    elif order > 0:  # contact raises the load: free rows lie before the least of means of rows
+        block = _block(off.size)
+        free = int(np.argmin(_blocks(off, block))) * block
+    else:
+        free = border[0] + 1
     free -= 0 if order > 0 else ringing
-    return Direction(
-        segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth, max(free, 0), jump, ringing
-    )
+    return Direction(segment, base, touch, error, *loads, jumps, steps, border, way, depth, max(free, 0), jump, ringing)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _parabolas(rows: int) -> Array:
+    """The orthonormal polynomials of degree 0 to 2 at evenly spaced rows, (rows, 3)."""
+    columns: Array = np.linalg.qr(np.vander(np.linspace(-1, 1, rows), 3))[0]
+    columns.setflags(write=False)
+    return columns
 
 
 def _largest_tension(
@@ -433,11 +520,11 @@ def _largest_tension(
         y = off[max(begins, lowest - half) : lowest + half + 1]
         if (dof := y.size - 3) < half // 2:
             continue
-        Q = np.linalg.qr(np.vander(np.linspace(-1, 1, y.size), 3))[0]
+        Q = _parabolas(y.size)
         smooth = Q @ (Q.T @ y)
-        least = int(np.argmin(smooth))
-        told, unsure = float(-smooth[least]), base.noise * float(np.linalg.norm(Q[least]))
-        bends = float(np.sum((y - smooth) ** 2)) > base.noise**2 * (dof + RECORD_CHANCE * math.sqrt(2 * dof))
+        least, left = int(np.argmin(smooth)), y - smooth
+        told, unsure = float(-smooth[least]), base.noise * math.sqrt(float(Q[least] @ Q[least]))
+        bends = float(left @ left) > base.noise**2 * (dof + RECORD_CHANCE * math.sqrt(2 * dof))
         if bends or not least_told <= told <= most_told:
             break
         tension, error, wider = told, wider, unsure  # a parabola may be off by what half as many rows cannot tell
@@ -467,7 +554,7 @@ def _ringing(y: Array) -> int:
         return 0
     # Beyond, what a parabola leaves of wider windows shows swings that bend the load less than noise does.
     noise, wide = median(size) / math.sqrt(6), 2 * width
-    parabola = np.linalg.qr(np.vander(np.arange(wide), 3))[0]
+    parabola = _parabolas(wide)
     parts = y[1 : 1 + (y.size - 1) // wide * wide].reshape(-1, wide)
     left = np.sqrt(np.mean((parts - parts @ parabola @ parabola.T) ** 2, axis=1))
     quiet = np.flatnonzero(left[last // 2 :] < RECORD_STRAIGHT * noise)
@@ -477,8 +564,7 @@ def _ringing(y: Array) -> int:
 
 def in_succession(marked: Array) -> Array:
     """Whether each place begins a run of ``RECORD_RUN`` that are ``marked`` (a mask)."""
-    runs: Array = np.convolve(marked, np.ones(RECORD_RUN, dtype=int), "valid") == RECORD_RUN
-    return runs
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(marked, RECORD_RUN, axis=-1).all(axis=-1))
 
 
 def _block(rows: int) -> int:
@@ -487,8 +573,16 @@ def _block(rows: int) -> int:
 
 
 def _blocks(values: Array, size: int) -> Array:
-    """Means of successive blocks of ``size`` rows; what is left at the end is left out."""
-    return values[: values.size // size * size].reshape(-1, size).mean(axis=1)
+    """Means of successive blocks of ``size`` rows along the last axis; what is left at the end is left out."""
+    whole = values.shape[-1] // size * size
+    return values[..., :whole].reshape(*values.shape[:-1], -1, size).mean(axis=-1)
+
+
+def _bends(values: Array) -> Array:
+    """Second differences along the last axis."""
+    steps = values[..., 1:] - values[..., :-1]
+    bends: Array = steps[..., 1:] - steps[..., :-1]
+    return bends
 
 
 def _robust(values: Array) -> float:
@@ -496,119 +590,196 @@ def _robust(values: Array) -> float:
     return RECORD_NORMAL * median(np.abs(values - median(values)))
 
 
-def _end_of_free_part(x: Array, y: Array) -> int:
-    """How many rows from the far end on are free: first the best of all cuts into a line and a curve, then as far as
-    the load stays on the line through what surely is free."""
-    n, size = x.size, _block(x.size)
-    end = max(_best_cut(x, y), 5)
+def _robust_of_first(values: Array, rows: Array) -> Array:
+    """Standard deviations (B,) of the bulk of the first ``rows`` (B,) of each of the ``values`` (B, n), as ``_robust``
+    tells them; 0 of none."""
+    beyond = np.arange(values.shape[1]) >= rows[:, None]
+
+    def medians(values: Array) -> Array:
+        ordered, last = np.sort(np.where(beyond, math.inf, values), axis=1), np.maximum(rows, 1)
+        low, high = (np.take_along_axis(ordered, at[:, None], axis=1) for at in ((last - 1) // 2, last // 2))
+        middle: Array = (low + high) / 2
+        return middle
+
+    values = np.where(beyond, 0.0, values)
+    off = np.abs(values - medians(values))
+    return np.where(rows > 0, RECORD_NORMAL * medians(off)[:, 0], 0.0)
+
+
+def _ends_of_free_parts(x: Array, y: Array) -> Array:
+    """How many rows (B,) from the far ends on are free: first the best of all cuts into a line and a curve, then as far
+    as the load stays on the line through what surely is free."""
+    n, size, all_of = x.shape[1], _block(x.shape[1]), np.arange(x.shape[0])
+    ends = np.maximum(_best_cuts(x, y), 5)
+    rough = _robust_of_first(_bends(y), np.full(ends.size, n - 2)) / math.sqrt(6 * size)
+    lowest, highest = np.minimum.accumulate(y, axis=1), np.maximum.accumulate(y, axis=1)
+    x, y = x - x[:, :1], y - y[:, :1]
+    sums = [np.cumsum(products, axis=1) for products in (x, y, x * x, x * y)]
+    x, y = _blocks(x, size), _blocks(y, size)
     for _ in range(2):
-        sure = max(round(RECORD_INSIDE * end), 5)
-        off = y - _straight(x[:sure], y[:sure])(x)
-        inner = _blocks(off[:sure], size)
-        scatter = max(float(np.sqrt(np.mean(inner**2))), _robust(np.diff(y, 2)) / math.sqrt(6 * size))
-        least = RECORD_LEAST * float(np.ptp(y[: 2 * end]))
-        away = np.abs(_blocks(off, size)) > max(RECORD_SIGMAS * scatter, least)
-        padded = np.concatenate([away, away[-1:].repeat(RECORD_RUN - 1)])  # the last block alone may be in contact
-        runs = in_succession(padded)
-        end = max(int(np.argmax(runs)) * size if runs.any() else n, 5)
-    return end
+        sure = np.maximum(np.rint(RECORD_INSIDE * ends).astype(int), 5)
+        X, Y, XX, XY = (total[all_of, sure - 1] for total in sums)
+        way = XX - X * X / sure
+        tilt = np.where(way > 0, XY - X * Y / sure, 0.0) / np.where(way > 0, way, 1.0)
+        off = y - (Y / sure)[:, None] - tilt[:, None] * (x - (X / sure)[:, None])
+        inside = sure // size
+        slow = np.sum(off**2 * (np.arange(off.shape[1]) < inside[:, None]), axis=1) / np.maximum(inside, 1)
+        scatter = np.maximum(np.sqrt(slow), rough)
+        seen = np.minimum(2 * ends, n) - 1
+        least = RECORD_LEAST * (highest[all_of, seen] - lowest[all_of, seen])
+        away = np.abs(off) > np.maximum(RECORD_SIGMAS * scatter, least)[:, None]
+        away &= (inside > 0)[:, None]
+        away = np.concatenate([away, away[:, -1:].repeat(RECORD_RUN - 1, axis=1)], axis=1)  # the last may be in contact
+        runs = in_succession(away)
+        ends = np.where(runs.any(axis=1), np.maximum(np.argmax(runs, axis=1) * size, 5), n)
+    return ends
 
 
-def _best_cut(x: Array, y: Array) -> int:
-    """The number of rows before the cut at which a straight line up to it and a parabola beyond leave least."""
-    n = x.size
+def _best_cuts(x: Array, y: Array) -> Array:
+    """The numbers (B,) of rows before the cuts at which a straight line up to it and a parabola beyond leave least.
+
+    All polynomials follow from sums of powers between the cuts; the sums of squares that they leave, from the
+    triangular factors of their normal equations (Cholesky).
+    """
+    n = x.shape[1]
     cuts = np.unique(np.linspace(max(5, round(RECORD_FAR * n)), n - 4, min(n, 200)).astype(int))
-    line = _misfits(x, y, 1, cuts)
-    curve = _misfits(x[::-1], y[::-1], 2, n - cuts)
-    return int(cuts[np.argmin(line + curve)])
+    u, v = ((w - w.mean(axis=1, keepdims=True)) / _ways(w) for w in (x, y))
+    uu, uv = u * u, u * v
+    powers = np.stack([u, uu, u * uu, uu * uu, v, uv, uu * v, v * v])
+    between = np.add.reduceat(powers, np.concatenate([[0], cuts]), axis=2)
+    before, beyond = np.cumsum(between[..., :-1], axis=2), np.cumsum(between[..., :0:-1], axis=2)[..., ::-1]
+    left = _left_by_sums(before, cuts, 1) + _left_by_sums(beyond, n - cuts, 2)
+    best: Array = cuts[np.argmin(left, axis=1)]
+    return best
 
 
-def _misfits(x: Array, y: Array, degree: int, rows: Array) -> Array:
-    """Sums of squares left by the polynomial of ``degree`` through so many of the first ``rows``."""
-    u = (x - x.mean()) / (np.ptp(x) or 1.0)
-    v = (y - y.mean()) / (np.ptp(y) or 1.0)
-    powers = np.cumsum(np.vander(u, 2 * degree + 1, increasing=True), axis=0)[rows - 1]
-    right = np.cumsum(v[:, None] * np.vander(u, degree + 1, increasing=True), axis=0)[rows - 1]
-    index = np.arange(degree + 1)
-    normal = powers[:, index[:, None] + index]
-    normal = normal + 1e-12 * powers[:, :1, None] * np.eye(degree + 1)
-    solution = np.linalg.solve(normal, right[..., None])[..., 0]
-    return np.maximum(np.cumsum(v**2)[rows - 1] - np.einsum("ki,ki->k", solution, right), 0.0)
+def _ways(values: Array) -> Array:
+    """Ranges along the last axis, (..., 1); 1 where all are equal."""
+    ranges = np.ptp(values, axis=-1, keepdims=True)
+    ways: Array = np.where(ranges > 0, ranges, 1.0)
+    return ways
 
 
-def _base_line(x: Array, y: Array, end: int) -> BaseLine:
-    """The straight line through the first ``end`` rows."""
-    at = float(x[end - 1])
-    line = _straight(x[:end] - at, y[:end])
-    off = y[:end] - line(x[:end] - at)
-    rounding = resolution(y) / math.sqrt(12)
-    noise = max(_robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0, rounding)
-    size = max(1, min(end // 10, _block(x.size)))
-    slow = float(np.mean(_blocks(off, size) ** 2)) - noise**2 / size
-    offset, tilt, waviness = float(line(0.0)), float(line.deriv()(0.0)), math.sqrt(max(slow, 0.0))
-    return BaseLine(offset, tilt, at, end, float(noise), waviness, _is_curved(x, y, end), rounding)
+def _left_by_sums(sums: Array, rows: Array, degree: int) -> Array:
+    """Sums of squares that polynomials of ``degree`` 1 or 2 leave of so many ``rows``, by the sums of u, u^2, u^3, u^4,
+    v, u v, u^2 v and v^2 over them."""
+    S1, S2, S3, S4, V0, V1, V2, VV = sums
+    least = 1e-12 * rows  # in place of a way that is none
+    S0 = rows + least
+    d1, r1 = S2 + least - S1 * S1 / S0, V1 - S1 * V0 / S0
+    left = VV - V0 * V0 / S0 - r1 * r1 / d1
+    if degree == 2:
+        m = S3 - S1 * S2 / S0
+        d2, r2 = S4 + least - S2 * S2 / S0 - m * m / d1, V2 - S2 * V0 / S0 - m * r1 / d1
+        left -= r2 * r2 / d2
+    return np.maximum(left, 0.0)
+
+
+def _lines(x: Array, y: Array, rows: Array) -> tuple[Array, Array, Array, Array]:
+    """Straight lines through the first ``rows`` (B,) of x and y (B, n): mean positions, mean loads and tilts, (B, 1)
+    each, the last 0 where the device stands still; and which rows these are (B, n)."""
+    within = np.arange(x.shape[1]) < rows[:, None]
+    count = rows[:, None]
+    middle, level = (np.sum(v * within, axis=1, keepdims=True) / count for v in (x, y))
+    away = (x - middle) * within
+    moves = ((x != x[:, :1]) & within).any(axis=1, keepdims=True)
+    way = np.sum(away * away, axis=1, keepdims=True)
+    tilt = np.where(moves, np.sum(away * (y - level), axis=1, keepdims=True), 0.0) / np.where(moves, way, 1.0)
+    return middle, level, tilt, within
+
+
+def _base_lines(x: Array, y: Array, ends: Array, roundings: Sequence[float]) -> tuple[list[BaseLine], Array]:
+    """The straight lines through the first ``ends`` (B,) rows of x and y (B, n), and what they leave of all rows."""
+    middle, level, tilt, _ = _lines(x, y, ends)
+    at = np.take_along_axis(x, ends[:, None] - 1, axis=1)
+    offset = level - tilt * (middle - at)
+    off = y - (offset + tilt * (x - at))
+    noises = _robust_of_first(_bends(off), np.where(ends > 3, ends - 2, 0)) / math.sqrt(6)
+    bases = []
+    for i, (end, rounding) in enumerate(zip(ends.tolist(), roundings, strict=True)):
+        noise = max(float(noises[i]), rounding)
+        size = max(1, min(end // 10, _block(x.shape[1])))
+        means = _blocks(off[i, :end], size)
+        slow = float(means @ means) / means.size - noise**2 / size
+        line = float(offset[i, 0]), float(tilt[i, 0]), float(at[i, 0])
+        bases.append(BaseLine(*line, end, noise, math.sqrt(max(slow, 0.0)), False, rounding))
+    return bases, off
 
 
 def resolution(y: Array) -> float:
     """The step of readings that are whole numbers of steps; 0 where they are none, or none repeats."""
-    values = np.unique(y)
-    steps = np.diff(values)
-    steps = steps[steps > SAME * np.ptp(y)]  # conversion to other units parts equal ones by round-off
-    if not steps.size or 2 * steps.size > y.size:
-        return 0.0
-    step = median(steps[steps < 1.5 * steps.min()])
-    whole = steps / step
-    return step if float(np.abs(whole - np.rint(whole)).max()) < RECORD_WHOLE else 0.0
+    (step,) = resolutions(y[None])
+    return step
 
 
-def _is_curved(x: Array, y: Array, end: int) -> bool:
-    """Whether the first ``end`` rows go on smoothly in as many more: one polynomial through all of them leaves much
-    less than the line through what surely would be free. Contact begins with a kink or a jump, which none follows."""
-    sure, whole = round(RECORD_INSIDE * end), 2 * end
-    if sure < 2 * (RECORD_SMOOTH + 1) or whole > x.size:
-        return False
-    return _left(x[:whole], y[:whole], RECORD_SMOOTH) < RECORD_HALF * _left(x[:sure], y[:sure], 1)
+def resolutions(y: Array) -> list[float]:
+    """The steps of readings (B, n) by ``resolution``."""
+    values = np.sort(y, axis=1)
+    steps = values[:, 1:] - values[:, :-1]
+    differ = steps > SAME * (values[:, -1:] - values[:, :1])  # conversion to other units parts equal ones by round-off
+    counts = np.count_nonzero(differ, axis=1)
+    found = [0.0] * counts.size
+    for i in np.flatnonzero((counts > 0) & (2 * counts <= y.shape[1])).tolist():
+        own = steps[i, differ[i]]
+        step = median(own[own < 1.5 * own.min()])
+        whole = own / step
+        found[i] = step if float(np.abs(whole - np.rint(whole)).max()) < RECORD_WHOLE else 0.0
+    return found
 
 
-def _left(x: Array, y: Array, degree: int) -> float:
-    """Root mean square of what the polynomial of ``degree`` leaves."""
-    way = float(np.ptp(x)) or 1.0
-    powers = np.vander((x - float(x.min())) / way * 2 - 1, degree + 1)
-    normal = powers.T @ powers
-    left: Array = y - powers @ np.linalg.lstsq(normal, powers.T @ y, rcond=None)[0]
-    return float(np.std(left))
+def _are_curved(x: Array, y: Array, ends: Array) -> Array:
+    """Whether the first ``ends`` rows (B,) go on smoothly in as many more: one polynomial through all of them leaves
+    much less than the line through what surely would be free. Contact begins with a kink or a jump, which none
+    follows."""
+    sure = np.rint(RECORD_INSIDE * ends).astype(int)
+    curved = (sure >= 2 * (RECORD_SMOOTH + 1)) & (2 * ends <= x.shape[1])
+    if curved.any():
+        x, y, sure, ends = x[curved], y[curved], sure[curved], ends[curved]
+        middle, level, tilt, within = _lines(x, y, sure)
+        off = (y - level - tilt * (x - middle)) * within
+        straight = np.sqrt(np.sum(off * off, axis=1) / sure)
+        curved[curved] = _left(x, y, 2 * ends, RECORD_SMOOTH) < RECORD_HALF * straight
+    return curved
 
 
-def _straight(x: Array, y: Array) -> np.polynomial.Polynomial:
-    """The straight line through rows; their mean where the device stands still."""
-    if np.ptp(x) == 0:
-        return np.polynomial.Polynomial([y.mean()])
-    middle = x.mean()
-    tilt = (x - middle) @ y / ((x - middle) @ (x - middle))
-    return np.polynomial.Polynomial([y.mean() - tilt * middle, tilt])
+def _left(x: Array, y: Array, rows: Array, degree: int) -> Array:
+    """Root mean squares (B,) of what polynomials of ``degree`` leave of the first ``rows`` (B,) of x and y (B, n)."""
+    within = np.arange(x.shape[1]) < rows[:, None]
+    first = np.where(within, x, math.inf).min(axis=1, keepdims=True)
+    way = np.where(within, x, -math.inf).max(axis=1, keepdims=True) - first
+    powers = np.empty((x.shape[0], degree + 1, x.shape[1]))
+    powers[:, 0], along = within, (x - first) / np.where(way > 0, way, 1.0) * 2 - 1
+    for i in range(degree):
+        np.multiply(powers[:, i], along, out=powers[:, i + 1])
+    normal, right = powers @ powers.transpose(0, 2, 1), powers @ y[..., None]
+    inverse = np.linalg.pinv(normal, rcond=(degree + 1) * np.finfo(float).eps, hermitian=True)
+    left = (y - (powers.transpose(0, 2, 1) @ (inverse @ right))[..., 0]) * within
+    left -= np.sum(left, axis=1, keepdims=True) / rows[:, None] * within
+    return np.sqrt(np.sum(left * left, axis=1) / rows)
 
 
-def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:
+def _touch(x: Array, off: Array, base: BaseLine) -> tuple[int, float]:
     """The row from which on the load is off the base line for good, and how far about that its position may be
     wrong: a block of rows; all rows where it never is, by more than round-off."""
-    if end >= x.size or np.ptp(off) <= ROUNDED * abs(base.offset):
+    i = base.rows
+    if i >= x.size or np.ptp(off) <= ROUNDED * abs(base.offset):
         return x.size, math.inf
     size = _block(x.size)
     limit = 2 * math.hypot(base.noise / math.sqrt(size), base.waviness)
-    i = end
-    while i > size and abs(float(off[i - size : i].mean())) > limit:
+    while i > size and abs(float(np.add.reduce(off[i - size : i])) / size) > limit:
         i -= size
     near = x[max(i - size, 0) : i + size + 1]
     return i, float(np.ptp(near)) / 2
 
 
-def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+def _jumps(
+    off: Array, base: BaseLine, fall: Array, rise: Array, width: int
+) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Rows before and after which the load changes at once, seen from the far end inwards: falls to tension (the jump
     into contact on approach, those of pull-off on retraction) and any change of a tension beyond, and all others.
 
     At once: within a few rows, and far beyond what the load does before and after; a kink is none.
     """
-    fall, rise, width = _sudden(off, base)
     if not fall.any() and not rise.any():
         return [], []
     tension = -off / base.least if base.least else -np.sign(off)
@@ -622,9 +793,8 @@ def _by_motion(x: Array, y: Array, first: int, last: int) -> bool:
     sides: rows that lie far apart, or unevenly, step by themselves."""
     rows, slopes = FEWEST_ROWS, [0.0]
     for side in (slice(max(first - rows, 0), first + 1), slice(last, last + rows + 1)):
-        way = float(np.ptp(x[side]))
-        if way > 0:
-            slopes.append(abs(float(np.polyfit(x[side] / way, y[side], 1)[0])) / way)
+        count = np.array([x[side].size])
+        slopes.append(abs(float(_lines(x[None, side], y[None, side], count)[2][0, 0])))
     return abs(float(y[last] - y[first])) <= 2 * max(slopes) * abs(float(x[last] - x[first]))
 
 
@@ -641,38 +811,56 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     tension, change = -float(part.mean()), 12 * float(np.mean(along * (part - part.mean())))
     error = base.noise * math.sqrt(12 / count)
     scatter = float(np.std(part - part.mean() - change * along))
-    level = abs(change) < RECORD_TETHER * tension + 2 * error and scatter < RECORD_STRAIGHT * base.noise
+    if abs(change) >= RECORD_TETHER * tension + 2 * error or scatter >= RECORD_STRAIGHT * base.noise:
+        return []
     size = _block(off.size)
     away = np.abs(_blocks(inside + tension, size)) > RECORD_HALF * base.least
-    if not level or not away.any():
+    if not away.any():
         return []
     left = int(np.argmax(away)) * size
     around, end = inside[: left + count], falls[0][1] + left
     # one polynomial passes through the largest tension of a contact, where none ends
-    goes_on = _left(np.arange(around.size), around, RECORD_SMOOTH) < RECORD_STRAIGHT * base.noise
+    (scatter,) = _left(np.arange(around.size)[None], around[None], np.array([around.size]), RECORD_SMOOTH)
+    goes_on = scatter < RECORD_STRAIGHT * base.noise
     return [] if goes_on else [(end, end + size)]
 
 
-def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
-    """Where the load falls and where it rises at once, over so many rows."""
-    width = max(1, round(off.size * RECORD_BLOCK / 4))
-    if off.size <= 4 * width:
-        return np.zeros(0, bool), np.zeros(0, bool), off.size
-    step = off[width:] - off[:-width]
-    least = max(RECORD_SIGMAS * math.sqrt(2) * base.noise, RECORD_SMALL * float(np.ptp(off)))
-    # The median of the steps over `width` rows just before each of them, and just after.
-    n, every = FEWEST_ROWS, np.arange(step.size) // width
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(step[::width], n + 1, mode="edge"), n)
-    medians = np.sort(windows, axis=1)[:, (n - 1) // 2 : n // 2 + 1].mean(axis=1)  # half as long as np.median takes
-    before, after = medians[every], medians[every + n + 3]
-    return step < np.minimum(before, after) - least, step > np.maximum(before, after) + least, width
+def _sudden(off: Array, bases: Sequence[BaseLine]) -> tuple[Array, Array, int]:
+    """Where the loads ``off`` their base lines (B, n) fall and where they rise at once, over so many rows."""
+    width = max(1, round(off.shape[1] * RECORD_BLOCK / 4))
+    if off.shape[1] <= 4 * width:
+        return np.zeros((len(bases), 0), bool), np.zeros((len(bases), 0), bool), off.shape[1]
+    step = off[:, width:] - off[:, :-width]
+    noise = np.array([[base.noise] for base in bases])
+    least = np.maximum(RECORD_SIGMAS * math.sqrt(2) * noise, RECORD_SMALL * np.ptp(off, axis=1, keepdims=True))
+    # The median of the steps over `width` rows just before each of them, and just after: none is above, or below, as
+    # many of all steps as of its own window.
+    n, some = FEWEST_ROWS, step[:, ::width]
+    some = np.concatenate([some[:, :1].repeat(n + 1, axis=1), some, some[:, -1:].repeat(n + 1, axis=1)], axis=1)
+    low, high = (n - 1) // 2, n // 2
+    ordered = np.sort(some, axis=1)
+    falls, rises = step < ordered[:, high - n, None] - least, step > ordered[:, low, None] + least
+    which, rows = np.nonzero(falls | rises)
+    if rows.size:
+        windows = np.lib.stride_tricks.sliding_window_view(some, n, axis=1)
+        before, after = (
+            np.sort(windows[which, rows // width + shift], axis=1)[:, low : high + 1].mean(axis=1)
+            for shift in (0, n + 3)
+        )
+        there, least = step[which, rows], least[which, 0]
+        falls[which, rows] = there < np.minimum(before, after) - least
+        rises[which, rows] = there > np.maximum(before, after) + least
+    return falls, rises, width
 
 
 def _runs(marked: Array, width: int) -> list[tuple[int, int]]:
     """First row and last, ``width`` further on, of each run of ``marked`` rows, with short gaps."""
     rows = np.flatnonzero(marked)
-    groups = np.split(rows, np.flatnonzero(np.diff(rows) > 2 * width) + 1) if rows.size else []
-    return [(int(group[0]), int(group[-1]) + width) for group in groups]
+    if not rows.size:
+        return []
+    gaps = np.flatnonzero(rows[1:] - rows[:-1] > 2 * width)
+    firsts, lasts = [0, *(gaps + 1).tolist()], [*gaps.tolist(), rows.size - 1]
+    return [(int(rows[i]), int(rows[j]) + width) for i, j in zip(firsts, lasts, strict=True)]
 
 
 def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
@@ -686,9 +874,9 @@ def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Itera
         yield f"no {kind}", f"{few} of its rows, at least {FEWEST_ROWS} are needed" if few else lack
 
 
-def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
+def _on_base_lines(P: Array, touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     """Flags of base lines that are not there, or not straight."""
-    span = float(np.ptp(curve.load))
+    span = float(np.ptp(P))
     for item in touched:
         name, waviness = item.segment.kind, item.base.waviness
         if not item.begins_free:
@@ -702,18 +890,19 @@ def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple
             yield "wavy base line", sentence
 
 
-def _permanent_set(curve: Curve, directions: Sequence[Direction]) -> tuple[tuple[str, str], ...]:
+def _permanent_set(z: Array, P: Array, directions: Sequence[Direction]) -> tuple[tuple[str, str], ...]:
     """A flag with the depth at which the load of an unloading is gone without any tension: that of a dent."""
     sides = {item.segment.kind: item for item in directions}
     into, out = sides.get(APPROACH), sides.get(RETRACT)
     if into is None or out is None or not into.begins_free or isinstance(into.touch, Unknown):
         return ()
-    z, P = (_blocks(v[out.segment.rows], _block(len(out.segment))) for v in (curve.device, curve.load))
+    deepest = float(z.max())
+    z, P = (_blocks(v[out.segment.rows], _block(len(out.segment))) for v in (z, P))
     off, least = P - into.base(z), max(into.base.least, RECORD_SMALL * into.largest)
     gone = np.flatnonzero(off < least)
     if not gone.size or off.min() < -least:
         return ()
-    dent, depth = float(z[gone[0]]) - into.touch, float(curve.device.max()) - into.touch
+    dent, depth = float(z[gone[0]]) - into.touch, deepest - into.touch
     if dent < RECORD_FAR * depth + into.touch_err:
         return ()
     sentence = f"unloading leaves a dent of {show(dent, 'length', 3)} after a depth of {show(depth, 'length', 3)}"
@@ -740,16 +929,16 @@ def _on_jumps(touched: Sequence[Direction], limits: Array) -> Iterator[tuple[str
             yield "step", sentence
 
 
-def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
+def _on_signs(device: Array, P: Array, directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     """Flags of devices that run to and fro, and of columns that count the other way round."""
-    ways = (curve.device[item.segment.rows] for item in directions)
+    ways = (device[item.segment.rows] for item in directions)
     means = [_blocks(way, max(1, round(way.size / 20))) for way in ways]  # without noise
     if any(float(np.abs(np.diff(way)).sum()) > RECORD_WANDERING * float(np.ptp(way)) for way in means):
         yield "no force curve", "the instrument reverses more than once"
     for item in directions:
         name = item.segment.kind
         # Whether a direction goes the other way than the file names it, or back and then in again.
-        z = curve.device[item.segment.rows]
+        z, load = device[item.segment.rows], P[item.segment.rows]
         ends = max(1, round(z.size * RECORD_FAR))
         first, last = float(z[:ends].mean()), float(z[-ends:].mean())
         way = (last - first) * (1 if item.segment.kind == APPROACH else -1)
@@ -758,22 +947,21 @@ def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[s
             which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
             sentence = f"the displacement{which} has the opposite sign: indentation must be positive (--flip delta)"
             yield "wrong way", sentence
-        elif len(directions) == 1 and presses_outward(curve.device[item.segment.rows], curve.load[item.segment.rows]):
+        elif len(directions) == 1 and presses_outward(z, load):
             yield (
                 "wrong way",
                 ("the load rises while the displacement falls; indentation must be positive (--flip delta)"),
             )
-        elif _pulls_deepest(curve, item):
+        elif _pulls_deepest(z, load, item):
             sentence = f"the load of the {name} is least where the instrument presses deepest"
             yield "wrong sign", f"{sentence}: is compression negative (--flip P)?"
 
 
-def _pulls_deepest(curve: Curve, item: Direction) -> bool:
+def _pulls_deepest(z: Array, P: Array, item: Direction) -> bool:
     """Whether tension is largest where it presses deepest, and compression is not, as where tension counts as
     positive; a gel that relaxes after the turn has both there."""
-    z = curve.device[item.segment.rows]
     deepest = item.adhesion_at > z.max() - RECORD_SMALL * float(np.ptp(z))
-    pressed = z[np.argmax(curve.load[item.segment.rows])] > item.adhesion_at
+    pressed = z[np.argmax(P)] > item.adhesion_at
     return deepest and not pressed and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
 
 

@@ -11,7 +11,7 @@ from force_curves import Instrument, equilibrium, record
 
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.data.curve import APPROACH, Curve
-from jkrcli.data.segmentation import ForceCurve, resolution, segment_force_curve
+from jkrcli.data.segmentation import ForceCurve, resolution, segment_force_curve, segment_force_curves
 
 E_STAR, R, W = 20e3, 5e-6, 1e-4
 PULL_OFF = 1.5 * np.pi * W * R
@@ -356,3 +356,45 @@ def test_a_dwell_in_which_the_load_relaxes_is_a_dwell() -> None:
     found = segment_force_curve(replace(plain, P=P))
     assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
     assert [len(part) for part in found.segments] == pytest.approx([750, 200, 600], abs=25)
+
+
+def parts_of(found: ForceCurve | Exception) -> object:
+    """All that was found, as it prints: every digit of every number."""
+    if isinstance(found, Exception):
+        return type(found), str(found)
+    held = None if found.held is None else (found.held.levels, found.held.attraction, found.held.taken.tolist())
+    rows = found.spikes.tolist(), found.saturated.tolist()
+    return repr((found.segments, found.directions, found.flags, held, rows, found.curve.load.tolist()))
+
+
+def test_records_examined_together_are_those_examined_alone() -> None:
+    """To the last bit, whatever the others are: of equal rows and of others, with words and without, with a tether, a
+    second pull-off, a detector at its limit, spikes and no contact; and some in which nothing can be examined."""
+    rng, whole = np.random.default_rng(4), curve_of(DEVICE)
+    z, P = whole.device, whole.load
+    held = P - 0.1 * PULL_OFF * ((np.arange(P.size) > 2600) & (np.arange(P.size) < 3300))
+    spiked = P.copy()
+    spiked[[300, 2600]] += 3 * PULL_OFF
+    right = [
+        whole, curve_of(DEVICE, 0.3 * W, seed=2), curve_of(DEVICE, seed=3, told=True),
+        curve_of(replace(DEVICE, rows=190), seed=4), curve_of(replace(DEVICE, rows=1999, noise=0.0), seed=5),
+        replace(whole, P=held), replace(whole, P=spiked), replace(whole, P=np.minimum(P, 2 * PULL_OFF)),
+        replace(whole, stiffness=DEVICE.k), held_twice(3), dented(0.84, 200),
+        whole.rows(np.arange(DEVICE.rows)),
+        Curve("no contact", delta=z, P=rng.normal(size=z.size)), Curve("walk", delta=np.cumsum(P), P=P),
+        Curve("turned", delta=-z, P=P),
+    ]  # fmt: skip
+    poisoned = [
+        Curve("two rows", delta=z[:2], P=P[:2]), Curve("no load", delta=z, a=z),
+        Curve("constant", delta=z, P=np.full(z.size, 2e-9)), Curve("at rest", delta=np.full(z.size, 1e-6), P=P),
+        Curve("saturated", delta=z, P=np.minimum(P, P.min() + 1e-12)), Curve("huge", delta=z, P=1e300 * P),
+        Curve("tiny", delta=z * 1e-200, P=P * 1e-200),
+    ]  # fmt: skip
+    curves = [curve for pair in zip(right, poisoned * 3, strict=False) for curve in pair]
+    alone = [parts_of(found) for curve in curves for found in segment_force_curves([curve])]
+    for order in (np.arange(len(curves)), rng.permutation(len(curves))):
+        together = segment_force_curves([curves[i] for i in order])
+        assert [parts_of(found) for found in together] == [alone[i] for i in order]
+    assert [type(found) for found in segment_force_curves(poisoned[:4])] == [InputError] * 2 + [ForceCurve] * 2
+    with pytest.raises(InputError, match="2 rows"):
+        segment_force_curve(poisoned[0])

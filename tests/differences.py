@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jkrcli.adhesion.slopes import Rule, register
-from jkrcli.adhesion.slopes.result import Slopes
+from jkrcli.adhesion.slopes import Rule, Slopes, register
 from jkrcli.base.errors import Unknown
 from jkrcli.series import Series
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve

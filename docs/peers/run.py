@@ -27,7 +27,7 @@ import numpy as np
 from bodies import BODIES, Body
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import smoothed
+from jkrcli.adhesion.slopes import smoothed
 from jkrcli.base.errors import JkrError
 from jkrcli.base.files import as_json, check_target, write_text
 from jkrcli.bodies.indenters import Paraboloid

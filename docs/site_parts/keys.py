@@ -25,6 +25,7 @@ from jkrcli.case.models import (
     Table,
     TransverseLayerTable,
     as_several,
+    places,
 )
 from jkrcli.methods.protocol import METHODS
 
@@ -77,11 +78,13 @@ def _methods() -> Iterator[str]:
     for method in METHODS.values():
         if method.options is None:
             continue
-        for table in dict.fromkeys(place.table for place in method.places.values()):
+        for table in dict.fromkeys(place.table for place in places(method).values()):
             yield f"## `[{table}]`"
             yield f"Of the method `{method.name}`."
             yield _fields(
-                (place.key, place.annotation, place.default) for place in method.places.values() if place.table == table
+                (place.key, place.annotation, place.default)
+                for place in places(method).values()
+                if place.table == table
             )
             if table == (method.table or method.name):
                 yield _prose(method.options)

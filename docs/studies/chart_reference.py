@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve, transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import JkrError, Refusal
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading, Problem

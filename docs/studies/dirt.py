@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from dirty_records import KINDS, Dirty, plain  # type: ignore[import-not-found]
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.numerics import Array
 from jkrcli.data.foreign import SeriesReading, read_series

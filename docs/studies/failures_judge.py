@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from jkrcli.adhesion.slopes.choice import slopes, smoothed
-from jkrcli.adhesion.slopes.result import Slopes
+from jkrcli.adhesion.slopes import Slopes, slopes, smoothed
 from jkrcli.adhesion.validity import unresolved
 from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.executors import Pool, completed

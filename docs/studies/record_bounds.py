@@ -21,7 +21,7 @@ from cycle_records import NOISES, approached, drawn  # type: ignore[import-not-f
 from force_curves import record  # type: ignore[import-not-found]
 from layer_contact import BondedLayer, half_space  # type: ignore[import-not-found]
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

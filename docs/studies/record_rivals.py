@@ -23,7 +23,7 @@ import numpy as np
 from cycle_records import spoilt  # type: ignore[import-not-found]
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.validity import LIMITS
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid, Sphere

@@ -26,7 +26,7 @@ import numpy as np
 
 import jkrcli
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import SolveError, Unknown
 from jkrcli.base.executors import Pool, completed
 from jkrcli.bodies.indenters import Paraboloid

@@ -33,7 +33,7 @@ from ..base.units import show
 from ..bodies.problem import Problem
 from ..formulas import shift
 from ..series import COLUMNS, Series
-from .slopes.result import Slopes
+from .slopes import Slopes
 
 # --------------------------------------------------------------------------------------------------
 # The w-free functions of a series between its rows, such that the energy of a contact is a function of its state.
@@ -208,7 +208,7 @@ class Nonadhesive:
     @classmethod
     def of(cls, series: Series, rule: str = "auto") -> Nonadhesive:
         """Those of ``series`` with slopes by a ``rule`` ("exact"), or by the surest."""
-        from .slopes.choice import slopes
+        from .slopes import slopes
 
         return cls(series, slopes(series, rule))
 

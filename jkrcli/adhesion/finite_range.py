@@ -36,7 +36,7 @@ from .curve import (
     position,
 )
 from .pull_off_error import FEWER_POINTS_NEAREST, decimation_error
-from .slopes.result import Slopes
+from .slopes import Slopes
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ from .curve import (
     position,
 )
 from .pull_off_error import Errors, gradients_at, pull_off_error
-from .slopes.result import Slopes
+from .slopes import Slopes
 
 FAST, SLOW, FROM_REST, AT_MOST = "very fast", "very slow", "from rest", "at most"
 

@@ -53,13 +53,7 @@ def runs() -> bool:
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
-_pinned: list[bool] = []  # holds True in a process that began with one thread
-
-
-def begin_with_one() -> None:
-    """One BLAS thread in this process, of which NumPy reads when it is first imported; too late after that."""
-    os.environ.update(ONE_THREAD)
-    _pinned[:] = [True] * ("numpy" not in sys.modules or bool(_pinned))
+pinned: list[bool] = []  # holds True in a process that began with one thread
 
 
 @functools.cache
@@ -75,7 +69,7 @@ def pin_blas() -> None:
 def one_thread() -> Iterator[None]:
     """Context, or decorator, in which linear algebra works on one thread, whatever the environment says: on small
     matrices and many-column solves more only wait."""
-    if _pinned:
+    if pinned:
         yield
     else:
         with _libraries("scipy.linalg" in sys.modules, "cvxopt" in sys.modules).limit(limits=1):

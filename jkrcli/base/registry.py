@@ -27,20 +27,21 @@ class Key:
     name: str
 
 
-class Registry(dict[str, Callable[..., Any]]):
-    """The classes or functions that build what a case file calls by a name, by that name.
+class Registry(dict[Any, Callable[..., Any]]):
+    """The classes or functions that build what a case file calls by a name, by that name; or the functions that say
+    something of a result, by its class.
 
-    Their parameters are the keys of the table, read by their annotations (``base.units``: ``Length``, ``Ranged``...),
-    optional where they have a default. The parameter ``inherited`` is none of the keys: the table around passes it on.
-    ``word``: the key that holds the name.
+    The parameters of a builder are the keys of the table, read by their annotations (``base.units``: ``Length``,
+    ``Ranged``...), optional where they have a default. The parameter ``inherited`` is none of the keys: the table
+    around passes it on. ``word``: the key that holds the name; or what is said, "table", "summary", "words", "picture".
     """
 
     def __init__(self, inherited: str = "", word: str = "law") -> None:
         super().__init__()
         self.inherited, self.word = inherited, word
 
-    def register(self, name: str) -> Callable[[Builder], Builder]:
-        """Decorator that makes a class or function known by ``name``."""
+    def register(self, name: str | type) -> Callable[[Builder], Builder]:
+        """Decorator that makes a class or function known by ``name``, a class of results for what is said of them."""
 
         def known(builder: Builder) -> Builder:
             self[name] = builder
@@ -66,6 +67,13 @@ class Registry(dict[str, Callable[..., Any]]):
                 return {self.word: name} | {key: getattr(thing, field) for key, field in keys.items()}
         raise InputError(f"a case has no word for {type(thing).__name__}")
 
+    def said_of(self, result: object) -> Any:
+        """What the function registered for the class of ``result`` says of it."""
+        for kind in type(result).__mro__:
+            if kind in self:
+                return self[kind](result)
+        raise NotImplementedError(f"a {type(result).__name__} has no {self.word}")
+
 
 # --------------------------------------------------------------------------------------------------
 # What a result says of itself, once for the command line and for Python.
@@ -73,8 +81,6 @@ class Registry(dict[str, Callable[..., Any]]):
 # A result whose class stands in a room below ``report`` (an adhesive curve, a fit) takes its table, summary, words
 # and picture from the functions that ``report`` registers for its class: ``TABLES``, ``SUMMARIES``, ``WORDS``,
 # ``FIGURES``.
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Result:
@@ -118,29 +124,7 @@ class Result:
         return "\n".join(self.words())
 
 
-class Reports:
-    """What results say, by their classes: ``what`` it is, a "table", "summary", "words" or "picture"."""
-
-    def __init__(self, what: str) -> None:
-        self.what, self.functions = what, dict[type, Callable[..., Any]]()
-
-    def register(self, kind: type) -> Callable[[Function], Function]:
-        """Decorator of a function that says it of results of a ``kind``."""
-
-        def known(function: Function) -> Function:
-            self.functions[kind] = function
-            return function
-
-        return known
-
-    def __call__(self, result: Result) -> Any:
-        for kind in type(result).__mro__:
-            if kind in self.functions:
-                return self.functions[kind](result)
-        raise NotImplementedError(f"a {type(result).__name__} has no {self.what}")
-
-
-TABLES, SUMMARIES, WORDS, FIGURES = map(Reports, ("table", "summary", "words", "picture"))
+TABLES, SUMMARIES, WORDS, FIGURES = (Registry(word=word) for word in ("table", "summary", "words", "picture"))
 
 
 class Reported(Result):
@@ -149,13 +133,13 @@ class Reported(Result):
     @cached_property
     def columns(self) -> Mapping[str, Any]:  # type: ignore[override]
         """The columns of the CSV file, by their titles with units."""
-        return dict(TABLES(self))
+        return dict(TABLES.said_of(self))
 
     def summary(self) -> dict[str, Any]:
-        return dict(SUMMARIES(self))
+        return dict(SUMMARIES.said_of(self))
 
     def words(self) -> Sequence[str]:
-        return list(WORDS(self))
+        return list(WORDS.said_of(self))
 
     def figure(self) -> Any:
-        return FIGURES(self)
+        return FIGURES.said_of(self)

@@ -21,40 +21,39 @@ from .errors import InputError, did_you_mean
 PREFIX = {"a": -18, "f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9, "T": 12}
 
 
-def _family(unit: str, prefixes: str, **extra: int) -> dict[str, int]:
-    """Powers of ten of ``unit`` with each of the one-letter ``prefixes`` (and none)."""
-    return {p + unit: PREFIX[p] for p in ("", *prefixes)} | extra
-
-
 class Dimension(NamedTuple):
-    """A quantity in ``words``, its unit in ``SI``, an ``example``, its ``units`` with their powers of ten of that."""
+    """A quantity in ``words``, its unit in ``SI``, an ``example``; the one-letter ``prefixes`` that its units take, by
+    unit, and ``other`` units with their powers of ten of that in SI."""
 
     words: str
     SI: str
     example: str
-    units: dict[str, int]
+    prefixes: dict[str, str] = {}  # noqa: RUF012 - of a tuple
+    other: dict[str, int] = {}  # noqa: RUF012
 
 
 PER_LENGTH = {"N/mm": 3, "N/um": 6, "mN/um": 3, "uN/um": 0, "nN/um": -3, "nN/nm": 0, "uN/nm": 3, "pN/nm": -3}
 DIMENSIONS = {
-    "length": Dimension("a length", "m", "100 um", _family("m", "pnumk", cm=-2) | {"Å": -10}),
-    "modulus": Dimension("a modulus", "Pa", "5 GPa", _family("Pa", "kMGT") | {"N/m^2": 0, "kN/m^2": 3, "N/mm^2": 6}),
-    "load": Dimension("a force", "N", "12 uN", _family("N", "pnumk")),
-    "work": Dimension(
-        "a work of adhesion", "J/m^2", "50 mJ/m^2", _family("J/m^2", "num") | _family("N/m", "m") | {"erg/cm^2": -3}
-    ),
-    "tension": Dimension("a surface tension", "N/m", "30 mN/m", _family("N/m", "um") | {"dyn/cm": -3}),
-    "stiffness": Dimension("a stiffness", "N/m", "0.2 N/m", _family("N/m", "umk") | PER_LENGTH),
-    "speed": Dimension("a speed", "m/s", "10 um/s", _family("m/s", "pnum")),
-    "time": Dimension("a time", "s", "20 ms", _family("s", "num")),
-    "load rate": Dimension("a rate of loading", "N/s", "1 mN/s", _family("N/s", "pnum")),
-    "energy": Dimension("an energy", "J", "10 nJ", _family("J", "afpnum")),
-    "sensitivity": Dimension("a deflection per volt", "m/V", "45 nm/V", _family("m/V", "pnum")),
-    "angle": Dimension("an angle", "rad", "70 deg", {}),
-    "number": Dimension("a plain number", "", "0.3", {}),
+    "length": Dimension("a length", "m", "100 um", {"m": "pnumk"}, {"cm": -2, "Å": -10}),
+    "modulus": Dimension("a modulus", "Pa", "5 GPa", {"Pa": "kMGT"}, {"N/m^2": 0, "kN/m^2": 3, "N/mm^2": 6}),
+    "load": Dimension("a force", "N", "12 uN", {"N": "pnumk"}),
+    "work": Dimension("a work of adhesion", "J/m^2", "50 mJ/m^2", {"J/m^2": "num", "N/m": "m"}, {"erg/cm^2": -3}),
+    "tension": Dimension("a surface tension", "N/m", "30 mN/m", {"N/m": "um"}, {"dyn/cm": -3}),
+    "stiffness": Dimension("a stiffness", "N/m", "0.2 N/m", {"N/m": "umk"}, PER_LENGTH),
+    "speed": Dimension("a speed", "m/s", "10 um/s", {"m/s": "pnum"}),
+    "time": Dimension("a time", "s", "20 ms", {"s": "num"}),
+    "load rate": Dimension("a rate of loading", "N/s", "1 mN/s", {"N/s": "pnum"}),
+    "energy": Dimension("an energy", "J", "10 nJ", {"J": "afpnum"}),
+    "sensitivity": Dimension("a deflection per volt", "m/V", "45 nm/V", {"m/V": "pnum"}),
+    "angle": Dimension("an angle", "rad", "70 deg"),
+    "number": Dimension("a plain number", "", "0.3"),
 }
 SI = {name: dimension.SI for name, dimension in DIMENSIONS.items()}
-UNITS = {name: dimension.units for name, dimension in DIMENSIONS.items() if dimension.units}
+UNITS = {  # powers of ten of the SI unit
+    name: {p + unit: PREFIX[p] for unit, all_p in kind.prefixes.items() for p in ("", *all_p)} | kind.other
+    for name, kind in DIMENSIONS.items()
+    if kind.prefixes
+}
 LARGEST_SI = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
 MODULI = (1e3, 2e12)  # choice: Pa, of soft gels and of diamond; a bare number outside is remarked, never refused
 SMALL_WORK = 1e-4  # choice: J/m^2, below what solids of an E* from FIRM on have; remarked, never refused
@@ -68,8 +67,8 @@ def parse(text: str, dimension: str) -> float:
     """The SI value of ``text`` ("100 um"; a bare number is SI). Raises ValueError with a full sentence."""
     match = _QUANTITY.match(text) if len(text) <= LONGEST else None
     if not match:
-        words, _, example, _ = DIMENSIONS[dimension]
-        raise ValueError(f'must be {words}, such as "{example}", got "{text[:LONGEST]}"')
+        kind = DIMENSIONS[dimension]
+        raise ValueError(f'must be {kind.words}, such as "{kind.example}", got "{text[:LONGEST]}"')
     number, unit = Decimal(match[1]), match[2].replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
     unit = re.sub(r"\s*m\^?-2\Z", "/m^2", unit)
     unit = re.sub(r"(?<=m)2\Z", "^2", unit)
@@ -77,9 +76,9 @@ def parse(text: str, dimension: str) -> float:
         return float(number)
     if dimension == "angle" and unit in ("rad", "deg", "°"):
         return float(number) if unit == "rad" else math.radians(float(number))
-    words, _, _, powers = DIMENSIONS[dimension]
+    powers = UNITS.get(dimension, {})
     if unit not in powers:
-        allowed = list(DIMENSIONS[dimension].units) or (["rad", "deg"] if dimension == "angle" else [])
+        allowed = list(powers) or (["rad", "deg"] if dimension == "angle" else [])
         if not allowed:
             hint = ", no unit is allowed here"
         else:
@@ -87,7 +86,7 @@ def parse(text: str, dimension: str) -> float:
                 ", a pressure is no force per length" if dimension == "tension" and unit in UNITS["modulus"] else ""
             )
             hint = f"{pressure or did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"
-        raise ValueError(f'must be {words}, got "{text}": unknown unit "{match[2]}"{hint}')
+        raise ValueError(f'must be {DIMENSIONS[dimension].words}, got "{text}": unknown unit "{match[2]}"{hint}')
     return float(number.scaleb(powers[unit]))
 
 

@@ -11,10 +11,10 @@ import re
 import tomllib
 import types
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, cast, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import tomli_w
 from pydantic import (
@@ -61,7 +61,7 @@ from ..bodies.problem import (
     TransverselyIsotropic,
 )
 from ..formulas import capillary, kelvin_radius
-from ..methods.protocol import METHODS, Descriptor, Method, method_class
+from ..methods.protocol import METHODS, Descriptor, InTable, Method, method_class
 from ..series import Record
 from ..tables import TextTable, read_table, split_name, unit_power
 
@@ -701,34 +701,58 @@ def _restored(tree: dict[str, Any]) -> CaseModel:
     return CaseModel.for_tables(tree).model_validate(tree)
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where an option of a method stands in a case file, its annotation and its default."""
+
+    table: str
+    key: str
+    annotation: Any
+    default: Any
+
+
+@cache
+def places(method: Descriptor) -> dict[str, Place]:
+    """Where the options of ``method`` stand, by name."""
+    if method.options is None:
+        return {}
+    hints, found = get_type_hints(method.options, include_extras=True), {}
+    for item in fields(method.options):
+        notes = getattr(hints[item.name], "__metadata__", ())
+        elsewhere = [note for note in notes if isinstance(note, InTable)]
+        where = elsewhere[0] if elsewhere else InTable(method.table or method.name, item.name)
+        found[item.name] = Place(where.table, where.key, hints[item.name], item.default)
+    return found
+
+
 @cache
 def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, ...]) -> type[CaseModel]:
     names = Literal.__getitem__(("auto", *(method.name for method in methods)))
-    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(dict(shapes)), ...)}
+    tables: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(dict(shapes)), ...)}
     # The tables of the methods' options, those of the method with most of them first
     keys: dict[str, dict[str, Any]] = {}
     owners: dict[str, Descriptor] = {}
-    for method in sorted(methods, key=lambda method: (-len(method.places), method.effort)):
-        for place in method.places.values():
+    for method in sorted(methods, key=lambda method: (-len(places(method)), method.effort)):
+        for place in places(method).values():
             keys.setdefault(place.table, {})[place.key] = (readable(place.annotation), place.default)
             owners[place.table] = method
     for table in keys:
         kind = _option_table(table, keys[table], owners[table])
-        fields[table] = (kind, kind.model_construct())  # a default that its own method refuses is told when it is used
-    return create_model("CaseModel", __base__=CaseModel, **fields)
+        tables[table] = (kind, kind.model_construct())  # a default that its own method refuses is told when it is used
+    return create_model("CaseModel", __base__=CaseModel, **tables)
 
 
 def other_tables(method: str) -> set[str]:
     """The tables of options that the method called ``method`` has no part in."""
-    own = {place.table for place in METHODS[method].places.values()} if method in METHODS else set()
-    return {place.table for other in METHODS.values() for place in other.places.values()} - own
+    own = {place.table for place in places(METHODS[method]).values()} if method in METHODS else set()
+    return {place.table for other in METHODS.values() for place in places(other).values()} - own
 
 
 def _option_table(table: str, keys: dict[str, Any], method: Descriptor) -> type[Table]:
     """The table named ``table``; its keys together are what the method's options accept."""
 
     def accepted(self: Table) -> Table:
-        options = {name: getattr(self, place.key) for name, place in method.places.items() if place.table == table}
+        options = {name: getattr(self, place.key) for name, place in places(method).items() if place.table == table}
         with findings(table):
             cast(Any, method.options)(**options)
         return self
@@ -762,7 +786,9 @@ def fem_of(model: CaseModel) -> FEM:
 
 def options_of(model: CaseModel, name: str) -> dict[str, Any]:
     """The options of the method called ``name`` that the case gives, or that have a default."""
-    values = {option: getattr(getattr(model, place.table), place.key) for option, place in METHODS[name].places.items()}
+    values = {
+        option: getattr(getattr(model, place.table), place.key) for option, place in places(METHODS[name]).items()
+    }
     return {option: value for option, value in values.items() if value is not None}
 
 
@@ -841,7 +867,7 @@ class Case:
             allowed = allowed or f"method {method} has none, its formula errs as it does; leave the option out"
             raise InputError(f"--tolerance: {allowed}, got {tolerance:g}")
         for name, ranged in known.items():
-            place = METHODS[name].places["tolerance"]
+            place = places(METHODS[name])["tolerance"]
             table = {place.table: tree.get(place.table, {}) | {place.key: ranged.nearest(tolerance)}}
             try:
                 tree |= model_of(tree | table, self.source).model_dump(exclude_none=True)

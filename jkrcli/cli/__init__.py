@@ -16,11 +16,14 @@ from typing import ClassVar
 import click
 
 from .. import __version__
+from ..base import process
 from ..base.errors import InputError, JkrError, did_you_mean, printable
-from ..base.process import begin_with_one
 from .printing import folded, give_up, tell, warn
 
-begin_with_one()  # the same numbers everywhere, and faster at these sizes
+# One BLAS thread in this process, of which NumPy reads when it is first imported; too late after that: the same numbers
+# everywhere, and faster at these sizes.
+os.environ.update(process.ONE_THREAD)
+process.pinned[:] = [True] * ("numpy" not in sys.modules or bool(process.pinned))
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
 
 MOST_WORDS = 100_000  # choice: of a command line; more take seconds to take apart
@@ -139,10 +142,11 @@ class Verbs(LateGroup):
         return f'unknown command "{name}"{did_you_mean(name, VERBS)} (commands: {", ".join(VERBS)})'
 
 
-@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(__version__, prog_name="jkr")
-def jkr() -> None:
-    """Adhesive (JKR) contact of axisymmetric bodies: from a case file to the adhesive curve, from a measured curve to
+jkr = Verbs(
+    "jkr",
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    help="""
+    Adhesive (JKR) contact of axisymmetric bodies: from a case file to the adhesive curve, from a measured curve to
     E* and w.
 
     \b
@@ -153,7 +157,9 @@ def jkr() -> None:
     jkr fit curve.csv --radius "5 um" --nu 0.5    E* and w of a force curve
 
     Exit codes: 0 done, 2 bad input, 130 interrupted (Ctrl-C), 1 anything else.
-    """
+    """,
+)
+click.version_option(__version__, prog_name="jkr")(jkr)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -17,7 +17,7 @@ from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from ..tables import TextTable, read_table, some, split_name, unit_power
-from .tables import check_chosen, is_within_noise, near_first_touch, vocabulary, with_units
+from .tables import VOCABULARIES, check_chosen, is_within_noise, near_first_touch, with_units
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
 UNKNOWN = Unknown("unknown: imported data")
-NAMES = vocabulary("computed")
+NAMES = VOCABULARIES["computed"]
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
 
     Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
     """
-    from ..adhesion.slopes.choice import smoothed
+    from ..adhesion.slopes import smoothed
     from ..resolve.node_radii import compared
 
     assert raw.rows is not None

@@ -107,12 +107,13 @@ class Vocabulary:
         return parsed[1]
 
 
-def vocabulary(kind: str) -> Vocabulary:
-    """The quantities of a ``kind`` of table, "measured" or "computed": those of a contact by more names, and others."""
-    entries, also = WORDS["contact"] | WORDS[kind]["more"], WORDS[kind]["also"]
-    names = {key: [*entry["names"], *also.get(key, ())] for key, entry in entries.items()}
-    quantities = {key: Quantity(**entry | {"names": names[key]}) for key, entry in entries.items()}
-    return Vocabulary(quantities, tuple(key for key, quantity in quantities.items() if quantity.dimension))
+# The quantities of a kind of table, "measured" or "computed": those of a contact by more names, and others.
+VOCABULARIES: dict[str, Vocabulary] = {}
+for _kind in ("measured", "computed"):
+    _also, _quantities = WORDS[_kind]["also"], {}
+    for _key, _entry in (WORDS["contact"] | WORDS[_kind]["more"]).items():
+        _quantities[_key] = Quantity(**_entry | {"names": [*_entry["names"], *_also.get(_key, ())]})
+    VOCABULARIES[_kind] = Vocabulary(_quantities, tuple(key for key, one in _quantities.items() if one.dimension))
 
 
 def with_units(

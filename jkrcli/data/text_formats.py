@@ -35,7 +35,7 @@ from .curve import (
     place,
 )
 from .instruments import DIRECTIONS, VOLTS
-from .tables import CONTACT, SIZES, check_chosen, overruled, vocabulary, with_units
+from .tables import CONTACT, SIZES, VOCABULARIES, check_chosen, overruled, with_units
 
 # --------------------------------------------------------------------------------------------------
 # Segments and curves whose columns stand beside each other in one table: put one under the other.
@@ -271,7 +271,7 @@ def _way(z: Array) -> float:
 
 UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
 
-NAMES = vocabulary("measured")
+NAMES = VOCABULARIES["measured"]
 BARE = "; or --format afm, if a microscope's program wrote three columns without names"
 
 

@@ -21,8 +21,7 @@ from scipy.interpolate import BSpline, CubicHermiteSpline, PPoly, make_interp_sp
 
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.finite_range import Broken, FiniteRangeBody, RangeRequest, leaps_of
-from ..adhesion.slopes.choice import slopes
-from ..adhesion.slopes.result import Slopes
+from ..adhesion.slopes import Slopes, slopes
 from ..base.errors import InputError, JkrError, Refusal, SolveError
 from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SAME, SETTLED, TINY, UNSEEN, Array
 from ..base.units import show

@@ -18,7 +18,7 @@ import numpy as np
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import REST, Edge, Program
 from ..adhesion.rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
-from ..adhesion.slopes.result import TWO_SIDED_90
+from ..adhesion.slopes import TWO_SIDED_90
 from ..base.errors import InputError, JkrError, SolveError, Unknown
 from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array, PiecewiseCubic, evenly, zeros_between
 from ..base.units import LARGEST_SI, Ranged, show

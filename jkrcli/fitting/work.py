@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..adhesion.curve import Nonadhesive
-from ..adhesion.slopes.result import TWO_SIDED_90
+from ..adhesion.slopes import TWO_SIDED_90
 from ..base.errors import InputError
 from ..base.executors import Pool, completed
 from ..base.numerics import ROUNDED, SETTLED, TOGETHER, Array, zeros_between

@@ -5,9 +5,8 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
-from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast, get_type_hints
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast
 
 from ..base.errors import InputError, Refusal, counted
 from ..base.numerics import NOTICEABLE
@@ -61,16 +60,6 @@ class InTable:
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where an option stands in a case file, its annotation and its default."""
-
-    table: str
-    key: str
-    annotation: Any
-    default: Any
-
-
-@dataclass(frozen=True)
 class Descriptor:
     """What is known of a method before its solver is imported.
 
@@ -93,30 +82,6 @@ class Descriptor:
     kernel: bool = False
     tension: bool = False
     coating: bool = False
-
-    @cached_property
-    def places(self) -> dict[str, Place]:
-        """The options by name."""
-        if self.options is None:
-            return {}
-        hints = get_type_hints(self.options, include_extras=True)
-        places = {}
-        for item in fields(self.options):
-            notes = getattr(hints[item.name], "__metadata__", ())
-            elsewhere = [note for note in notes if isinstance(note, InTable)]
-            where = elsewhere[0] if elsewhere else InTable(self.table or self.name, item.name)
-            places[item.name] = Place(where.table, where.key, hints[item.name], item.default)
-        return places
-
-
-METHODS: dict[str, Descriptor] = {}  # by name, least effort first
-
-
-def register(descriptor: Descriptor) -> None:
-    """Make a method known by its name, among those that need less and more effort."""
-    by_effort = sorted([*METHODS.values(), descriptor], key=lambda method: method.effort)
-    METHODS.clear()
-    METHODS.update({method.name: method for method in by_effort})
 
 
 def method_class(name: str) -> Any:
@@ -340,15 +305,7 @@ def _why(chosen: Option, options: Sequence[Option]) -> str:
 
 
 # --------------------------------------------------------------------------------------------------
-# What is known of each method before it is imported: its descriptor and options.
-
-CLOSED_FORM = "Formulae for the half-space and for one thin layer, where they hold."
-CLOSED_FORM_SOLVER = "jkrcli.methods.closed_form:ClosedForm"
-register(Descriptor("closed-form", CLOSED_FORM, CLOSED_FORM_SOLVER, 10, exact=True, kernel=True))
-
-
-# --------------------------------------------------------------------------------------------------
-# The options of the method ``layered``, and what is known of it before it is imported.
+# The options of the methods ``layered``, ``hybrid`` and ``fem``.
 
 
 @dataclass(frozen=True)
@@ -361,19 +318,6 @@ class LayeredOptions:
         check_ranges(self, "layered")
 
 
-LAYERED = "The exact contact equation of any stack of layers much wider than the contact; no mesh."
-LAYERED_SOLVER = "jkrcli.methods.layered.solver:Layered"
-register(
-    Descriptor(
-        "layered", LAYERED, LAYERED_SOLVER, 20, LayeredOptions, exact=True, kernel=True, tension=True, coating=True
-    )
-)  # fmt: skip
-
-
-# --------------------------------------------------------------------------------------------------
-# The options of the method ``hybrid``, and what is known of it before it is imported.
-
-
 @dataclass(frozen=True)
 class HybridOptions:
     """Options: ``tolerance``, the relative error of delta, P, S and S' at every radius."""
@@ -383,13 +327,6 @@ class HybridOptions:
     def __post_init__(self) -> None:
         check_ranges(self, "hybrid")
 
-
-HYBRID = "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes."
-register(Descriptor("hybrid", HYBRID, "jkrcli.methods.hybrid.method:Hybrid", 30, HybridOptions, kernel=True))
-
-
-# --------------------------------------------------------------------------------------------------
-# The options of the method ``fem``, and what is known of it before it is imported.
 
 Solver: TypeAlias = Literal["auto", "superlu", "cholmod"]
 GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order
@@ -465,5 +402,34 @@ class FEMOptions:
         return self.growth if self.growth is not None else GROWTH[self.layout][self.order]
 
 
-FEM = "Finite elements for stacks of isotropic layers, wide or of finite radius."
-register(Descriptor("fem", FEM, "jkrcli.methods.fem.method:FEM", 40, FEMOptions, "mesh", tension=True))
+# --------------------------------------------------------------------------------------------------
+# What is known of each method before it is imported.
+
+_METHODS = (
+    Descriptor(
+        "closed-form", "Formulae for the half-space and for one thin layer, where they hold.",
+        "jkrcli.methods.closed_form:ClosedForm", 10, exact=True, kernel=True,
+    ),
+    Descriptor(
+        "layered", "The exact contact equation of any stack of layers much wider than the contact; no mesh.",
+        "jkrcli.methods.layered.solver:Layered", 20, LayeredOptions, exact=True, kernel=True, tension=True,
+        coating=True,
+    ),
+    Descriptor(
+        "hybrid",
+        "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes.",
+        "jkrcli.methods.hybrid.method:Hybrid", 30, HybridOptions, kernel=True,
+    ),
+    Descriptor(
+        "fem", "Finite elements for stacks of isotropic layers, wide or of finite radius.",
+        "jkrcli.methods.fem.method:FEM", 40, FEMOptions, "mesh", tension=True,
+    ),
+)  # fmt: skip
+METHODS = {method.name: method for method in _METHODS}  # by name, least effort first
+
+
+def register(descriptor: Descriptor) -> None:
+    """Make a method known by its name, among those that need less and more effort."""
+    by_effort = sorted([*METHODS.values(), descriptor], key=lambda method: method.effort)
+    METHODS.clear()
+    METHODS.update({method.name: method for method in by_effort})

@@ -26,10 +26,8 @@ from ..adhesion.curve import (
 from ..adhesion.device_path import Stability, behaviours
 from ..adhesion.finite_range import Range, RangeRequest
 from ..adhesion.pull_off_error import Errors, pull_off_error
-from ..adhesion.slopes import RULES
-from ..adhesion.slopes.choice import slopes, smoothed
+from ..adhesion.slopes import RULES, Slopes, slopes, smoothed
 from ..adhesion.slopes.node_radii import Ahead
-from ..adhesion.slopes.result import Slopes
 from ..adhesion.validity import (
     Strains,
     Validity,

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
 from ..adhesion.finite_range import Range
-from ..adhesion.slopes.result import Slopes
+from ..adhesion.slopes import Slopes
 from ..base.errors import Estimate, JkrError, Unknown
 from ..base.numerics import ROUNDED, Array, zeros_between
 from ..base.units import show

@@ -29,10 +29,11 @@ from ..base.process import PATIENCE
 from ..bodies.indenters import Indenter
 from ..bodies.problem import Loading, Problem
 from ..formulas import adhesive_half_space
+from ..methods.layered.solver import Layered
 from ..methods.radii import ROOM
 from ..series import Solution
 from .analysis import Analysis, analyse, forecast, nonadhesive
-from .neglected import COARSE
+from .neglected import LEFT_OUT_ACCURACY
 from .resolve import method_behind, refined, resolve_with, solver_of
 
 # Radii at which a half-space is looked at, and those of a body whose w is known.
@@ -56,7 +57,7 @@ def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", m
     try:
         return resolve_with(_to(problem, largest))
     except JkrError:
-        return resolve_with(_to(problem, largest), method=COARSE)
+        return resolve_with(_to(problem, largest), method=Layered(LEFT_OUT_ACCURACY))
 
 
 def solved_for_force(
@@ -94,7 +95,7 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
     reach = min(REACH_FURTHER * sum(layer.thickness for layer in layers), widest) if layers else widest
     while True:
         far = _to(problem, reach)
-        yield resolve_with(far, method=COARSE) if layers else resolve_with(far)
+        yield resolve_with(far, method=Layered(LEFT_OUT_ACCURACY)) if layers else resolve_with(far)
         if reach == widest:
             return
         reach = min(REACH_FURTHER * reach, widest)

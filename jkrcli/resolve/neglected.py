@@ -65,8 +65,6 @@ LEFT_OUT_PER_WORK = 0.09  # CPU seconds for each work of adhesion; tuned on a la
 LEFT_OUT_FEW = 20  # radii of that; tuned on bodies, by `make constants`: half move what S changes by, by 7 %
 
 
-COARSE = Layered(1e-5)
-GLASS = Elastic(*LEFT_OUT_GLASS)
 NO_STRAINS = Unknown("known only for spheres on half-spaces and thick layers of rubber (nu = 1/2)")
 NO_PULL_OFF = Unknown("pull-off at large strains is not known")
 NOT_COMPARED = Unknown("not computed with a range")
@@ -100,7 +98,7 @@ def preview_effects(problem: Problem, works: tuple[float, ...], z0: float) -> Ef
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
     body = replace(without_side_walls(problem), loading=replace(loading, points=max(loading.points, 100)))
-    solution = resolve_with(body, method=COARSE, longest=PATIENCE)
+    solution = resolve_with(body, method=Layered(LEFT_OUT_ACCURACY), longest=PATIENCE)
     series = solution.series
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion, functions = [], Nonadhesive.of(series, "exact")
@@ -120,7 +118,7 @@ def preview_effects(problem: Problem, works: tuple[float, ...], z0: float) -> Ef
     if problem.layers:
         half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
         with contextlib.suppress(Refusal):  # a half-space would need more of the profile than there is
-            matter = float(P / resolve_with(half_space, method=COARSE).series.P[-1] - 1)
+            matter = float(P / resolve_with(half_space, method=Layered(LEFT_OUT_ACCURACY)).series.P[-1] - 1)
     return EffectsPreview(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
 
 
@@ -236,18 +234,18 @@ def _at(series: Series, depth: float) -> tuple[float, float]:
 def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[NeglectedEffect]:
     """The things for which a neighbouring body is solved; ``sides``: whether the specimen has any."""
     specimen, indenter = neighbours.body.specimen, neighbours.body.indenter
-    glass = show(GLASS.E, "modulus")
+    glass = Elastic(*LEFT_OUT_GLASS)
     if neighbours.body.layers:
         yield _half_space(neighbours)
     if isinstance(indenter, Paraboloid):
         sphere = Sphere(indenter.R, indenter.material)
         yield neighbours.with_("exact sphere", 'indenter.shape = "sphere"', indenter=sphere)
     if indenter.material is None and not specimen.surface_tension:
-        elastic = replace(indenter, material=GLASS)  # type: ignore[type-var]
-        yield neighbours.with_(f"elastic indenter, {glass}", "indenter.E and nu", indenter=elastic)
+        elastic = replace(indenter, material=glass)  # type: ignore[type-var]
+        yield neighbours.with_(f"elastic indenter, {show(glass.E, 'modulus')}", "indenter.E and nu", indenter=elastic)
     if isinstance(specimen.base, Rigid) and specimen.base.bonded and not sides:
-        based = replace(specimen, base=HalfSpace(GLASS))
-        yield neighbours.with_(f"elastic substrate, {glass}", "specimen.half_space", specimen=based)
+        based = replace(specimen, base=HalfSpace(glass))
+        yield neighbours.with_(f"elastic substrate, {show(glass.E, 'modulus')}", "specimen.half_space", specimen=based)
     if not specimen.surface_tension:
         yield _tension(neighbours)
 

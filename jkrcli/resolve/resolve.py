@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, Nonadhesive
-from ..adhesion.slopes.result import TWO_SIDED_90, exact
+from ..adhesion.slopes import TWO_SIDED_90, exact
 from ..base.errors import JkrError, Refusal
 from ..base.numerics import MOST_SOLVES, SAME, Array, composite_gauss
 from ..base.process import PATIENCE, duration

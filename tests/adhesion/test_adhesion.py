@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.slopes.result import Slopes
+from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.formulas import (
     adhesive_half_space,

@@ -12,7 +12,7 @@ from stopwatch import takes_less_than
 from jkrcli.adhesion.curve import Nonadhesive, Rows
 from jkrcli.adhesion.device_path import there_and_back
 from jkrcli.adhesion.rate import PowerRate, RateContact
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen

@@ -14,7 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from jkrcli.adhesion import pull_off_error as module
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, Nonadhesive, transform
 from jkrcli.adhesion.pull_off_error import pull_off_error
-from jkrcli.adhesion.slopes.choice import slopes, smoothed
+from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen

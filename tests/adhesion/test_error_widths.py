@@ -10,7 +10,7 @@ from widths import assert_neither_doubled_nor_halved, mean_squares
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.pull_off_error import pull_off_error
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.slopes.integral import smoothed
 from jkrcli.adhesion.slopes.loocv import loocv
 from jkrcli.base.errors import Unknown

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive, transform
-from jkrcli.adhesion.slopes.choice import slopes, smoothed
+from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.formulas import hertz, shift
 from jkrcli.report.explorer import start_work
 from jkrcli.series import RawSeries, Series

@@ -12,7 +12,7 @@ import jkrcli as python
 from jkrcli.adhesion.curve import LOAD_CONTROL, AdhesiveCurve, Nonadhesive, position
 from jkrcli.adhesion.device_path import Program, QuasiStatic, path, there_and_back
 from jkrcli.adhesion.rate import PowerRate, RateContact
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.formulas import hertz
 from jkrcli.series import Series
 

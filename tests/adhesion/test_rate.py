@@ -14,7 +14,7 @@ from stopwatch import takes_less_than
 from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive
 from jkrcli.adhesion.device_path import Program, cycle, there_and_back
 from jkrcli.adhesion.rate import HISTORY_TOLERANCE, RATE_LAWS, History, LogRate, PowerRate, RateContact
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen

@@ -8,7 +8,7 @@ from quantised import node_based, quantised_study
 from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import slopes, smoothed
+from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.adhesion.slopes.integral import LogSplineModel, Shape, correlation_length, integral
 from jkrcli.adhesion.slopes.loocv import loocv
 from jkrcli.adhesion.slopes.node_radii import node_radii

@@ -29,8 +29,7 @@ from jkrcli.adhesion.device_path import (
     shrink,
     stability_under,
 )
-from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.slopes.result import Slopes
+from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen

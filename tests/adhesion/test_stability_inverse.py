@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from jkrcli.adhesion.curve import Nonadhesive, transform
 from jkrcli.adhesion.from_rest import work_from_pull_off
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

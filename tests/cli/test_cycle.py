@@ -13,7 +13,7 @@ from conftest import CASES
 
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.device_path import UNBOUNDED, Cycle, cycle, trace, turning_radius
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.formulas import hertz, thin_layer
 from jkrcli.series import Series

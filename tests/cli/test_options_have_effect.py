@@ -17,7 +17,7 @@ import pytest
 
 from jkrcli import cli
 from jkrcli.base.errors import InputError
-from jkrcli.case.models import method_of, parse_case
+from jkrcli.case.models import method_of, parse_case, places
 from jkrcli.methods.protocol import METHODS
 
 CASE = """
@@ -63,10 +63,10 @@ def test_every_parameter_of_a_verb_is_read_by_it(path: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "option"), [(name, option) for name, known in METHODS.items() for option in known.places]
+    ("method", "option"), [(name, option) for name, known in METHODS.items() for option in places(known)]
 )
 def test_every_option_of_a_method_changes_it(method: str, option: str) -> None:
-    place = METHODS[method].places[option]
+    place = places(METHODS[method])[option]
     plain = parse_case(CASE.encode(), "plain.toml").model
     line = OTHERS.get(option) or f"{place.key} = {place.default / 2!r}"
     other = parse_case(f"{CASE}[{place.table}]\n{line}\n".encode(), "other.toml").model

@@ -9,7 +9,7 @@ import pytest
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.device_path import stable_radius
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.base.files import write_csv
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile

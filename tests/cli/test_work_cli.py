@@ -12,7 +12,7 @@ import pytest
 from conftest import Outcome
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.files import is_ours
 from jkrcli.case import store
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from force_curves import Instrument, equilibrium, record
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Curve, Reading

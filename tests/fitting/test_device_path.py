@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.fitting.forward_model import Family, branch, rest

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lens_tables import NU, H, R, lens
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve

@@ -10,7 +10,7 @@ import pytest
 from fit_data import coating, half_space, thin_layer, usual
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody

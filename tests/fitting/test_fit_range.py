@@ -12,7 +12,7 @@ import pytest
 from maugis import Maugis
 
 from jkrcli.adhesion.finite_range import FiniteRangeBody, Range
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -16,7 +16,7 @@ from dirty_records import KINDS
 from force_curves import Instrument, equilibrium, record
 from layer_contact import BondedLayer, half_space
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -27,7 +27,7 @@ from fit_data import (
 )  # fmt: skip
 from maugis import Maugis
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Specimen
 from jkrcli.data.curve import Curve

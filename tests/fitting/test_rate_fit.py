@@ -14,7 +14,7 @@ from stopwatch import takes_less_than
 from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.adhesion.device_path import Program
 from jkrcli.adhesion.rate import PowerRate
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from force_curves import Instrument, record
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen

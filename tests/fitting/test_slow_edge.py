@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.fitting.force_curve import load_at, receding

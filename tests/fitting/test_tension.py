@@ -11,7 +11,7 @@ from tension_records import record as made
 
 import jkrcli
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen

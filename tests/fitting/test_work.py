@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from widths import assert_neither_doubled_nor_halved, mean_squares
 
 from jkrcli.adhesion.curve import Nonadhesive, transform
-from jkrcli.adhesion.slopes.choice import slopes, smoothed
+from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -12,7 +12,7 @@ import pytest
 from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import AdhesiveCurve
-from jkrcli.adhesion.slopes.choice import smoothed
+from jkrcli.adhesion.slopes import smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.base.process import SILENCE
 from jkrcli.case.models import parse_case

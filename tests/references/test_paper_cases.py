@@ -16,7 +16,7 @@ from conftest import CASES
 
 from jkrcli import formulas
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Side, Specimen

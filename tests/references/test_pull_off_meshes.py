@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.methods.fem.method import FEM

@@ -11,8 +11,9 @@ from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import GEL_TENSION, Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import displacement, over_hertz, over_jkr, sneddon_sphere
-from jkrcli.resolve.neglected import GLASS, NeglectedEffect, neglected_effects, preview_effects
+from jkrcli.resolve.neglected import LEFT_OUT_GLASS, NeglectedEffect, neglected_effects, preview_effects
 
+GLASS = Elastic(*LEFT_OUT_GLASS)
 R, a = 1e-5, 2e-6
 RUBBER = Elastic(1e6, 0.5)
 

@@ -13,7 +13,7 @@ import pytest
 from conftest import CASES
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

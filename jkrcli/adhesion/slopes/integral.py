@@ -26,8 +26,8 @@ from scipy.special import stdtrit
 from ...base.errors import Estimate, InputError, Refusal, Unknown
 from ...base.numerics import MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
 from ...series import RawSeries, Series
+from . import ERROR_AT_DISPLACEMENT, ERROR_COMMON, TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .node_radii import AS_THEY_ARE, Ahead, node_radii
-from .result import ERROR_AT_DISPLACEMENT, ERROR_COMMON, TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 
 # --------------------------------------------------------------------------------------------------
 # A smooth nonadhesive series given by log g and log s as B-splines in the log of the radius.

@@ -27,7 +27,7 @@ from ...base.errors import InputError, Refusal
 from ...base.numerics import NOTICEABLE, Array
 from ...base.units import show
 from ...series import Series
-from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
+from . import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 
 # --------------------------------------------------------------------------------------------------
 # Cubic smoothing spline with exact leave-one-out cross-validation, in O(n) by banded matrices.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

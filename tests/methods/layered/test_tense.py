@@ -7,7 +7,7 @@ from tension_records import galerkin
 
 from jkrcli import formulas, study_map
 from jkrcli.adhesion.curve import LOAD_CONTROL, transform
-from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import (

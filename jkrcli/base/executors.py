@@ -28,6 +28,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
 from concurrent.futures import wait as wait_for
 from contextlib import AbstractContextManager
+from functools import partial
 from multiprocessing.connection import Connection
 from typing import Any, TypeAlias, TypeVar
 
@@ -104,6 +105,23 @@ def completed(
     ``chunk`` items make one task; only a few tasks per worker are handed out at a time. ``function`` is a module's own
     (it is sent by name). An item whose process dies is tried once more, alone, and then reported as a SolveError.
     """
+    return batches_completed(pool, partial(_each, function), items, label, chunk)
+
+
+def _each(function: Callable[[Item], Result], items: list[Item]) -> Outcomes[Result]:
+    outcomes: Outcomes[Result] = []
+    for item in items:
+        try:
+            outcomes.append(function(item))
+        except Exception as error:
+            outcomes.append(error)
+    return outcomes
+
+
+def batches_completed(
+    pool: Pool, function: Callable[[list[Item]], Outcomes[Result]], items: Sequence[Item], label: str, chunk: int
+) -> Iterator[tuple[int, Result | Exception]]:
+    """The same of a ``function`` that works on the items of one task together."""
     tasks = deque(range(start, min(start + chunk, len(items))) for start in range(0, len(items), chunk))
     suspects: deque[int] = deque()
     running: dict[Future[Outcomes[Result]], range] = {}
@@ -160,22 +178,21 @@ def in_order(
     return [results[index] for index in range(len(items))]
 
 
-def run_chunk(version: str, function: Callable[[Item], Result], items: list[Item]) -> Outcomes[Result]:
+def run_chunk(version: str, function: Callable[[list[Item]], Outcomes[Result]], items: list[Item]) -> Outcomes[Result]:
     """Work on the items of one task, where the executor wants it; their exceptions are results."""
     if version != __version__:
         raise JkrError(f"a worker runs jkr {__version__}, this command jkr {version}: install the same release")
     pin_blas()
-    outcomes: Outcomes[Result] = []
-    for item in items:
-        try:
-            outcomes.append(function(item))
-        except Exception as error:
-            try:
-                pickle.loads(pickle.dumps(error))
-                outcomes.append(error)
-            except Exception:  # it cannot be sent to a process: its message alone
-                outcomes.append(SolveError(f"{type(error).__name__}: {error}"))
-    return outcomes
+    return [_sendable(one) if isinstance(one, Exception) else one for one in function(items)]
+
+
+def _sendable(error: Exception) -> Exception:
+    """The exception, or its message alone where it cannot be sent to a process."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return SolveError(f"{type(error).__name__}: {error}")
+    return error
 
 
 class _Here(Pool):

@@ -36,30 +36,22 @@ from ..bodies.problem import (
 )
 from ..data.curve import APPROACH
 from ..methods.radii import DENSE
+from .branches import DeviceBranch, Moving, Rest, Resting, rest
 from .force_curve import (
     SLOW_EDGE_WIDEST,
     DirectionReadings,
     ForceCurveFit,
     ForceCurveModel,
+    Loads,
     base_line,
     creep,
     hysteresis,
     load_at,
+    offs,
     radii_at,
     receding,
 )
-from .forward_model import (
-    FAMILY_BELOW_LIMIT,
-    FUNCTIONS,
-    DeviceBranch,
-    Family,
-    FittedBody,
-    Rest,
-    grid,
-    on_grid,
-    rest,
-    solved,
-)
+from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
 
 # --------------------------------------------------------------------------------------------------
 # An alternative model in full: the model of a raw record with an amount of what it leaves out as one more unknown, or
@@ -71,7 +63,6 @@ from .forward_model import (
 
 AMOUNT, ANY = "amount", (-math.inf, math.inf)
 Values = Mapping[str, float]  # of all unknowns, by name
-Loads = Callable[[ForceCurveModel, DirectionReadings, Values], Array]  # [N], of all rows of a stretch
 Shape = Callable[[Family, float], tuple[Array, Array]]  # changes of the logs of displacement and stiffness (n,)
 
 # Differences by amounts, and how far rivals are followed.
@@ -297,24 +288,28 @@ class RivalModel(ForceCurveModel):
             self._followed[key] = self.change.followed(self._plain, part, values)
         return self._followed[key]
 
-    def branch(self, part: DirectionReadings, values: Values) -> DeviceBranch:
-        return self.followed(part, values).branch(part, values)
+    def moving(self, part: DirectionReadings, values: Values) -> Moving:
+        return self.followed(part, values).moving(part, values)
 
-    def rest(self, part: DirectionReadings, values: Values) -> Rest | None:
-        return self.followed(part, values).rest(part, values)
+    def resting(self, part: DirectionReadings, values: Values) -> Resting | None:
+        return self.followed(part, values).resting(part, values)
 
     def depth(self, part: DirectionReadings, values: Values) -> Array:
         depth = super().depth(part, values)
         return depth if self.change.shift is None else depth + self.change.shift(part, values)
 
-    def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
-        off, rates = super().evaluated(x, blunt)
+    def completed(self, x: Array, blunt: float, off: Array, rates: Array) -> Array:
+        moved: dict[int, float] = {}
         for i, name in enumerate(self.names):
             if name in self.change.names or (self.change.coupled and name.startswith(("ln_s", "q:", "r:", "z0"))):
                 step = (CHANGE_STEP if self.change.loads is None else LITTLE) * self._unit(name, float(x[i]))
-                step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
-                rates[:, i] = (self.off(x + step * (np.arange(x.size) == i), blunt) - off) / step
-        return off, rates
+                moved[i] = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
+        each = offs([(self, x + step * (np.arange(x.size) == i), blunt) for i, step in moved.items()])
+        for (i, step), there in zip(moved.items(), each, strict=True):
+            if isinstance(there, Exception):
+                raise there
+            rates[i] = (there - off) / step
+        return rates
 
     def _unit(self, name: str, x: float) -> float:
         """The size of an unknown that is ``x``."""
@@ -322,15 +317,7 @@ class RivalModel(ForceCurveModel):
             return max(part.reach for part in self.stretches)
         return max(abs(x), CHANGE_SMALL * (self.most if name.startswith(("q:", "r:")) else 1.0))
 
-    def _load(self, part: DirectionReadings, values: Values, blunt: float) -> Array:
-        loads = self._in_place_of_path(part)
-        return super()._load(part, values, blunt) if loads is None else loads(self, part, values)
-
-    def _contact(self, part: DirectionReadings, values: Values, blunt: float) -> tuple[Array, dict[str, Array]]:
-        loads = self._in_place_of_path(part)
-        return super()._contact(part, values, blunt) if loads is None else (loads(self, part, values), {})
-
-    def _in_place_of_path(self, part: DirectionReadings) -> Loads | None:
+    def in_place_of_path(self, part: DirectionReadings) -> Loads | None:
         return self.change.loads or (self.change.loads_back if part is self.stretches[-1] else None)
 
 

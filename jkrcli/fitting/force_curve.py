@@ -17,18 +17,21 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
+from typing import TypeAlias
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ..base.errors import SolveError, known
+from ..base.lockstep import Flow, alone, ask
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median
 from ..data.curve import APPROACH, Curve
 from ..data.segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
-from .forward_model import DeviceBranch, Family, Rest, branch, on_grid, rest
+from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
+from .forward_model import Family, on_grid
 from .least_squares import (
     TURNS,
     Least,
@@ -36,10 +39,10 @@ from .least_squares import (
     Spectrum,
     Spread,
     State,
-    covariance_coloured,
     in_time,
     influence,
     robust_scale,
+    spreads,
 )
 from .rows import in_contact, noise_from_third_differences
 from .settings import Loss
@@ -297,6 +300,9 @@ FORCE_CURVE_SURELY = 0.9
 FORCE_CURVE_REMEMBERED = 2  # theory: residuals at the same unknowns, with the fold as the search sees it and as it is
 
 
+Loads: TypeAlias = "Callable[[ForceCurveModel, DirectionReadings, Mapping[str, float]], Array]"  # [N], of all rows
+
+
 @dataclass(frozen=True, eq=False)
 class ForceCurveModel:
     """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
@@ -405,12 +411,12 @@ class ForceCurveModel:
         crept = part.waits > 0 and values.get("creep", 0.0) > 0
         return part.travel * float(creep(np.array(part.waits / part.lasting))) if crept else 0.0
 
-    def branch(self, part: DirectionReadings, values: Mapping[str, float]) -> DeviceBranch:
-        """The branch on which the edge of a stretch moves."""
-        return branch(self.family, math.exp(values["ln_s"]), values[f"q:{part.kind}"], self.k)
+    def moving(self, part: DirectionReadings, values: Mapping[str, float]) -> Moving:
+        """What the branch on which the edge of a stretch moves is of."""
+        return self.family, math.exp(values["ln_s"]), values[f"q:{part.kind}"], self.k
 
-    def rest(self, part: DirectionReadings, values: Mapping[str, float]) -> Rest | None:
-        """The resting edge with which a stretch begins at the turning point."""
+    def resting(self, part: DirectionReadings, values: Mapping[str, float]) -> Resting | None:
+        """What the resting edge with which a stretch begins at the turning point is of; None where none rests."""
         root = math.sqrt(max(values[f"q:{part.kind}"], 0.0))
         first = self.stretches[0]
         if first is not part:
@@ -420,12 +426,25 @@ class ForceCurveModel:
         else:
             return None
         depth = part.turn - values["z0"] + values.get("creep", 0.0) * self.deepened(part, values)
-        return rest(self.family, math.exp(values["ln_s"]), before, root, self.k, depth) if before < root else None
+        return (self.family, math.exp(values["ln_s"]), before, root, self.k, depth) if before < root else None
 
-    def touching(self, part: DirectionReadings, values: Mapping[str, float], fold: float) -> Array:
-        """Which rows of a stretch are in contact: those known to be, else those beyond first touch, or on the
-        branch down to its ``fold`` [m]."""
-        return part.touching if part.jumped else self.depth(part, values) > (0.0 if part.kind == APPROACH else fold)
+    def in_place_of_path(self, part: DirectionReadings) -> Loads | None:
+        """What gives the loads of a stretch where they are not those of the path."""
+        return None
+
+    def branch(self, part: DirectionReadings, values: Mapping[str, float]) -> DeviceBranch:
+        """The branch on which the edge of a stretch moves."""
+        return branch(*self.moving(part, values))
+
+    def rest(self, part: DirectionReadings, values: Mapping[str, float]) -> Rest | None:
+        """The resting edge with which a stretch begins at the turning point."""
+        asked = self.resting(part, values)
+        return None if asked is None else rest(*asked)
+
+    def touching(self, part: DirectionReadings, depth: Array, fold: float) -> Array:
+        """Which rows of a stretch at their ``depth`` [m] are in contact: those known to be, else those beyond first
+        touch, or on the branch down to its ``fold`` [m]."""
+        return part.touching if part.jumped else depth > (0.0 if part.kind == APPROACH else fold)
 
     def contact_radii(self, part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Contact radius [m] at all rows of a stretch, 0 where they are free, and which of them are at rest."""
@@ -452,25 +471,40 @@ class ForceCurveModel:
 
         ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
         """
+        (answer,) = residuals_of([(self, x, blunt)])
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def remembers(self, x: Array, blunt: float) -> bool:
+        """Whether the residuals at these unknowns are known."""
+        return (x.tobytes(), blunt) in self._residuals
+
+    def remember(self, x: Array, blunt: float, answer: tuple[Array, Array] | None) -> tuple[Array, Array]:
+        """The residuals, which are kept; None: those that are known."""
         cache, key = self._residuals, (x.tobytes(), blunt)
-        if key not in cache:
+        if answer is not None:
             if len(cache) >= FORCE_CURVE_REMEMBERED:
                 del cache[next(iter(cache))]
-            cache[key] = self.evaluated(x, blunt)
+            cache[key] = answer
         return cache[key]
 
-    def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
-        """The same anew."""
-        values, place = self.values(x), self.places
-        off, rates = np.empty(self.ends[-1]), np.zeros((x.size, self.ends[-1]))
-        for part, first, last in zip(self.stretches, self.ends[:-1], self.ends[1:], strict=True):
-            load, by = self._contact(part, values, blunt)
+    def assembled(self, values: Mapping[str, float], parts: Sequence[Array]) -> tuple[Array, Array]:
+        """Model minus reading [N] of all rows and its derivatives (unknowns, rows), from the loads of the contact in
+        each stretch and their derivatives, as ``contact_loads`` gives them."""
+        off, rates = np.empty(self.ends[-1]), np.zeros((len(self.names), self.ends[-1]))
+        for part, columns, first, last in zip(self.stretches, parts, self.ends[:-1], self.ends[1:], strict=True):
             line, by_line = base_line(part, values)
-            off[first:last] = line + load - part.P
+            off[first:last] = line + columns[0] - part.P
+            by = {} if self.in_place_of_path(part) else self._by_names(part, values, columns)
             for name, column in itertools.chain(by.items(), by_line.items()):
-                if name in place:
-                    rates[place[name], first:last] = column
-        return off, rates.T
+                if name in self.places:
+                    rates[self.places[name], first:last] = column
+        return off, rates
+
+    def completed(self, x: Array, blunt: float, off: Array, rates: Array) -> Array:
+        """The derivatives with those of unknowns that the path does not know."""
+        return rates
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -484,33 +518,28 @@ class ForceCurveModel:
 
     def off(self, x: Array, blunt: float) -> Array:
         """Model minus reading [N] of all rows."""
-        values = self.values(x)
-        parts = (base_line(part, values)[0] + self._load(part, values, blunt) - part.P for part in self.stretches)
-        return np.concatenate(list(parts))
+        (answer,) = offs([(self, x, blunt)])
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
 
     def by_position(self, x: Array) -> Array:
         """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are,
         remembered."""
         if (key := x.tobytes()) not in self._by_position:
-            values, each = self.values(x), []
-            for part in self.stretches:
-                each.append(self._contact(part, values, 0.0)[1].get("z", np.zeros(part.z.size)))
-            self._by_position.clear()
-            self._by_position[key] = np.concatenate(each)
+            (answer,) = evaluated([(self, x, 0.0)])
+            if isinstance(answer, Exception):
+                raise answer
         return self._by_position[key]
+
+    def remember_slopes(self, x: Array, slopes: Array) -> None:
+        """Keep the derivatives ``by_position`` [N/m]."""
+        self._by_position.clear()
+        self._by_position[x.tobytes()] = slopes
 
     @cached_property
     def _by_position(self) -> dict[bytes, Array]:
         return {}
-
-    def _load(self, part: DirectionReadings, values: Mapping[str, float], blunt: float) -> Array:
-        """Load of the contact at all rows of a stretch."""
-        moving, resting, depth, rows, still = self.edges(part, values)
-        P = np.zeros(depth.size)
-        P[rows] = moving.load(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
-        if resting is not None:
-            P[still] = resting.load(depth[still])
-        return P
 
     def edges(
         self, part: DirectionReadings, values: Mapping[str, float]
@@ -518,37 +547,31 @@ class ForceCurveModel:
         """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
         the edge moves, and of those at which it rests."""
         moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
-        rows = part.contact if part.jumped else self.touching(part, values, moving.fold).nonzero()[0]
+        rows = part.contact if part.jumped else self.touching(part, depth, moving.fold).nonzero()[0]
         if resting is None:
             return moving, None, depth, rows, rows[:0]
         rests = depth[rows] > resting.end
         return moving, resting, depth, rows[~rests], rows[rests]
 
-    def _contact(
-        self, part: DirectionReadings, values: Mapping[str, float], blunt: float
-    ) -> tuple[Array, dict[str, Array]]:
-        """Load of the contact at all rows of a stretch, and its derivatives by name."""
-        moving, resting, depth, rows, still = self.edges(part, values)
+    def _by_names(self, part: DirectionReadings, values: Mapping[str, float], columns: Array) -> dict[str, Array]:
+        """Derivatives of the load of the contact at all rows of a stretch, by the names of the unknowns."""
+        _, by_s, by_q, by_z, by_before, by_turn = columns
         own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
-        # The load, its derivatives by ln s, own q, z, and of the edge at rest by the root of q before and by the turn.
-        P, by_s, by_q, by_z, by_before, by_turn = columns = np.zeros((6, depth.size))
-        P[rows], columns[1:4, rows] = moving.at(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
         more: dict[str, Array] = {}
-        if resting is not None:
-            P[still], (by_s[still], by_before[still], by_z[still], by_turn[still]) = resting.at(depth[still])
+        if by_turn.any():
             root = math.sqrt(max(q, 1e-300))
             if "turn" in values:
-                by_q += by_before * (values["turn"] / (2 * root))
+                by_q = by_q + by_before * (values["turn"] / (2 * root))
                 more["turn"] = by_before * root
             more |= _by_advance(self.stretches[0], part, values, by_before)
         elif part is self.stretches[0] and (name := f"r:{part.kind}") in values:
             more = {name: 2 * abs(values[name]) * by_q}
         for name, misplaced in self.misplaced(part).items() if self.positions else ():
             more[name] = by_z * misplaced
-            if name == "creep" and resting is not None:
+            if name == "creep":
                 more[name] += by_turn * self.deepened(part, values)
         by_modulus = by_s - q * by_q if part.kind in self.works else by_s
-        return P, {"ln_s": by_modulus, "z": by_z, "z0": -by_z - by_turn, own: by_q} | more
+        return {"ln_s": by_modulus, "z0": -by_z - by_turn, own: by_q} | more
 
 
 def radii_at(
@@ -589,6 +612,121 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
     by |= {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
            f"sin:{part.kind}": sin}  # fmt: skip
     return line + c * cos + s * sin, by
+
+
+# --------------------------------------------------------------------------------------------------
+# Loads and residuals of many records at once: rows are flat, in the order of records and stretches.
+
+
+def contact_loads(
+    asked: Sequence[tuple[ForceCurveModel, DirectionReadings, Mapping[str, float], float]], slopes: bool = True
+) -> list[Array | Exception]:
+    """Loads of the contact at all rows of some stretches, each of a model with values of its unknowns and the share of
+    its depth over which its fold is blunt (0: half the distance of two rows), and with ``slopes`` their derivatives by
+    ln s, own q, z, and of the edge at rest by the root of q before and by the turn: (6, rows) each, or (1, rows)."""
+    answers: list[Array | Exception] = [np.empty(0)] * len(asked)
+    each: list[tuple[int, DirectionReadings, Array, float, Moving, Resting | None]] = []
+    for place, (model, part, values, blunt) in enumerate(asked):
+        try:
+            if (loads := model.in_place_of_path(part)) is not None:
+                answers[place] = np.append(loads(model, part, values)[None], np.zeros((5, part.z.size)), axis=0)
+                continue
+            depth, width = model.depth(part, values), blunt * part.reach if blunt else part.spacing / 2
+            each.append((place, part, depth, width, model.moving(part, values), model.resting(part, values)))
+        except Exception as error:
+            answers[place] = error
+    if not each:
+        return answers
+    places, parts, depths, widths, edges, at_rest = zip(*each, strict=True)
+    moving = Branches.of(edges)
+    # Rows in contact, in order of the curves, and the curve of each.
+    touching = [
+        part.touching if part.jumped else depth > (0.0 if part.kind == APPROACH else fold)
+        for part, depth, fold in zip(parts, depths, moving.fold.tolist(), strict=True)
+    ]
+    depth, rows = np.concatenate(depths), np.concatenate(touching).nonzero()[0]
+    ends = list(itertools.accumulate((one.size for one in depths), initial=0))
+    own, z = np.repeat(np.arange(len(each)), np.diff(ends))[rows], depth[rows]
+    columns = np.zeros((6 if slopes else 1, depth.size))
+    resting = [i for i, one in enumerate(at_rest) if one is not None]
+    if resting:
+        edge = Rest.of([one for one in at_rest if one is not None])
+        end, number = np.full(len(each), np.inf), np.zeros(len(each), dtype=int)
+        end[resting], number[resting] = edge.end, np.arange(len(resting))
+        still = z > end[own]
+        P, by = edge.some(number[own[still]]).at(z[still])
+        columns[0, rows[still]] = P
+        if slopes:
+            by_s, by_before, by_z, by_turn = by
+            columns[1, rows[still]], columns[3, rows[still]] = by_s, by_z
+            columns[4, rows[still]], columns[5, rows[still]] = by_before, by_turn
+        rows, own, z = rows[~still], own[~still], z[~still]
+    columns[: 4 if slopes else 1, rows] = moving.at(own, z, np.array(widths), slopes)
+    for i, place in enumerate(places):
+        answers[place] = columns[:, ends[i] : ends[i + 1]] if moving.stable[i] else moving.unstable(i)
+    return answers
+
+
+Question: TypeAlias = tuple[ForceCurveModel, Array, float]  # a model, its unknowns, and how blunt the fold is
+
+
+@np.errstate(all="ignore")
+def at_rows(
+    asked: Sequence[Question], slopes: bool = True
+) -> list[tuple[Mapping[str, float], Sequence[Array]] | Exception]:
+    """The values of the unknowns of some models, and the ``contact_loads`` of their stretches."""
+    each = [(model, model.values(x), blunt) for model, x, blunt in asked]
+    parts = [(model, part, values, blunt) for model, values, blunt in each for part in model.stretches]
+    found, answers = iter(contact_loads(parts, slopes)), list[tuple[Mapping[str, float], Sequence[Array]] | Exception]()
+    for model, values, _ in each:
+        columns = list(itertools.islice(found, len(model.stretches)))
+        failed = next((one for one in columns if isinstance(one, Exception)), None)
+        answers.append(failed or (values, [one for one in columns if not isinstance(one, Exception)]))
+    return answers
+
+
+def offs(asked: Sequence[Question]) -> list[Array | Exception]:
+    """Model minus reading [N] of all rows of some models."""
+    answers: list[Array | Exception] = []
+    for (model, _, _), answer in zip(asked, at_rows(asked, slopes=False), strict=True):
+        if isinstance(answer, Exception):
+            answers.append(answer)
+            continue
+        values, parts = answer
+        each = zip(model.stretches, parts, strict=True)
+        answers.append(np.concatenate([base_line(part, values)[0] + columns[0] - part.P for part, columns in each]))
+    return answers
+
+
+def evaluated(asked: Sequence[Question]) -> list[tuple[Array, Array] | Exception]:
+    """Model minus reading [N] of all rows of some models, and its derivatives by the unknowns, (rows, unknowns)."""
+    answers: list[tuple[Array, Array] | Exception] = []
+    for (model, x, blunt), answer in zip(asked, at_rows(asked), strict=True):
+        if isinstance(answer, Exception):
+            answers.append(answer)
+            continue
+        off, rates = model.assembled(*answer)
+        if not blunt:
+            model.remember_slopes(x, np.concatenate([columns[3] for columns in answer[1]]))
+        try:
+            answers.append((off, model.completed(x, blunt, off, rates).T))
+        except SolveError as error:
+            answers.append(error)
+    return answers
+
+
+def residuals_of(asked: Sequence[Question]) -> list[tuple[Array, Array] | Exception]:
+    """The ``residuals`` of some models, each remembered by its model."""
+    new = {place: one for place, one in enumerate(asked) if not one[0].remembers(*one[1:])}
+    found = dict(zip(new, evaluated(list(new.values())), strict=True))
+    answers: list[tuple[Array, Array] | Exception] = []
+    for place, (model, x, blunt) in enumerate(asked):
+        answer = found.get(place)
+        if isinstance(answer, Exception):
+            answers.append(answer)
+        else:
+            answers.append(model.remember(x, blunt, answer))
+    return answers
 
 
 # --------------------------------------------------------------------------------------------------
@@ -769,22 +907,46 @@ def _even(model: ForceCurveModel) -> Spectrum:
     return Spectrum(max(float(np.ptp(part.P)) for part in model.stretches) ** 2)
 
 
-def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> State:
-    """The residuals, weighted by noise."""
-    off, rates = model.residuals(x, blunt)
-    return State(model.whitened(off, weight), partial(model.whitened, rates, weight))
+@dataclass(frozen=True, eq=False)
+class Weighted:
+    """The residuals of a model, weighted by noise."""
+
+    model: ForceCurveModel
+    weight: Spectrum
+    blunt: float
+
+    def __call__(self, x: Array) -> State:
+        (answer,) = self.many([(self, x)])
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    @staticmethod
+    def many(asked: Sequence[tuple[Weighted, Array]]) -> list[State | Exception]:
+        """The states of some of them, each at its unknowns."""
+        answers: list[State | Exception] = []
+        each = residuals_of([(one.model, x, one.blunt) for one, x in asked])
+        for (one, _), answer in zip(asked, each, strict=True):
+            if isinstance(answer, Exception):
+                answers.append(answer)
+            else:
+                off, rates = answer
+                answers.append(
+                    State(one.model.whitened(off, one.weight), partial(one.model.whitened, rates, one.weight))
+                )
+        return answers
 
 
 def _problem(
     model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float,
     fell: float = FIT_FELL,
 ) -> LeastSquares:  # fmt: skip
-    return LeastSquares(partial(_state, model, weight, blunt), bounds, enough, fell, FIT_EVALUATIONS)
+    return LeastSquares(Weighted(model, weight, blunt), bounds, enough, fell, FIT_EVALUATIONS)
 
 
 def misfit_at(model: ForceCurveModel, x: Array) -> float:
     """Half the sum of squares at the unknowns ``x``, of loads over their range."""
-    off = _state(model, _even(model), FIT_BLUNT[-1], np.clip(x, *_bounds(model, x))).residuals
+    off = Weighted(model, _even(model), FIT_BLUNT[-1])(np.clip(x, *_bounds(model, x))).residuals
     return float(off @ off) / 2
 
 
@@ -797,6 +959,11 @@ def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Arra
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
+    """What ``fitting`` leads to."""
+    return alone(fitting(model, start, near, loss))
+
+
+def fitting(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> Flow[ForceCurveFit]:
     """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
     all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
     determine them the search creeps along a valley: it is given up, and the fit reports it."""
@@ -810,46 +977,50 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     for stages in [()] if near else [slow] if few is model else [FIT_BLUNT[1:2], slow]:
         begun = x
         for blunt in stages:
-            begun = _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN).least(begun).x
-        least = whole.least(begun)
+            begun = (yield from _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN).searching(begun)).x
+        least = yield from whole.searching(begun)
         if least.ended and 2 * least.cost * even.A < (FIT_EXPLAINED * model.noise) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise
     about = _problem(model, even, bounds, sharp, SAME)
     if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
-        least = about.least(least.x)
+        least = yield from about.searching(least.x)
     for _ in range(2 * (loss != "linear")):
         width = TURNS[loss] * robust_scale(least.state.residuals)
-        least = replace(about, loss=loss, width=width).least(least.x)
-    best = _fitted(model, least, even)
+        least = yield from replace(about, loss=loss, width=width).searching(least.x)
+    best = yield from _fitted(model, least, even)
     noise = best.spread.noise
     if loss != "linear" or not noise.slow:
         return best
     x = best.unknowns(model)  # an edge that rests by white noise need not by this one
     for blunt in (sharp, FIT_BLUNT[1]):  # where misfit runs to and fro between the kinks of a sharp fold
-        weighted = _fitted(model, _problem(model, noise, _bounds(model, x), blunt, SAME).least(x), noise)
+        least = yield from _problem(model, noise, _bounds(model, x), blunt, SAME).searching(x)
+        weighted = yield from _fitted(model, least, noise)
         if weighted.ended:
             break
     return weighted
 
 
-def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> ForceCurveFit:
+def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> Flow[ForceCurveFit]:
     """What the end of a search means."""
-    before, sharp, (model, x) = least.problem, FIT_BLUNT[-1], _without_idle(model, least.x, weight)
-    problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
-    off = model.residuals(x, sharp)[0]
-    least = replace(least, problem=problem, x=x, state=_state(model, weight, sharp, x))
+    before, sharp = least.problem, FIT_BLUNT[-1]
+    yield from ask(residuals_of, (model, least.x, 0.0))
+    model, x = _without_idle(model, least.x, weight)
+    problem = replace(before, model=Weighted(model, weight, sharp), bounds=_bounds(model, x))
+    off, _ = yield from ask(residuals_of, (model, x, sharp))
+    yield from ask(residuals_of, (model, x, 0.0))
+    least = replace(least, problem=problem, x=x, state=problem.model(x))
     size = before.width * math.sqrt(_even(model).A)
     psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
-    J, spread = _spread_at_folds(model, x, off, pull, weight)
+    J, spread = yield from _spread_at_folds(model, x, off, pull, weight)
     ended = least.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), FIT_NEAR / dof)
     return ForceCurveFit(model, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
 
 
 def _spread_at_folds(
     model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum
-) -> tuple[Array, Spread]:
+) -> Flow[tuple[Array, Spread]]:
     """Derivatives of all rows, (rows, unknowns), and the covariance by them, residuals ``off`` and what rows ``pull``
     with [N].
 
@@ -859,11 +1030,11 @@ def _spread_at_folds(
     residuals, free = model.ordered(pull, weight), model.free(off)
     rounding = max(part.line.rounding for part in model.stretches) ** 2
 
-    def spread_by(J: Array) -> Spread:
-        return covariance_coloured(residuals, model.ordered(J, weight), free, weight, rounding)
+    def spread_by(J: Array) -> Flow[Spread]:
+        return ask(spreads, (residuals, model.ordered(J, weight), free, weight, rounding))
 
     J = model.residuals(x, 0.0)[1]
-    spread, first = spread_by(J), 0
+    spread, first = (yield from spread_by(J)), 0
     for part in model.stretches if weight.slow and "z0" in model.names else ():
         rows = slice(first, first := first + part.z.size)
         lost, width = rows.start + int(np.argmax(part.touching)), FIT_UNSURE * part.reach
@@ -871,8 +1042,8 @@ def _spread_at_folds(
             continue
         J = J.copy()
         for _ in range(MOST_SOLVES):
-            J[rows] = model.evaluated(x, width / part.reach)[1][rows]
-            spread = spread_by(J)
+            J[rows] = (yield from ask(evaluated, (model, x, width / part.reach)))[1][rows]
+            spread = yield from spread_by(J)
             error = max(_place_error(model, J[lost], spread), part.spacing / 2)
             if FIT_NARROWER * error > width:
                 break
@@ -966,23 +1137,24 @@ def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     return np.maximum(lowest, least), np.minimum(highest, most)
 
 
-def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
+def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit]:
     """The unknowns that leave least, from several starts until one leaves no more than noise, none of them of another
     record; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
     edge rests."""
     best: ForceCurveFit | SolveError = SolveError(
         "no curve of this body resembles the force curve; --flip P, if compression is negative"
     )
-    for close, x in itertools.chain(((False, x) for x in starts_of(model)), ((True, x) for x in _of_each(model, loss))):
-        try:
-            fitted = fit(model, x, close, loss)
-        except SolveError as error:
-            best = error if isinstance(best, SolveError) else best
-            continue
-        if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
-            best = fitted
-        if "turn" not in model.names and _explains(best, model, FIT_ENOUGH):
-            break
+    for begin in (starts_of(model), None):
+        for x in (yield from _of_each(model, loss)) if begin is None else begin:
+            try:
+                fitted = yield from fitting(model, x, begin is None, loss)
+            except SolveError as error:
+                best = error if isinstance(best, SolveError) else best
+                continue
+            if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
+                best = fitted
+            if "turn" not in model.names and _explains(best, model, FIT_ENOUGH):
+                return best
     if isinstance(best, SolveError):
         raise best
     return best
@@ -994,19 +1166,20 @@ def _explains(fitted: ForceCurveFit, model: ForceCurveModel, enough: float) -> b
     return fitted.sigma <= enough * model.noise and fitted.names == model.names
 
 
-def _of_each(model: ForceCurveModel, loss: Loss) -> Iterator[Array]:
+def _of_each(model: ForceCurveModel, loss: Loss) -> Flow[list[Array]]:
     """Unknowns of several directions as fits of each alone have them, moduli and the zero as either does."""
     if len(model.stretches) == 1:
-        return
-    alone: list[dict[str, float]] = []
+        return []
+    own: list[dict[str, float]] = []
     for part in model.stretches:
         with contextlib.suppress(SolveError):
-            one = nearest(replace(model, stretches=(part,)), loss)
+            one = yield from nearest(replace(model, stretches=(part,)), loss)
             values = one.model.values(one.x)
-            alone.append(values | {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0))})
-    if len(alone) == len(model.stretches):
-        together = {name: value for values in alone for name, value in values.items()}
-        yield from (model.unknowns({**together, **{n: v[n] for n in ("ln_s", "z0")}}) for v in alone)
+            own.append(values | {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0))})
+    if len(own) < len(model.stretches):
+        return []
+    both = {name: value for values in own for name, value in values.items()}
+    return [model.unknowns({**both, **{name: values[name] for name in ("ln_s", "z0")}}) for values in own]
 
 
 # --------------------------------------------------------------------------------------------------
@@ -1042,7 +1215,7 @@ def receding(
     r, steps = math.sqrt(q), np.diff(start * x, prepend=0.0)
     free, pulled = D + s * H / k, r * (T + s * V / k)
     z = np.empty(x.size)
-    begin = min(resting.end, turn)
+    begin = min(float(resting.end), turn)
     grown = _follow(free.tolist(), pulled.tolist(), steps.tolist(), begin, law, z)
     loads = np.append(resting.at(np.array([begin]))[0], s * (H - r * grown * V))
     path: Array = np.stack([np.append(begin, z), loads])[:, ::-1]

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from scipy import optimize, special
@@ -20,6 +20,7 @@ from scipy.fft import dct, idct
 
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.executors import Pool, in_order
+from ..base.lockstep import Flow, alone, ask
 from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, median
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
@@ -173,6 +174,18 @@ class State:
         return self.rates()
 
     @cached_property
+    def squares(self) -> Array:
+        """J^T J."""
+        squares: Array = self.jacobian.T @ self.jacobian
+        return squares
+
+    @cached_property
+    def slopes(self) -> Array:
+        """J^T r, the derivatives of the cost."""
+        slopes: Array = self.jacobian.T @ self.residuals
+        return slopes
+
+    @cached_property
     def cost(self) -> float:
         """Half the sum of squares, infinite where there is none."""
         half = 0.5 * float(self.residuals @ self.residuals)
@@ -188,6 +201,29 @@ class State:
 
 
 Outcome = Callable[[Array], tuple[float, Array]]  # a value and its derivatives by the unknowns
+Model = Callable[[Array], State]  # one with ``many``, a kernel of (model, x), is asked for all searches at once
+
+
+def states(asked: Sequence[tuple[Model, Array]]) -> list[State | Exception]:
+    """The states of models at their unknowns, those of one kind by its kernel ``many``."""
+    answers: list[State | Exception] = [SolveError("not asked")] * len(asked)
+    kinds: dict[Any, list[int]] = {}
+    for place, (model, _) in enumerate(asked):
+        kinds.setdefault(getattr(model, "many", _each), []).append(place)
+    for many, places in kinds.items():
+        for place, answer in zip(places, many([asked[place] for place in places]), strict=True):
+            answers[place] = answer
+    return answers
+
+
+def _each(asked: Sequence[tuple[Model, Array]]) -> list[State | Exception]:
+    answers: list[State | Exception] = []
+    for model, x in asked:
+        try:
+            answers.append(model(x))
+        except Exception as error:
+            answers.append(error)
+    return answers
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +231,7 @@ class LeastSquares:
     """What is minimised: the squares, or the robust ``loss`` that turns at ``width``, of a ``model``, within
     ``bounds``; relative changes below ``converged`` are none, those of the cost below ``cost`` if that is more."""
 
-    model: Callable[[Array], State]
+    model: Model
     bounds: tuple[Array, Array]
     converged: float = 1e-8  # as SciPy's; far below any standard error
     cost: float = 0.0
@@ -205,18 +241,23 @@ class LeastSquares:
 
     def least(self, start: Array) -> Least:
         """The least from the unknowns ``start`` on."""
-        remembered: list[tuple[Array, State]] = []
+        return alone(self.searching(start))
+
+    def searching(self, start: Array) -> Flow[Least]:
+        """The same, beside other searches."""
+        start = np.clip(start, *self.bounds)
+        state = yield from ask(states, (self.model, start))
+        if not np.isfinite(state.residuals).all():
+            raise SolveError("no curve of this body resembles the force curve")
+        if self.loss == "linear":
+            return (yield from self._of_squares(start, state))
+        remembered = [(start, state)]
 
         def at(x: Array) -> State:
-            if not (remembered and np.array_equal(remembered[0][0], x)):
+            if not np.array_equal(remembered[0][0], x):
                 remembered[:] = [(x.copy(), self.model(x))]
             return remembered[0][1]
 
-        start = np.clip(start, *self.bounds)
-        if not np.isfinite(at(start).residuals).all():
-            raise SolveError("no curve of this body resembles the force curve")
-        if self.loss == "linear":
-            return self._of_squares(start, at(start))
         solution = optimize.least_squares(
             lambda x: at(x).residuals, start, lambda x: at(x).jacobian, bounds=self.bounds,
             method="trf", x_scale="jac", loss=self.loss, f_scale=self.width, max_nfev=self.evaluations,
@@ -225,13 +266,13 @@ class LeastSquares:
         steps, ended = int(solution.nfev), solution.status > 0
         return Least(self, solution.x, at(solution.x), float(solution.cost), solution.active_mask != 0, steps, ended)
 
-    def _of_squares(self, x: Array, state: State) -> Least:
+    def _of_squares(self, x: Array, state: State) -> Flow[Least]:
         """The least of squares by steps of Gauss and Newton within a radius, in units of the columns' lengths, that
         grows and shrinks with how well each foretells the cost (More, Lecture Notes in Mathematics 630 (1978) 105)."""
         cost, most, (low, high) = state.cost, self.evaluations or MOST_STEPS * x.size, self.bounds
         units, radius, steps = np.zeros_like(x), math.inf, 1
         while steps < most:
-            squares, slopes = state.jacobian.T @ state.jacobian, state.jacobian.T @ state.residuals
+            squares, slopes = state.squares, state.slopes
             inner = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
             if not np.abs(slopes[inner]).max(initial=0.0) > self.converged:
                 return self._ended(x, state, steps, True)
@@ -249,7 +290,9 @@ class LeastSquares:
                 predicted = -float(along @ (state.residuals + along / 2))
                 if 0 <= predicted < self.cost * cost and SEARCH_LONGER * moved < radius:
                     return self._ended(x, state, steps, True)  # the step to the least is not worth taking
-                there, steps = self._if_any(new), steps + 1
+                there, steps = None, steps + 1
+                with contextlib.suppress(SolveError):  # where there is no state the next step is shorter
+                    there = yield from ask(states, (self.model, new))
                 reduction = -math.inf if there is None else cost - there.cost
                 ratio = reduction / predicted if predicted > 0 else 0.0
                 close = math.hypot(*change) < self.converged * (self.converged + math.hypot(*x))
@@ -267,12 +310,6 @@ class LeastSquares:
                 if reduction > 0:
                     break
         return self._ended(x, state, steps, False)
-
-    def _if_any(self, x: Array) -> State | None:
-        """The state at unknowns a step away; None where there is none: the next step is shorter."""
-        with contextlib.suppress(SolveError):
-            return self.model(x)
-        return None
 
     def _ended(self, x: Array, state: State, steps: int, ended: bool) -> Least:
         low, high = self.bounds
@@ -753,6 +790,11 @@ def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
 def frequencies(rows: int) -> Array:
     """Those of the cosine transform, per row."""
     return np.arange(rows) / (2 * rows)
+
+
+def spreads(asked: Sequence[tuple[Array, Array, Sequence[Array], Spectrum, float]]) -> list[Spread | Exception]:
+    """The ``covariance_coloured`` of some fits."""
+    return [covariance_coloured(*one) for one in asked]
 
 
 def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:

@@ -14,7 +14,8 @@ import numpy as np
 from ..adhesion.curve import Equilibrium
 from ..adhesion.validity import large_strains, strain_words
 from ..base.errors import InputError, JkrError, SolveError, Unknown
-from ..base.executors import Pool, completed, executor
+from ..base.executors import Pool, batches_completed, executor
+from ..base.lockstep import Flow, alone, together
 from ..base.numerics import LOOKED_AT, TOGETHER, UNSEEN, Array
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
@@ -42,7 +43,7 @@ from .least_squares import (
 from .nuisance import settled, with_nuisance
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import Rivals, missed_pull_off, rivals_of
-from .record import RESTS, as_raw_force_curve, beside, beyond_the_record, contact_rows, differ, fit_record
+from .record import RESTS, beside, beyond_the_record, contact_rows, differ, fit_record, raw_force_curve
 from .result import Fit, Further, JKRBeside
 from .rows import (
     COLUMNS,
@@ -280,8 +281,8 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     one the pool works on the samples of its bootstrap."""
     fits: dict[int, Fit | Failure] = {}
     with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
-        work = partial(fit, body, settings=settings, pool=None if outer is pool else pool)
-        for index, result in completed(outer, work, curves, "fitting", chunk=TOGETHER):
+        work = partial(_fits_together, body, settings=settings, pool=None if outer is pool else pool)
+        for index, result in batches_completed(outer, work, curves, "fitting", TOGETHER):
             if isinstance(result, JkrError):
                 lines = result.lines if isinstance(result, InputError) else (str(result),)
                 fits[index] = Failure(curves[index], lines)
@@ -292,14 +293,25 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     return [fits[index] for index in sorted(fits)]
 
 
+def _fits_together(
+    body: FittedBody, curves: list[Curve], settings: Settings, pool: Pool | None
+) -> list[Fit | Exception]:
+    """The fits of some curves, side by side, exceptions in place of those that failed."""
+    return together([_fitting(body, curve, settings, pool) for curve in curves])
+
+
 def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = None) -> Fit:
     """The parameters of ``settings`` that bring the curves of ``body`` nearest to a measured ``curve``; ``pool``: for
     the samples of its bootstrap.
 
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
     """
+    return alone(_fitting(body, curve, settings, pool))
+
+
+def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Flow[Fit]:
     try:
-        fitted = _fit(body, curve, settings, pool)
+        fitted = yield from _fit(body, curve, settings, pool)
         flags = [
             WARNED.get(flag, "") + flag
             for flag in curve.flags
@@ -428,7 +440,7 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
         return fitted
     name, other = ("paraboloid", Paraboloid(R)) if isinstance(indenter, Sphere) else ("exact sphere", Sphere(R))
     try:
-        again = _fit(body.under(other, largest), curve, settings, None)
+        again = alone(_fit(body.under(other, largest), curve, settings, None))
     except JkrError:
         return fitted
     found = {item.name: item for item in again.estimates}
@@ -459,10 +471,15 @@ class Prepared:
 
 
 def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | ForceCurve:
+    """What ``preparing`` leads to."""
+    return alone(preparing(body, curve, settings))
+
+
+def preparing(body: FittedBody, curve: Curve, settings: Settings) -> Flow[Prepared | ForceCurve]:
     """The points of a curve, or a raw record, which is fitted as a whole."""
     original = curve
     check_parameters(body, [parameter.name for parameter in settings.parameters])
-    if (record := as_raw_force_curve(curve, settings)) is not None:
+    if (record := (yield from raw_force_curve(curve, settings))) is not None:
         if not beyond_the_record(settings):
             return record
         curve, settings = contact_rows(body, record, settings)
@@ -485,12 +502,12 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     return Prepared(curve, points, settings, requested, (*curve.flags[len(original.flags) :], *words))
 
 
-def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
-    ready = prepared(body, curve, settings)
+def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Flow[Fit]:
+    ready = yield from preparing(body, curve, settings)
     if isinstance(ready, ForceCurve):
         nuisance = settled(body, ready, settings)
         record = ready if nuisance is None else nuisance.record
-        return with_nuisance(fit_record(body, record, settings, pool), nuisance)
+        return with_nuisance((yield from fit_record(body, record, settings, pool)), nuisance)
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)
@@ -539,7 +556,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         return _of_an_approach(result)
     if ADVANCING not in edges or not _apart(minimum, confidence.scatter):
         return result
-    into, back = (_fit(body, curve, replace(ready.requested, segment=kind), pool) for kind in EDGES)
+    into, back = (alone(_fit(body, curve, replace(ready.requested, segment=kind), pool)) for kind in EDGES)
     moduli = [one.estimate("E_star") for one in (into, back)]
     error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
     return beside(back, into, result) if differ(moduli[0].value, moduli[1].value, error) else result

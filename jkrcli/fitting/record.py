@@ -12,10 +12,11 @@ import numpy as np
 
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
+from ..base.lockstep import Flow, alone
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, SAME, Array
 from ..base.units import show
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
-from ..data.segmentation import PERMANENT_SET, ForceCurve, segment_force_curve
+from ..data.segmentation import PERMANENT_SET, ForceCurve, examined
 from ..methods.radii import ROOM
 from .alternatives import OF_RIVALS
 from .checks import warnings_of
@@ -28,6 +29,7 @@ from .force_curve import (
     Wave,
     base_line,
     fit,
+    fitting,
     held_by_last_row,
     nearest,
     straightened,
@@ -202,6 +204,11 @@ ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or known by 
 
 
 def as_raw_force_curve(curve: Curve, settings: Settings) -> ForceCurve | None:
+    """What ``raw_force_curve`` leads to."""
+    return alone(raw_force_curve(curve, settings))
+
+
+def raw_force_curve(curve: Curve, settings: Settings) -> Flow[ForceCurve | None]:
     """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
 
     By itself that is so for records of a device whose deflection is known, or of both directions with a base line each;
@@ -217,7 +224,7 @@ def as_raw_force_curve(curve: Curve, settings: Settings) -> ForceCurve | None:
             raise InputError(f"{what} is for raw force curves of displacement and load, with --contact fitted or auto")
         return None
     try:
-        record = segment_force_curve(curve)
+        record = yield from examined(curve)
     except InputError:
         if required:
             raise
@@ -549,7 +556,7 @@ RECORD_RECEDES = (1.05, 1.2, 1.6)  # tuned on curves of large noise, by `make di
 RECORD_BEFORE = 0.4  # tuned on the same, by `make dirt`: of it, w of the approach
 
 
-def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Fit:
+def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Flow[Fit]:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
@@ -562,17 +569,17 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
     body = _with_known(body, settings)
     kinds = directions_of(record, settings)
 
-    def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
+    def of(*kinds: str) -> Flow[tuple[FittedBody, ForceCurveFit]]:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
     def result_of(body: FittedBody, best: ForceCurveFit) -> Fit:
         return as_fit(body, record, curve, settings, best, pool)
 
-    whole, joint = of(*kinds)
+    whole, joint = yield from of(*kinds)
     if not joint.ended:
         return result_of(whole, joint)
     _refuse_undetermined(curve, joint)
-    plain = attach_verdict(_of_directions(of, result_of, whole, joint), whole, joint)
+    plain = yield from attach_verdict((yield from _of_directions(of, result_of, whole, joint)), whole, joint)
     if settings.model != AUTO:
         return plain
     fresh = _model(whole, record, settings, waves, kinds)
@@ -598,14 +605,15 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
 
 
 def _of_directions(
-    of: Callable[..., tuple[FittedBody, ForceCurveFit]], result_of: Callable[[FittedBody, ForceCurveFit], Fit],
+    of: Callable[..., Flow[tuple[FittedBody, ForceCurveFit]]], result_of: Callable[[FittedBody, ForceCurveFit], Fit],
     whole: FittedBody, joint: ForceCurveFit,
-) -> Fit:  # fmt: skip
+) -> Flow[Fit]:  # fmt: skip
     """The fit of both directions by one modulus, or each by its own where they differ."""
     result = result_of(whole, joint)
     if len(joint.model.stretches) < 2 or joint.model.positions or not _apart(joint):
         return result  # one direction alone tells no error of positions
-    (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
+    _, into = yield from of(APPROACH)
+    deeper, back = yield from of(RETRACT)
     error = math.hypot(*(one.error("ln_s") * one.spread.excess for one in (into, back)))
     if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
         return result
@@ -616,7 +624,7 @@ def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> Force
     """What leaves least of all directions of a record."""
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
     body = _with_known(body, settings)
-    return _fitted(body, _model(body, record, settings, waves, directions_of(record, settings)), settings)[1]
+    return alone(_fitted(body, _model(body, record, settings, waves, directions_of(record, settings)), settings))[1]
 
 
 def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
@@ -630,7 +638,7 @@ def receding_rows(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     record = as_raw_force_curve(curve, settings)
     if record is None or not any(usable(record, kind) for kind in requested(settings)):
         return curve
-    _, best = _fitted(body, _model(body, record, settings, {}, directions_of(record, settings)), settings)
+    _, best = alone(_fitted(body, _model(body, record, settings, {}, directions_of(record, settings)), settings))
     curve = _in_contact(best, curve, best.model.stretches[-1:], still=False)
     return replace(curve, delta=curve.depth - curve.load / best.model.k)
 
@@ -677,7 +685,7 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
     return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
 
-def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tuple[FittedBody, ForceCurveFit]:
+def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> Flow[tuple[FittedBody, ForceCurveFit]]:
     """The model that fits best, and the body solved as far as it reaches."""
     for part in model.stretches:
         if part.z.size == 0:
@@ -687,7 +695,7 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tup
     body, best = _deep_enough(body, model), None
     for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
-        best = nearest(model, settings.loss) if best is None else _again(best, model, settings)
+        best = yield from nearest(model, settings.loss) if best is None else _again(best, model, settings)
         reach = contact_radii(best).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
@@ -695,7 +703,7 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tup
     assert best is not None
     if np.count_nonzero(contact_radii(best)) <= len(best.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
-    whole, best = best, _without_window(best, model, settings)
+    whole, best = best, (yield from _without_window(best, model, settings))
     if len(model.stretches) > 1 and f"q:{RETRACT}" in best.model.known and f"q:{RETRACT}" not in model.known:
         # Noise hides where contact is lost: begun anew with an edge that recedes, of several w.
         values = {**whole.model.values(whole.x), **best.model.known}
@@ -703,23 +711,28 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tup
             q = share * values[f"q:{RETRACT}"]
             before = {f"q:{APPROACH}": RECORD_BEFORE * q, f"r:{APPROACH}": math.sqrt(RECORD_BEFORE * q)}
             with contextlib.suppress(SolveError):
-                other = fit(model, model.unknowns(values | before | {f"q:{RETRACT}": q}), True, settings.loss)
+                begin = model.unknowns(values | before | {f"q:{RETRACT}": q})
+                other = yield from fitting(model, begin, True, settings.loss)
                 whole = other if other.sigma < whole.sigma else whole
-        best = _without_window(whole, model, settings)
+        best = yield from _without_window(whole, model, settings)
     model = best.model
     zero_works = {kind: 0.0 for part in model.stretches if _repels(best, kind := part.kind)}
-    return body, nearest(replace(model, works={**model.works, **zero_works}), settings.loss) if zero_works else best
+    if zero_works:
+        best = yield from nearest(replace(model, works={**model.works, **zero_works}), settings.loss)
+    return body, best
 
 
-def _without_window(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:
+def _without_window(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> Flow[ForceCurveFit]:
     """The fit of the ``model`` without the rows about first touch."""
     cut = windowed(best)
-    return best if cut is best.model else _again(best, replace(cut, known=model.known), settings)
+    if cut is best.model:
+        return best
+    return (yield from _again(best, replace(cut, known=model.known), settings))
 
 
-def _again(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:
+def _again(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> Flow[ForceCurveFit]:
     """The fit of a ``model`` that differs a little from that of the ``best`` fit so far."""
-    return fit(model, best.unknowns(model), True, settings.loss)
+    return fitting(model, best.unknowns(model), True, settings.loss)
 
 
 def _repels(best: ForceCurveFit, kind: str) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
+from ..base.lockstep import Flow, ask
 from ..base.numerics import ROUNDED, UNSEEN
 from ..bodies.problem import Problem
 from ..data.curve import APPROACH
@@ -38,11 +39,12 @@ VERDICT_LARGE = (0.3, 0.5)
 VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
 
 
-def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
+def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fit]:
     """The result with its verdict: that of a ``fit`` of all directions of the record."""
     settings = result.settings
     record = FittedRecord(body, fit, Known(settings.range_at_most, settings.tension_at_most, settings.level))
-    rivals = profile_bounds(record, rivals_of_record(record))
+    scores = yield from ask(_scores, record)
+    rivals = profile_bounds(record, scores)
     new = {name: sentence for name, sentence in _flags(rivals, fit) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
@@ -50,6 +52,10 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
         result, estimates=estimates, flags=(*result.flags, *new), warnings=(*warnings, *result.warnings),
         verdict=Verdict(rivals, *_by_formula(body.problem, fit)),
     )  # fmt: skip
+
+
+def _scores(asked: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
+    return [rivals_of_record(record) for record in asked]
 
 
 def replace_by_best_alternative(

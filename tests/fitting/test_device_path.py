@@ -10,7 +10,8 @@ import pytest
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
-from jkrcli.fitting.forward_model import Family, branch, rest
+from jkrcli.fitting.branches import Branches, Rest, branch, rest
+from jkrcli.fitting.forward_model import Family
 from jkrcli.methods.closed_form import ClosedForm
 
 PROBLEM = Problem(Paraboloid(1.0), Specimen((), HalfSpace(Elastic(0.75, 0.5))), Loading("radius", 0.6, 60))
@@ -28,6 +29,11 @@ PATHS = [
 ]  # fmt: skip
 
 
+def moving(w: float, k: float, z: np.ndarray, blunt: float) -> np.ndarray:
+    """Loads at positions z of an edge that moves, and their derivatives by ln s, w and z."""
+    return Branches.of([(FAMILY, 1.0, w, k)]).at(np.zeros(z.size, dtype=int), z, np.array([blunt]))
+
+
 @pytest.mark.parametrize(("k", "w_in", "w_out", "turn", "end", "fold"), PATHS)
 def test_a_cycle_rests_recedes_and_folds(
     k: float, w_in: float, w_out: float, turn: tuple[float, ...], end: tuple[float, ...], fold: tuple[float, ...]
@@ -38,9 +44,10 @@ def test_a_cycle_rests_recedes_and_folds(
     assert (resting.end - P / k, P) == pytest.approx(end, rel=1e-8)
     assert resting.released(math.sqrt(w_out), resting.end) == pytest.approx(math.sqrt(w_out), rel=1e-12)
     receding = branch(FAMILY, 1.0, w_out, k)
-    lost = (receding.radii(np.array([receding.fold]))[0], receding.fold, receding.P[0])
+    end_of_path = np.array([receding.fold])
+    lost = (receding.radii(end_of_path)[0], receding.fold, moving(w_out, k, end_of_path, 1e-20)[0][0])
     assert lost == pytest.approx(fold, rel=1e-6)
-    assert receding.at(np.array([resting.end]), 1e-6)[0][0] == pytest.approx(P, rel=1e-6)
+    assert moving(w_out, k, np.array([resting.end]), 1e-6)[0][0] == pytest.approx(P, rel=1e-6)
 
 
 def test_derivatives_are_those_of_the_loads() -> None:
@@ -59,7 +66,29 @@ def test_derivatives_are_those_of_the_loads() -> None:
 def test_the_load_is_linear_in_w_through_0() -> None:
     """dP/dw = -2 pi a/(d delta_H/da) = -pi R at constant displacement, for w above 0 and below."""
     z = np.array([0.05, 0.1, 0.2])
-    plain, by = branch(FAMILY, 1.0, 0.0, math.inf).at(z, 1e-9)
-    assert by[1] == pytest.approx(-math.pi, rel=1e-4)
+    plain, _, by_w, _ = moving(0.0, math.inf, z, 1e-9)
+    assert by_w == pytest.approx(-math.pi, rel=1e-4)
     for q in (-1e-5, 1e-7):
-        assert (branch(FAMILY, 1.0, q, math.inf).at(z, 1e-9)[0] - plain) / q == pytest.approx(-math.pi, rel=5e-3)
+        assert (moving(q, math.inf, z, 1e-9)[0] - plain) / q == pytest.approx(-math.pi, rel=5e-3)
+
+
+def test_no_number_of_a_curve_depends_on_which_others_are_beside_it() -> None:
+    """Branches, edges at rest and loads of several curves, to the bit those of each alone; 1e-6 below 0 and one without
+    a stable contact among them."""
+    asked = [
+        (FAMILY, s, q, k) for s, q, k in ((1.0, 0.005, 0.5), (2.0, 0.0, math.inf), (0.7, -1e-6, 2.0), (1.0, 1e3, 1.0))
+    ]
+    z, blunt = np.linspace(0.05, 0.2, 7), np.full(4, 1e-4)
+    both = Branches.of(asked)
+    loads = both.at(np.repeat(np.arange(4), z.size), np.tile(z, 4), blunt).reshape(4, 4, z.size)
+    assert both.stable.tolist() == [True, True, True, False]
+    for i, one in enumerate(asked[:3]):
+        assert (loads[:, i] == Branches.of([one]).at(np.zeros(z.size, dtype=int), z, blunt[:1])).all()
+    turns = [
+        (FAMILY, 1.0, 0.03, 0.1, 0.5, 0.15),
+        (FAMILY, 2.0, -0.01, 0.2, math.inf, 0.3),
+        (FAMILY, 1.0, 0.0, 0.1, 1.0, 9.0),
+    ]
+    resting = Rest.of(turns)
+    for i, turn in enumerate(turns):
+        assert resting.some(i).at(z)[0].tolist() == rest(*turn).at(z)[0].tolist()

@@ -17,6 +17,7 @@ from force_curves import record
 from test_fit_record import BODY, R, usual
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right
 
+from jkrcli.base.lockstep import alone
 from jkrcli.data.curve import Curve
 from jkrcli.fitting import force_curve
 from jkrcli.fitting.alternative_tests import (
@@ -73,7 +74,8 @@ def still_record() -> FittedRecord:
 def of_record(made: Wrong, settings: Settings) -> FittedRecord:
     held = as_raw_force_curve(curve(made), settings)
     assert held is not None
-    return FittedRecord(*_fitted(BODY, _model(BODY, held, settings, {}, directions_of(held, settings)), settings))
+    model = _model(BODY, held, settings, {}, directions_of(held, settings))
+    return FittedRecord(*alone(_fitted(BODY, model, settings)))
 
 
 @lru_cache

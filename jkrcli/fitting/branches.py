@@ -1,0 +1,419 @@
+"""The path of a contact at a device, of many curves at once: loads over the device's position where the edge moves and
+where it rests.
+
+At position z of a device of stiffness k, delta = z - P/k. With L = delta_H - delta and r = sqrt(w/s) for moduli
+times s an edge that moves has L = r T: delta = D - r T, P = s (H - r V). Where the device turns, at contact radius
+a_m, the edge rests: P = P_m + S(a_m) (delta - delta_m), until the energy release rate has come to the w of the
+other way; then it recedes, down to the fold d(delta + P/k)/da = 0. As w -> 0 the load of a moving edge is linear in
+w, dP/dw = -2 pi a/(d delta_H/da): that goes on below 0.
+
+Curves are the leading axis of all arrays, rows are flat, each with the number of its curve. No number of a curve
+depends on which others are beside it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache
+from typing import TypeAlias
+
+import numpy as np
+
+from ..base.errors import SolveError
+from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, TINY, Array
+from ..base.units import show
+from .forward_model import FUNCTIONS, Family, grid, on_grid
+
+# Steps along branches.
+DEVICE_PATH_POLISHED = 4  # theory: steps of Newton's method, which square the error, from a tenth of a step to 1e-16
+DEVICE_PATH_NEAR = 1e-6  # theory: of log a, whose third power is round-off
+DEVICE_PATH_STEP = 0.5  # choice: of log a, the longest step to where the edge rests
+# theory: the quintic through values and two derivatives at 0 and 1, by powers of the place: of each what it counts
+DEVICE_PATH_QUINTIC = np.array(
+    [
+        [1.0, 0.0, 0.0, -10.0, 15.0, -6.0],
+        [0.0, 1.0, 0.0, -6.0, 8.0, -3.0],
+        [0.0, 0.0, 0.5, -1.5, 1.5, -0.5],
+        [0.0, 0.0, 0.0, 10.0, -15.0, 6.0],
+        [0.0, 0.0, 0.0, -4.0, 7.0, -3.0],
+        [0.0, 0.0, 0.0, 0.5, -1.0, 0.5],
+    ]
+)
+DEVICE_PATH_COEFFICIENTS = 10  # theory: of a cubic (4), where it begins, 1/width, two rates that are straight (2 each)
+
+Moving: TypeAlias = tuple[Family, float, float, float]  # body, factor s of its moduli, q = w/s, stiffness k
+Resting: TypeAlias = tuple[Family, float, float, float, float, float]  # body, s, sqrt(q) before and after, k, turn
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """The functions of a ``family`` at the nodes ``u`` of its grid, for paths of any moduli and any w on it: D, T, H, V
+    and two derivatives by u (4, 3, nodes); ``released``: V' T - V T', by which loads change with q; ``logs`` of the
+    four and two derivatives by the number of the node (nodes, 3, 4)."""
+
+    family: Family
+    u: Array
+    functions: Array
+    released: Array
+    logs: Array
+
+    @classmethod
+    @lru_cache(maxsize=REMEMBERED)
+    def of(cls, family: Family) -> Nodes:
+        u, functions = grid(family), np.stack(on_grid(family), axis=1)
+        (T, dT, _), (V, dV, _) = functions[1], functions[3]
+        value, by_u, by_uu = functions.transpose(1, 2, 0)
+        step = (u[-1] - u[0]) / (u.size - 1)
+        first = by_u / value * step
+        logs = np.stack([np.log(value), first, by_uu / value * step**2 - first**2], axis=1)
+        return cls(family, u, functions, dV * T - V * dT, logs)
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """The bodies of some curves: their ``nodes``, each body once, and ``which`` of them is that of each curve."""
+
+    nodes: tuple[Nodes, ...]
+    which: Array
+    u: Array
+    functions: Array
+    released: Array
+    logs: Array
+
+    @classmethod
+    def of(cls, families: Sequence[Family]) -> Bodies:
+        """``u, released`` (curves or 1, nodes), ``functions`` (curves or 1, 4, 3, nodes) and ``logs`` (curves or 1,
+        nodes, 3, 4), 1 where all are alike."""
+        places = {family: i for i, family in enumerate(dict.fromkeys(families))}
+        nodes = tuple(Nodes.of(family) for family in places)
+        which = np.array([places[family] for family in families])
+        if len(nodes) == 1:
+            (one,) = nodes
+            return cls(nodes, which, one.u[None], one.functions[None], one.released[None], one.logs[None])
+        columns = (
+            np.stack([getattr(one, name) for one in nodes])[which] for name in ("u", "functions", "released", "logs")
+        )
+        return cls(nodes, which, *columns)
+
+    @cached_property
+    def step(self) -> Array:
+        """Of the nodes of each curve."""
+        return (self.u[:, -1] - self.u[:, 0]) / (self.u.shape[1] - 1)
+
+    def at(self, u: Array) -> Array:
+        """D, T, H, V at one place of each curve, with two derivatives: (3, curves, 4), good to rounding: of their logs,
+        quintics through values and two derivatives at the nodes beside it."""
+        place, last = (u - self.u[:, 0]) / self.step, self.u.shape[1] - 1
+        i = np.minimum(np.maximum(place, 0.0), last - 1).astype(int)
+        curve = np.arange(u.size) if len(self.logs) > 1 else 0
+        logs = np.concatenate([self.logs[curve, i], self.logs[curve, i + 1]], axis=1)
+        # Powers of the place within the cell and their two derivatives, (curves, 3, 6):
+        powers = np.zeros((u.size, 3, 6))
+        powers[:, 0] = (place - i)[:, None] ** np.arange(6)
+        powers[:, 1, 1:] = powers[:, 0, :-1] * np.arange(1, 6)
+        powers[:, 2, 2:] = powers[:, 1, 1:-1] * np.arange(2, 6)
+        log, first, second = (powers @ DEVICE_PATH_QUINTIC.T @ logs).transpose(1, 0, 2)
+        value, per = np.exp(log), 1 / self.step[:, None]
+        first = per * first
+        at = np.stack([value, value * first, value * (per**2 * second + first**2)])
+        outside = (place < 0) | (place > last)
+        for one in np.flatnonzero(outside).tolist() if outside.any() else ():
+            at[:, one] = np.stack(self.nodes[self.which[one]].family.at(u[one : one + 1]))[:, :FUNCTIONS, 0]
+        return at
+
+
+@dataclass(frozen=True, eq=False)
+class Branches:
+    """The stable branches of some curves at their devices, on which the edge moves: load over zeta = sqrt(z - fold),
+    where it is smooth.
+
+    ``fold`` [m]: where each ends, at its ``first`` node; ``u``: log of the contact radius [m] along it, ``zeta``,
+    ``P``, all (curves, nodes), at nodes before the first without a meaning; ``slope``: derivative of the load by
+    zeta, ``steep``: zeta over the derivative of z by u; ``released`` as of ``Nodes``. ``q``, ``k, s, r`` of the curves;
+    ``stable``: which of them have a stable contact at all.
+    """
+
+    bodies: Bodies
+    fold: Array
+    first: Array
+    u: Array
+    zeta: Array
+    P: Array
+    slope: Array
+    steep: Array
+    released: Array
+    q: Array
+    k: Array
+    s: Array
+    r: Array
+    stable: Array
+
+    @classmethod
+    def of(cls, asked: Sequence[Moving]) -> Branches:
+        """Those of bodies with moduli times s and works of adhesion q s, by devices of stiffness k: at the fold and at
+        radii of the grid beyond."""
+        families, *numbers = zip(*asked, strict=True)
+        bodies, (s, q, k) = Bodies.of(families), np.array(numbers)
+        r, curves, n = np.sqrt(np.maximum(q, 0.0)), np.arange(len(asked)), bodies.u.shape[1]
+        # Positions z = D - r T + s (H - r V)/k and loads s (H - r V), with two derivatives by u: (curves, 2, 3, nodes).
+        of_four = np.zeros((curves.size, 2, FUNCTIONS))
+        of_four[:, 0] = np.stack([np.ones_like(s), -r, s / k, -s * r / k], axis=1)
+        of_four[:, 1, 2], of_four[:, 1, 3] = s, -s * r
+        path = (of_four @ bodies.functions.reshape(-1, FUNCTIONS, 3 * n)).reshape(-1, 2, 3, n)
+        first, start = _folds(bodies, path[:, 0, 1], path[:, 0, 2])
+        at_fold = bodies.at(start)
+        path[curves, :, :, first] = of_four @ at_fold.transpose(1, 2, 0)
+        u, released = (np.repeat(one, curves.size // len(one), axis=0) for one in (bodies.u, bodies.released))
+        (_, T, _, V), (_, dT, _, dV) = at_fold[0].T, at_fold[1].T
+        u[curves, first], released[curves, first] = start, dV * T - V * dT
+        (z, dz, bend), (P, dP, _) = path.transpose(1, 2, 0, 3)
+        fold, before = z[curves, first], np.arange(n) < first[:, None]
+        zeta = z - fold[:, None]
+        zeta[before] = 0.0
+        np.sqrt(np.maximum.accumulate(zeta, axis=1, out=zeta), out=zeta)
+        steep = zeta * (dz > 0) / np.maximum(dz, TINY)
+        bend = bend[curves, first]
+        parabola = (first > 0) & (bend > 0)  # its limit at the fold, where z is a parabola of u
+        steep[curves[parabola], first[parabola]] = 1 / np.sqrt(2 * bend[parabola])
+        slope, up = 2 * dP * steep, zeta[:, 1:] > zeta[:, :-1]
+        stable = up.any(axis=1)
+        for one in np.flatnonzero((~up & ~before[:, :-1]).any(axis=1) & stable).tolist():
+            keep = np.append(True, up[one, first[one] :])  # nodes at which z has risen
+            last, first[one] = slice(first[one], None), n - np.count_nonzero(keep)
+            for column in (u, zeta, P, slope, steep, released):
+                column[one, first[one] :] = column[one, last][keep]
+        return cls(bodies, fold, first, u, zeta, P, slope, steep, released, q, k, s, r, stable)
+
+    def unstable(self, one: int) -> SolveError:
+        """Why a curve has no branch."""
+        return SolveError(
+            f"no contact is stable at this w up to a = {show(math.exp(self.u[one, -1]), 'length')}: take a smaller w, "
+            "or check the radius and the units"
+        )
+
+    @cached_property
+    def cells(self) -> Array:
+        """Between nodes, (10, curves * (nodes - 1)): where they begin, the inverse width, the load's coefficients of a
+        cubic, and the derivatives of the load at fixed z by ln s and q = w/s, times zeta: values and changes."""
+        curves, n = self.zeta.shape
+        cells = np.empty((DEVICE_PATH_COEFFICIENTS, curves, n - 1))
+        begin, per, c0, c1, c2, c3, by_s, by_q, more_s, more_q = cells
+        begin[:], c0[:] = self.zeta[:, :-1], self.P[:, :-1]
+        width, rise = self.zeta[:, 1:] - begin, self.P[:, 1:] - c0
+        per[:] = 1 / np.where(width > 0, width, 1.0)
+        np.multiply(self.slope[:, :-1], width, out=c1)
+        c3[:] = c1 + self.slope[:, 1:] * width - 2 * rise
+        c2[:] = rise - c1 - c3
+        of_s = (self.zeta - self.slope / (2 * self.k[:, None])) * self.P
+        of_q = self.released * self.steep * (-self.s[:, None] / 2)
+        by_s[:], by_q[:] = of_s[:, :-1], of_q[:, :-1]
+        more_s[:], more_q[:] = of_s[:, 1:] - by_s, of_q[:, 1:] - by_q
+        return cells.reshape(DEVICE_PATH_COEFFICIENTS, -1)
+
+    def cell(self, own: Array, zeta: Array) -> Array:
+        """The number of the cell of each row at ``zeta`` of the curve ``own``, in which rows are sorted."""
+        n = self.zeta.shape[1]
+        ends = np.searchsorted(own, np.arange(len(self.zeta) + 1)).tolist()
+        i = np.empty(own.size, dtype=np.intp)
+        for one, (first, begin, end) in enumerate(zip(self.first.tolist(), ends[:-1], ends[1:], strict=True)):
+            found = self.zeta[one, first + 1 : n - 1].searchsorted(zeta[begin:end])
+            np.add(found, one * (n - 1) + first, out=i[begin:end])
+        return i
+
+    def at(self, own: Array, z: Array, blunt: Array, slopes: bool = True) -> Array:
+        """Loads of rows at positions ``z`` [m] on the branches of curves ``own``, in which they are sorted, and, with
+        ``slopes``, their derivatives by ln s, q and z: (4, rows), or (1, rows).
+
+        From ``blunt`` (curves) [m] before the fold on the tangent there goes on: a load for every position, and a
+        search that sees where the fold should be. Where q < 0 the load is continued straight from w = 0.
+        """
+        gap = z - self.fold[own]
+        zeta = np.sqrt(np.maximum(gap, blunt[own]))
+        begin, per, c0, c1, c2, c3, by_s, by_q, more_s, more_q = self.cells.take(self.cell(own, zeta), axis=1)
+        x, half = (zeta - begin) * per, 0.5 / zeta
+        at = np.empty((4 if slopes else 1, z.size))
+        by_z = (c1 + x * (2 * c2 + 3 * x * c3)) * per * half
+        at[0] = c0 + x * (c1 + x * (c2 + x * c3)) + by_z * (gap - zeta * zeta)
+        below = np.minimum(self.q, 0.0)
+        if not (slopes or below.any()):
+            return at
+        by_w = (by_q + more_q * x) / zeta
+        if slopes:
+            at[1], at[2], at[3] = (by_s + more_s * x) / zeta, by_w, by_z
+        if below.any():
+            low = below[own]
+            at[0] += low * by_w
+            if slopes:
+                at[1] += low * by_w
+                at[3] += low * (more_q * per - by_w) * half / zeta
+        return at
+
+    def one(self, curve: int) -> DeviceBranch:
+        """That of one curve; SolveError where no contact is stable."""
+        if not self.stable[curve]:
+            raise self.unstable(curve)
+        some = slice(self.first[curve], None)
+        u, zeta, slope = (column[curve, some] for column in (self.u, self.zeta, self.slope))
+        fold, k, s, r = (float(column[curve]) for column in (self.fold, self.k, self.s, self.r))
+        return DeviceBranch(fold, u, zeta, slope, k, s, r, self.bodies.nodes[self.bodies.which[curve]])
+
+
+def _folds(bodies: Bodies, rates: Array, bends: Array) -> tuple[Array, Array]:
+    """Where the position of each curve, of derivatives ``rates`` and ``bends`` (curves, nodes), turns to rise for
+    good: the node that the fold takes the place of, and the place, a root of the cubic through two nodes; the first
+    node where it rises or falls on all."""
+    n, curves, falling = rates.shape[1], np.arange(len(rates)), rates <= 0
+    i = n - 1 - np.argmax(falling[:, ::-1], axis=1)
+    turns = falling.any(axis=1) & (i < n - 1)
+    i = np.where(turns, i, 0)
+    step = np.broadcast_to(bodies.step, curves.shape)
+    left, right, dl, dr = rates[curves, i], rates[curves, i + 1], step * bends[curves, i], step * bends[curves, i + 1]
+    x = np.where(turns, left / np.where(left == right, 1.0, left - right), 0.0)
+    a, b = 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
+    for _ in range(DEVICE_PATH_POLISHED):
+        slope = dl + x * (2 * b + 3 * x * a)
+        better = np.clip(x - (left + x * (dl + x * (b + x * a))) / np.where(slope > 0, slope, 1.0), 0.0, 1.0)
+        x = np.where(turns & (slope > 0), better, x)
+    u = bodies.u[curves if len(bodies.u) > 1 else 0, i]
+    return i + np.rint(x).astype(int), u + x * step
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceBranch:
+    """The branch of one curve, as of ``Branches``, from its fold on, of a body at ``nodes``."""
+
+    fold: float
+    u: Array
+    zeta: Array
+    slope: Array
+    k: float
+    s: float
+    r: float
+    nodes: Nodes
+
+    def radii(self, z: Array) -> Array:
+        """Contact radii [m] at positions ``z`` [m], that of the fold before it."""
+        a: Array = np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
+        return a
+
+    def by_body(self, z: Array, blunt: float, changes: Array) -> Array:
+        """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
+        the logs of D, T, H, V of the body (changes, 4, nodes)."""
+        bodies = Bodies.of([self.nodes.family])
+        # between two nodes at the fold, on one of them beyond:
+        place = np.maximum((self.u - self.nodes.u[0]) / bodies.step[0], 0.0)
+        i, first = np.rint(place).astype(int), min(int(place[0]), self.nodes.u.size - 2)
+        here, parts = changes[..., i], self.nodes.functions[:, 0, i]
+        here[..., 0] = changes[..., first] + (changes[..., first + 1] - changes[..., first]) * (place[0] - first)
+        parts[:, 0] = bodies.at(self.u[:1])[0, 0]
+        of_load = self.s * (self.zeta - self.slope / (2 * self.k))
+        weights = np.stack([-self.slope / 2, self.r * self.slope / 2, of_load, -self.r * of_load]) * parts
+        rate = np.einsum("ijk,jk->ik", here, weights)
+        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
+        i = self.zeta[1:-1].searchsorted(zeta)
+        x = np.minimum((zeta - self.zeta[i]) / (self.zeta[i + 1] - self.zeta[i]), 1.0)
+        left, right = rate.take(i, axis=1), rate.take(i + 1, axis=1)
+        dP: Array = (left + (right - left) * x) / zeta
+        return dP
+
+
+@lru_cache(maxsize=REMEMBERED)
+def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
+    """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
+    return Branches.of([(family, s, q, k)]).one(0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """The straight lines on which the edges of some curves rest, each at one contact radius e^``u``: load ``P`` +
+    ``by_z`` z [N]; all numbers (curves,), or of one.
+
+    ``end`` [m]: the position below which it recedes. ``by_u``: of u's place in the record: its derivatives by ln s, by
+    the root of q with which it advanced, and by the position of the turn (3, curves). ``S, dS``: contact stiffness and
+    its derivative by u [N/m]; ``D``: displacement without adhesion [m], ``P_H``: load; ``shift``: of the advancing edge
+    by adhesion [m]; ``k`` of the device.
+    """
+
+    u: Array
+    end: Array
+    by_u: Array
+    D: Array
+    P_H: Array
+    S: Array
+    dS: Array
+    shift: Array
+    k: Array
+
+    @classmethod
+    def of(cls, asked: Sequence[Resting]) -> Rest:
+        """Those of curves whose device turns at positions turn [m], after an advance with the root ``advanced`` of q,
+        until they recede with ``receding``. ``advanced`` < 0: a smaller contact than without adhesion."""
+        families, *columns = zip(*asked, strict=True)
+        s, advanced, receding, k, turn = np.array(columns)
+        bodies = Bodies.of(families)
+        nodes = np.broadcast_to(bodies.u, (s.size, bodies.u.shape[1]))
+        of_four = np.stack([np.ones_like(s), -advanced, s / k, -s * advanced / k], axis=1)[:, None]
+        z = (of_four @ bodies.functions[:, :, 0])[:, 0]
+        first = np.argmin(z, axis=1)
+        u = np.array([np.interp(at, y[i:], x[i:]) for at, x, y, i in zip(turn, nodes, z, first, strict=True)])
+        lowest = nodes[np.arange(s.size), first]
+        for _ in range(MOST_STEPS):  # Newton's method for D - r T + s (H - r V)/k = turn
+            at = bodies.at(u)
+            here, rise = (of_four[:, 0] * at[:2]).sum(axis=2)
+            step = np.minimum(np.maximum((turn - here) / np.maximum(rise, TINY), -DEVICE_PATH_STEP), DEVICE_PATH_STEP)
+            step[u + step < lowest] = 0.0
+            far = np.abs(step) > DEVICE_PATH_NEAR
+            if not far.any():
+                break
+            u = np.where(far, u + step, u)
+        u, rest = u + step, step[:, None]  # of which the derivatives know enough
+        at = np.stack([at[0] + rest * (at[1] + rest / 2 * at[2]), at[1] + rest * at[2]])
+        rise = (of_four[:, 0] * at[1]).sum(axis=1)
+        (d, t, h, v), (_, dT, _, dV) = at[0].T, at[1].T
+        S = s * v / t
+        per = 1 / np.maximum(rise, SAME * d)  # nothing rests on a turn at the fold, where dz/du = 0
+        by_u = np.stack([-s * (h - advanced * v) / k * per, (t + s * v / k) * per, per])
+        end, dS = d - receding * t + s * (h - receding * v) / k, S * (dV / v - dT / t)
+        return cls(u, end, by_u, d, s * h, S, dS, advanced * t, k)
+
+    def some(self, which: Array | int) -> Rest:
+        """Those of curves ``which``, each as often as it is named."""
+        return Rest(*(getattr(self, item.name)[..., which] for item in fields(Rest)))
+
+    def released(self, receding: float, z: float) -> float:
+        """The root of q that a row at ``z`` [m] holds, where ``receding`` is that at the end."""
+        return float(receding + (self.end - z) * self.by_u[2] / self.by_u[1])
+
+    def load(self, z: Array) -> Array:
+        """Load at positions ``z`` [m]."""
+        P: Array = (self.P_H - self.S * (self.D - z)) / (1 + self.S / self.k)
+        return P
+
+    def at(self, z: Array) -> tuple[Array, Array]:
+        """Load at positions ``z`` [m], and its derivatives by ln s, the root of q, z, and the position of the turn."""
+        yields, P = 1 / (1 + self.S / self.k), self.load(z)
+        of_u = -self.dS * (self.D - z + P / self.k) * yields
+        by_s, by_root, by_turn = (of_u * rate for rate in self.by_u)
+        by = np.empty((4, *P.shape))
+        by[0], by[1], by[2], by[3] = P * yields + by_s, by_root, self.S * yields, by_turn
+        return P, by
+
+    def by_body(self, z: Array, u: Array, changes: Array) -> Array:
+        """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
+        the logs of D, T, H, V of the body (changes, 4, nodes) at the nodes ``u``."""
+        i = min(max(int(np.searchsorted(u, self.u)) - 1, 0), u.size - 2)
+        share = (self.u - u[i]) / (u[i + 1] - u[i])
+        D, T, H, V = (changes[..., i] + share * (changes[..., i + 1] - changes[..., i])).T[..., None]
+        P, (_, _, _, by_turn) = self.at(z)
+        turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
+        off = (V - T) * (self.D - z + P / self.k) + D * self.D
+        dP: Array = (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns
+        return dP
+
+
+@lru_cache(maxsize=REMEMBERED)
+def rest(family: Family, s: float, advanced: float, receding: float, k: float, turn: float) -> Rest:
+    """The resting edge of one curve, as of ``Rest.of``."""
+    return Rest.of([(family, s, advanced, receding, k, turn)]).some(0)

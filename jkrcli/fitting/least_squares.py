@@ -760,7 +760,8 @@ class Possible:
 
 
 def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
-    shape: Array = (1 + (f / corner) ** 2) ** (-np.asarray(power) / 2)
+    falls: Array = 1 + (f / corner) ** 2
+    shape: Array = 1 / falls if np.ndim(power) == 0 and power == 2 else falls ** (-np.asarray(power) / 2)
     return shape
 
 

@@ -162,7 +162,7 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> FreeRows | 
             levels.append(Level(side.kind, level, error, float(side.x[edge]), float(side.x[-1])))
             raised.append(error * own)
             spoilt.append(side.rows[max(edge - 1, 0) : edge + 2])
-        level_free.append(replace(side, y=y))
+        level_free.append(replace(side, y=y) if (y != side.y).any() else side)
     bent = _bent(level_free, size, stiffness)
     # Rows that rest on one level of a converter, with noise below it, know their load to its share of a level only.
     rest = [
@@ -334,8 +334,8 @@ def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Bent | None:
     at = next(float(side.x[-1]) for side in usable if side.kind == "approach")
     way = max(float(np.ptp(side.x)) for side in usable)
     noise = max(side.noise for side in usable)
-    falls = _falls(blocks, at, way)
-    if falls[0] < FREE_SIGMAS**2 or falls[0] < FREE_MIRRORED * falls[1]:
+    fall, mirrored = _falls(blocks, at, way)
+    if fall < max(FREE_SIGMAS**2, FREE_MIRRORED * mirrored):
         return None
     # Rows next to contact may belong to it, or to a slow jump: an attraction is seen without them, too.
     apart_from_contact = [(*tuple(v[x < at - FREE_RANGES[0] * way] for v in (x, y)), s) for x, y, s in blocks]
@@ -350,7 +350,7 @@ def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Bent | None:
             bends, least = apart, min(one.cost for one in apart)
             colour = max(least / apart[0].dof, 1.0)
     bends.sort(key=lambda one: one.cost)
-    if falls[0] < colour * FREE_SIGMAS**2 or abs(bends[0].sizes[0]) < FREE_TELLS * noise or colour > FREE_DESCRIBED:
+    if fall < colour * FREE_SIGMAS**2 or abs(bends[0].sizes[0]) < FREE_TELLS * noise or colour > FREE_DESCRIBED:
         return None
     laws = [_with_error(Bent(usable, blocks, one, one.error, way, stiffness, size), colour) for one in bends]
     return replace(laws[0], laws=tuple(laws[1:]))
@@ -435,24 +435,43 @@ def _gaps(x: Array, at: float, size: float, reach: float, law: str, stiffness: f
 
 
 def _falls(blocks: Sequence[tuple[Array, Array, float]], at: float, way: float) -> tuple[float, float]:
-    """How far chi^2 of lines falls by a bend at contact, and then by another at the far end, each of the best range."""
-    reaches = -1 / (FREE_LOOKED_AT * way)
-    columns, offs = [], []
-    for x, y, noise in blocks:
-        bends = np.exp(np.concatenate([np.outer(reaches, gaps) for gaps in (np.maximum(at - x, 0.0), x - x[0])]))
-        along = x - x.mean()
-        line = np.stack([np.full(x.size, 1 / math.sqrt(x.size)), along / (math.sqrt(float(along @ along)) or 1.0)])
-        beside = np.vstack([bends, y]) / max(noise, 1e-300)
-        beside -= (beside @ line.T) @ line
-        columns.append(beside[:-1])
-        offs.append(beside[-1])
-    off = np.concatenate(offs)
-    near, far = np.split(np.concatenate(columns, axis=1), 2)
+    """How far chi^2 of lines falls by a bend at contact, and then by another at the far end, each of the best range;
+    the latter is not looked for where the former is none."""
+
+    def beside_lines(gaps: Sequence[Array]) -> Array:
+        """What bends over ``gaps`` leave beside the lines, for each range."""
+        return np.concatenate(
+            [
+                _beside(np.exp(np.outer(-1 / (FREE_LOOKED_AT * way), gap)) / max(block[2], 1e-300), line)
+                for gap, block, line in zip(gaps, blocks, lines, strict=True)
+            ],
+            axis=1,
+        )
+
+    lines = [_line(x) for x, _, _ in blocks]
+    off = np.concatenate(
+        [_beside(y[None] / max(noise, 1e-300), line)[0] for (_, y, noise), line in zip(blocks, lines, strict=True)]
+    )
+    near = beside_lines([np.maximum(at - x, 0.0) for x, _, _ in blocks])
     falls = _of_each(near, off)
-    best = near[int(np.argmax(falls))]
-    best = best / math.sqrt(float(best @ best))
-    far -= np.outer(far @ best, best)
-    return float(falls.max()), float(_of_each(far, off).max())
+    best = int(np.argmax(falls))
+    if falls[best] < FREE_SIGMAS**2:
+        return float(falls[best]), 0.0
+    bend, far = near[best] / np.linalg.norm(near[best]), beside_lines([x - x[0] for x, _, _ in blocks])
+    far -= np.outer(far @ bend, bend)
+    return float(falls[best]), float(_of_each(far, off).max())
+
+
+def _line(x: Array) -> Array:
+    """The orthonormal columns (2, rows) of a straight line over ``x``."""
+    along = x - x.mean()
+    return np.stack([np.full(x.size, 1 / math.sqrt(x.size)), along / (math.sqrt(float(along @ along)) or 1.0)])
+
+
+def _beside(values: Array, line: Array) -> Array:
+    """What is left of ``values`` (n, rows) beside a line."""
+    left: Array = values - (values @ line.T) @ line
+    return left
 
 
 def _of_each(columns: Array, off: Array) -> Array:

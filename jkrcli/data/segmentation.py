@@ -110,7 +110,7 @@ RECORD_WAVY = 0.03  # choice: of the range of the load, waviness of a base line 
 # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
 # least of what it makes over all of the base line
 RECORD_STEEP = 0.2
-ALONGSIDE = 50_000  # choice: rows of directions that are read at once; more no longer saves time
+ALONGSIDE = 20_000  # choice: rows of directions that are read at once; more no longer saves time
 RECORD_WANDERING = 2.0  # theory: way over distance of a device that reverses once
 
 
@@ -323,13 +323,15 @@ def _free_rows(
 def _spikes(P: Array) -> Array:
     """Rows that leave the lines through the two before and the two after by as much and to the same side, far beyond
     what the others do; none where they are many. At a jump one of the lines holds, or they are apart."""
-    from_before, from_after = P[2:-2] - (2 * P[1:-3] - P[:-4]), P[2:-2] - (2 * P[3:-1] - P[4:])
-    off = np.minimum(np.abs(from_before), np.abs(from_after))
-    alone = (off > RECORD_LEAST * float(np.ptp(P))) & (from_before * from_after > 0)
-    spikes = np.flatnonzero(alone & (np.abs(from_before - from_after) < RECORD_HALF * off))
-    if spikes.size:
-        spikes = spikes[off[spikes] > RECORD_SIGMAS * _robust(from_before)] + 2
-    return spikes if spikes.size <= RECORD_SMALL * P.size else spikes[:0]
+    bends = _bends(P)
+    size = np.abs(bends)
+    off = np.minimum(size[:-2], size[2:])
+    rows = np.flatnonzero(off > RECORD_LEAST * float(np.ptp(P)))
+    before, after = bends[rows], bends[rows + 2]
+    rows = rows[(np.abs(before - after) < RECORD_HALF * off[rows]) & ((before > 0) == (after > 0))]
+    if rows.size:
+        rows = rows[off[rows] > RECORD_SIGMAS * _robust(bends[:-2])] + 2
+    return rows if rows.size <= RECORD_SMALL * P.size else rows[:0]
 
 
 def _named_segments(curve: Curve, delta: Array) -> list[Segment]:
@@ -345,6 +347,9 @@ def _named_segments(curve: Curve, delta: Array) -> list[Segment]:
     parts: list[Segment] = []
     for part in stretches:
         inside = _segments_by_motion(delta[part.rows], P[part.rows])[0] if len(part) >= FEWEST_ROWS else []
+        if len(inside) < 2:
+            parts.append(part)
+            continue
         moved = [item for item in inside if item.kind != DWELL]
         ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
         both = len(moved) > 1 and min(ways[item.kind] for item in moved) > RECORD_FAR * float(np.ptp(delta))
@@ -429,31 +434,31 @@ def _equally_long(x: Array, y: Array, segments: Sequence[Segment]) -> list[Direc
     roundings = [step / math.sqrt(12) for step in resolutions(y)]
     ends = _ends_of_free_parts(x, y)
     bases, off = _base_lines(x, y, ends, roundings)
-    fall, rise, width = _sudden(off, bases)
+    falls, rises, width = _sudden(off, bases)
     # The load falls at once for the first time: a tether or a second contact holds beyond, however straight it is.
     first = math.ceil(RECORD_FAR * x.shape[1])
-    sooner = [min((one for one, _ in _runs(row, width) if one >= first), default=x.shape[1]) for row in fall]
+    sooner = [min((one for one, _ in _runs(rows, width) if one >= first), default=x.shape[1]) for rows in falls]
     again = np.flatnonzero(sooner < ends)
     if again.size:
         ends[again] = np.array(sooner)[again]
         at = again.tolist()
         changed, off[again] = _base_lines(x[again], y[again], ends[again], [roundings[i] for i in at])
-        fall[again], rise[again], _ = _sudden(off[again], changed)
-        for i, base in zip(at, changed, strict=True):
-            bases[i] = base
+        fallen, risen, _ = _sudden(off[again], changed)
+        for k, i in enumerate(at):
+            bases[i], falls[i], rises[i] = changed[k], fallen[k], risen[k]
     for i in np.flatnonzero(_are_curved(x, y, ends)).tolist():
         bases[i] = replace(bases[i], curved=True)
     return [
-        _direction(x[i], y[i], off[i], (fall[i], rise[i], width), bases[i], segment)
+        _direction(x[i], y[i], off[i], (falls[i], rises[i], width), bases[i], segment)
         for i, segment in enumerate(segments)
     ]
 
 
 def _direction(
-    x: Array, y: Array, off: Array, sudden: tuple[Array, Array, int], base: BaseLine, segment: Segment
+    x: Array, y: Array, off: Array, sudden: tuple[list[int], list[int], int], base: BaseLine, segment: Segment
 ) -> Direction:
-    """Touch, adhesion and jumps of one direction by its base line and the loads ``off`` it; ``sudden``: where the load
-    falls and rises at once, over so many rows."""
+    """Touch, adhesion and jumps of one direction by its base line and the loads ``off`` it; ``sudden``: the rows
+    from which on the load falls and rises at once, over so many rows."""
     order = 1 if segment.kind == APPROACH else -1
     row, error = _touch(x, off, base)
     touch: Estimate = float(x[row]) if row < x.size else Unknown("the load never leaves its base line")
@@ -498,11 +503,11 @@ def _direction(
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _parabolas(rows: int) -> Array:
-    """The orthonormal polynomials of degree 0 to 2 at evenly spaced rows, (rows, 3)."""
-    columns: Array = np.linalg.qr(np.vander(np.linspace(-1, 1, rows), 3))[0]
-    columns.setflags(write=False)
-    return columns
+def _parabolas(rows: int) -> tuple[Array, Array]:
+    """The orthonormal polynomials of degree 0 to 2 at evenly spaced rows, (rows, 3), and the lengths of their rows: the
+    standard error of a parabola there over that of a row."""
+    columns = np.linalg.qr(np.vander(np.linspace(-1, 1, rows), 3))[0]
+    return columns, np.linalg.norm(columns, axis=1)
 
 
 def _largest_tension(
@@ -511,7 +516,7 @@ def _largest_tension(
     """The largest tension [N] about the ``lowest`` row and its standard error: of the parabola through as many rows
     beside it, on the contact's side of a jump, as agree with what fewer tell (Lepski 1991). The least of many noisy
     rows alone would be too low. The base line errs there by what it is known to, and a jump lies between two rows."""
-    if -off[lowest] < base.least:
+    if -off[lowest] <= base.least:
         return Unknown("no tension beyond the noise"), base.noise
     tension, error, wider, between = float(-off[lowest]), base.noise, base.noise, 0.0
     begins = max((inner for outer, inner in falls if outer < lowest), default=0)
@@ -520,10 +525,10 @@ def _largest_tension(
         y = off[max(begins, lowest - half) : lowest + half + 1]
         if (dof := y.size - 3) < half // 2:
             continue
-        Q = _parabolas(y.size)
-        smooth = Q @ (Q.T @ y)
-        least, left = int(np.argmin(smooth)), y - smooth
-        told, unsure = float(-smooth[least]), base.noise * math.sqrt(float(Q[least] @ Q[least]))
+        parabolas, errors = _parabolas(y.size)
+        smooth = parabolas @ (y @ parabolas)
+        least, left = int(smooth.argmin()), y - smooth
+        told, unsure = -float(smooth[least]), base.noise * float(errors[least])
         bends = float(left @ left) > base.noise**2 * (dof + RECORD_CHANCE * math.sqrt(2 * dof))
         if bends or not least_told <= told <= most_told:
             break
@@ -540,21 +545,23 @@ def _ringing(y: Array) -> int:
     """How many rows after a jump, in time, the load still swings to and fro, by second differences of windows of rows
     beside those of all that follow; 0 where it does not swing, or does not die away."""
     width = RECORD_RING
-    bends = np.diff(y[1:], 2)
+    bends = _bends(y[1:])
     count = bends.size // width
     if count < RECORD_WINDOWS:
         return 0
     windows = bends[: count * width].reshape(count, width)
-    size = np.sqrt(np.mean(windows**2, axis=1))
+    size = np.sqrt(np.einsum("ij,ij->i", windows, windows) / width)
     loud = size > RECORD_RUNG * median(size)
+    if not loud[0]:
+        return 0
     last = int(np.argmin(loud))  # windows that are loud without a gap
-    swings = last > 0 and np.count_nonzero(np.diff(np.sign(bends[: last * width]))) >= last
+    swings = np.count_nonzero(np.diff(np.sign(bends[: last * width]))) >= last
     dies_away = loud.sum() < RECORD_HALF * count and size[0] >= size[max(last - 1, 0)]
     if not (swings and dies_away):
         return 0
     # Beyond, what a parabola leaves of wider windows shows swings that bend the load less than noise does.
     noise, wide = median(size) / math.sqrt(6), 2 * width
-    parabola = _parabolas(wide)
+    parabola, _ = _parabolas(wide)
     parts = y[1 : 1 + (y.size - 1) // wide * wide].reshape(-1, wide)
     left = np.sqrt(np.mean((parts - parts @ parabola @ parabola.T) ** 2, axis=1))
     quiet = np.flatnonzero(left[last // 2 :] < RECORD_STRAIGHT * noise)
@@ -575,7 +582,7 @@ def _block(rows: int) -> int:
 def _blocks(values: Array, size: int) -> Array:
     """Means of successive blocks of ``size`` rows along the last axis; what is left at the end is left out."""
     whole = values.shape[-1] // size * size
-    return values[..., :whole].reshape(*values.shape[:-1], -1, size).mean(axis=-1)
+    return np.asarray(np.einsum("...i->...", values[..., :whole].reshape(*values.shape[:-1], -1, size)) / size)
 
 
 def _bends(values: Array) -> Array:
@@ -645,8 +652,8 @@ def _best_cuts(x: Array, y: Array) -> Array:
     cuts = np.unique(np.linspace(max(5, round(RECORD_FAR * n)), n - 4, min(n, 200)).astype(int))
     u, v = ((w - w.mean(axis=1, keepdims=True)) / _ways(w) for w in (x, y))
     uu, uv = u * u, u * v
-    powers = np.stack([u, uu, u * uu, uu * uu, v, uv, uu * v, v * v])
-    between = np.add.reduceat(powers, np.concatenate([[0], cuts]), axis=2)
+    powers, edges = (u, uu, u * uu, uu * uu, v, uv, uu * v, v * v), np.concatenate([[0], cuts])
+    between = np.stack([np.add.reduceat(power, edges, axis=1) for power in powers])
     before, beyond = np.cumsum(between[..., :-1], axis=2), np.cumsum(between[..., :0:-1], axis=2)[..., ::-1]
     left = _left_by_sums(before, cuts, 1) + _left_by_sums(beyond, n - cuts, 2)
     best: Array = cuts[np.argmin(left, axis=1)]
@@ -773,19 +780,23 @@ def _touch(x: Array, off: Array, base: BaseLine) -> tuple[int, float]:
 
 
 def _jumps(
-    off: Array, base: BaseLine, fall: Array, rise: Array, width: int
+    off: Array, base: BaseLine, falls: list[int], rises: list[int], width: int
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Rows before and after which the load changes at once, seen from the far end inwards: falls to tension (the jump
     into contact on approach, those of pull-off on retraction) and any change of a tension beyond, and all others.
 
     At once: within a few rows, and far beyond what the load does before and after; a kink is none.
     """
-    if not fall.any() and not rise.any():
-        return [], []
-    tension = -off / base.least if base.least else -np.sign(off)
-    jump = fall & (tension[width:] > 1)
-    within = rise & (np.minimum(tension[width:], tension[:-width]) > 1) & np.maximum.accumulate(jump)
-    return _runs(jump | within, width), _runs(fall & (tension[width:] < RECORD_HALF) | rise & ~within, width)
+
+    def tension(row: int) -> float:
+        load = float(off[row])
+        return -load / base.least if base.least else -math.copysign(1.0, load) * (load != 0)
+
+    jumps = [row for row in falls if tension(row + width) > 1]
+    first = jumps[0] if jumps else off.size
+    within = {row for row in rises if row >= first and min(tension(row + width), tension(row)) > 1}
+    others = [row for row in falls if tension(row + width) < RECORD_HALF] + [row for row in rises if row not in within]
+    return _runs(sorted([*jumps, *within]), width), _runs(sorted(others), width)
 
 
 def _by_motion(x: Array, y: Array, first: int, last: int) -> bool:
@@ -805,62 +816,67 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
         return []
     inside = off[falls[0][1] + 1 :]
     count = max(round(RECORD_TETHER * off.size), FEWEST_ROWS // 2)
-    part, along = inside[:count], np.linspace(-0.5, 0.5, count)
-    if part.size < count:
+    if inside.size < count:
         return []
-    tension, change = -float(part.mean()), 12 * float(np.mean(along * (part - part.mean())))
-    error = base.noise * math.sqrt(12 / count)
-    scatter = float(np.std(part - part.mean() - change * along))
-    if abs(change) >= RECORD_TETHER * tension + 2 * error or scatter >= RECORD_STRAIGHT * base.noise:
+    tension, along = -float(inside[:count].mean()), np.linspace(-0.5, 0.5, count)
+    left = inside[:count] + tension
+    change = 12 * float(along @ left) / count
+    left -= change * along
+    if abs(change) >= RECORD_TETHER * tension + 2 * base.noise * math.sqrt(12 / count):
+        return []
+    if math.sqrt(float(left @ left) / count) >= RECORD_STRAIGHT * base.noise:
         return []
     size = _block(off.size)
     away = np.abs(_blocks(inside + tension, size)) > RECORD_HALF * base.least
     if not away.any():
         return []
-    left = int(np.argmax(away)) * size
-    around, end = inside[: left + count], falls[0][1] + left
+    rows = int(np.argmax(away)) * size
+    around, end = inside[: rows + count], falls[0][1] + rows
     # one polynomial passes through the largest tension of a contact, where none ends
     (scatter,) = _left(np.arange(around.size)[None], around[None], np.array([around.size]), RECORD_SMOOTH)
     goes_on = scatter < RECORD_STRAIGHT * base.noise
     return [] if goes_on else [(end, end + size)]
 
 
-def _sudden(off: Array, bases: Sequence[BaseLine]) -> tuple[Array, Array, int]:
-    """Where the loads ``off`` their base lines (B, n) fall and where they rise at once, over so many rows."""
+def _sudden(off: Array, bases: Sequence[BaseLine]) -> tuple[list[list[int]], list[list[int]], int]:
+    """The rows from which on the loads ``off`` each of B base lines (B, n) fall at once, by more than noise and
+    round-off, and those from which on they rise, over so many rows."""
     width = max(1, round(off.shape[1] * RECORD_BLOCK / 4))
-    if off.shape[1] <= 4 * width:
-        return np.zeros((len(bases), 0), bool), np.zeros((len(bases), 0), bool), off.shape[1]
     step = off[:, width:] - off[:, :-width]
-    noise = np.array([[base.noise] for base in bases])
-    least = np.maximum(RECORD_SIGMAS * math.sqrt(2) * noise, RECORD_SMALL * np.ptp(off, axis=1, keepdims=True))
+    least = np.array([[max(RECORD_SIGMAS * math.sqrt(2) * one.noise, ROUNDED * abs(one.offset))] for one in bases])
+    least = np.maximum(least, RECORD_SMALL * np.ptp(off, axis=1, keepdims=True))
     # The median of the steps over `width` rows just before each of them, and just after: none is above, or below, as
     # many of all steps as of its own window.
     n, some = FEWEST_ROWS, step[:, ::width]
     some = np.concatenate([some[:, :1].repeat(n + 1, axis=1), some, some[:, -1:].repeat(n + 1, axis=1)], axis=1)
     low, high = (n - 1) // 2, n // 2
     ordered = np.sort(some, axis=1)
-    falls, rises = step < ordered[:, high - n, None] - least, step > ordered[:, low, None] + least
-    which, rows = np.nonzero(falls | rises)
-    if rows.size:
-        windows = np.lib.stride_tricks.sliding_window_view(some, n, axis=1)
-        before, after = (
-            np.sort(windows[which, rows // width + shift], axis=1)[:, low : high + 1].mean(axis=1)
-            for shift in (0, n + 3)
-        )
-        there, least = step[which, rows], least[which, 0]
-        falls[which, rows] = there < np.minimum(before, after) - least
-        rises[which, rows] = there > np.maximum(before, after) + least
+    which, rows = np.nonzero((step < ordered[:, high - n, None] - least) | (step > ordered[:, low, None] + least))
+    windows = np.lib.stride_tricks.sliding_window_view(some, n, axis=1)
+    before, after = (
+        np.sort(windows[which, rows // width + shift], axis=1)[:, low : high + 1].mean(axis=1) for shift in (0, n + 3)
+    )
+    there, least = step[which, rows], least[which, 0]
+    falls: list[list[int]] = [[] for _ in bases]
+    rises: list[list[int]] = [[] for _ in bases]
+    for found, marked in (
+        (falls, there < np.minimum(before, after) - least),
+        (rises, there > np.maximum(before, after) + least),
+    ):
+        for i, row in zip(which[marked].tolist(), rows[marked].tolist(), strict=True):
+            found[i].append(row)
     return falls, rises, width
 
 
-def _runs(marked: Array, width: int) -> list[tuple[int, int]]:
-    """First row and last, ``width`` further on, of each run of ``marked`` rows, with short gaps."""
-    rows = np.flatnonzero(marked)
-    if not rows.size:
-        return []
-    gaps = np.flatnonzero(rows[1:] - rows[:-1] > 2 * width)
-    firsts, lasts = [0, *(gaps + 1).tolist()], [*gaps.tolist(), rows.size - 1]
-    return [(int(rows[i]), int(rows[j]) + width) for i, j in zip(firsts, lasts, strict=True)]
+def _runs(rows: Sequence[int], width: int) -> list[tuple[int, int]]:
+    """First and last, ``width`` further on, of each run of increasing ``rows``, with short gaps."""
+    runs: list[tuple[int, int]] = []
+    for row in rows:
+        if runs and row - (runs[-1][1] - width) <= 2 * width:
+            runs[-1] = runs[-1][0], row + width
+        else:
+            runs.append((row, row + width))
+    return runs
 
 
 def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:

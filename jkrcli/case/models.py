@@ -1,7 +1,5 @@
 """A case: its TOML file, the tables of that as models (types, ranges, defaults), and from there to the problem."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import itertools
@@ -779,7 +777,7 @@ def method_of(model: CaseModel, name: str) -> Method:
     return method_class(name)(**options)
 
 
-def fem_of(model: CaseModel) -> FEM:
+def fem_of(model: CaseModel) -> "FEM":
     """The finite-element method as the case's tables say."""
     return method_class("fem")(**options_of(model, "fem"))
 
@@ -856,7 +854,7 @@ class Case:
     text: str = ""
     remarks: tuple[str, ...] = ()
 
-    def with_tolerance(self, tolerance: float, method: str) -> Case:
+    def with_tolerance(self, tolerance: float, method: str) -> "Case":
         """The case in which ``method`` has this relative error as its tolerance; "auto": every one that can be, as near
         to it as it allows. InputError where no method has it."""
         tree = self.model.model_dump(exclude_none=True)

@@ -18,13 +18,10 @@ from ..base.files import atomic, check_series_target, check_target, read_bytes, 
 from ..case.models import Case, CaseModel, LoadingTable, fem_of, load_case, parse_case
 from ..case.store import record_of, solve, write_solution
 from ..data.foreign import NAMES, SeriesReading, read_series
-from ..methods.fem.mesh import write_msh, write_vtu
 from ..methods.protocol import METHODS, Limits, long_look
-from ..report.check import Check
 from ..report.result import Output
 from ..report.solved import Imported, Meshed, Solved
 from ..resolve.comparison import effect_facts, sticking_effect
-from ..resolve.neglected import seconds_of_works
 from . import options
 from .inputs import SEPARATED, Flags, begin_reading, body_options, case_of, named_flags, reading_of
 from .printing import announce, command_line, detail, give, note, say
@@ -187,6 +184,8 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
     \b
     jkr mesh cases/halfspace.toml
     """
+    from ..methods.fem.mesh import write_msh, write_vtu
+
     model = load_case(case).model
     problem = model.problem()
     targets = output.files(output.folder(Path()) / f"{case.stem}-mesh", (*MARKS, ".png"), [case])
@@ -219,6 +218,9 @@ def check(case: Path, as_json: bool) -> None:
     jkr check cases/thin-layer.toml
     jkr check my.toml -v                    all neglected effects, all methods
     """
+    from ..report.check import Check
+    from ..resolve.neglected import seconds_of_works
+
     loaded = load_case(case)
     if words := long_look(loaded.model.problem()):
         note(words)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -18,11 +18,8 @@ from ..base.files import atomic, together, write_text
 from ..base.registry import Result
 from ..bodies.problem import relaxing
 from ..case.models import Case
-from ..data import measured
-from ..data.curve import Reading
 from ..methods.protocol import Limits
 from ..report import forward, tables
-from ..report.explorer import Explored, page, payload, start_work
 from ..report.result import PICTURES, Files, Output, Results
 from ..resolve.analysis import analyse, seconds_of_page, where_lost
 from ..resolve.comparison import effect_on, sticking_warnings
@@ -30,8 +27,10 @@ from ..resolve.histories import checked_histories, lost_by_history, rest_of, sec
 from ..resolve.profile import profile_columns, radius_under
 from ..series import Solution
 from . import inputs, options
-from .case_verbs import MARKS
 from .printing import answer, give, present, progress, warn
+
+if TYPE_CHECKING:
+    from ..data.curve import Reading
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``, ``explore``.
@@ -307,6 +306,7 @@ def fields(file: Path, state: options.State, component: str, output: Output) -> 
     file, solution, w = inputs.body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from ..case.models import fem_of
+    from .case_verbs import MARKS
 
     method = fem_of(cast(Case, solution.record.case).model)
     result = forward.Fields.of(analyse(solution, [w])[0], method, a=state.radius, load=state.load, component=component)
@@ -392,6 +392,9 @@ def explore(
     jkr explore data.h5
     jkr explore gel.h5 measured.csv -o gel.html
     """
+    from ..data.measured import read
+    from ..report.explorer import Explored, page, payload, start_work
+
     if work == 0:
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
     if output.where is not None:
@@ -402,7 +405,7 @@ def explore(
     inputs.warn_of_constant_moduli(solution)
     inputs.without_range(solution.record, "explore")
     inputs.begin_reading("explore", data, limits)
-    curves = [curve for path in data for curve in measured.read(path, reading)]
+    curves = [curve for path in data for curve in read(path, reading)]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
     inputs.begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
     result = analyse(solution, works or (1.0,), slopes)[0]

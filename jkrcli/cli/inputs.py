@@ -22,7 +22,7 @@ from ..bodies.problem import relaxing
 from ..case.models import Case, load_case, other_tables, parse_case
 from ..case.store import NO_DIGEST, read_solution, record_of, write_solution
 from ..data.curve import Reading
-from ..data.text_formats import NAMES
+from ..data.tables import VOCABULARIES
 from ..methods.protocol import Forecast, Limits
 from ..series import Record, Solution
 from ..tables import SEPARATORS
@@ -326,6 +326,7 @@ TABLE_CARRIED = 6  # fits of an uncertain input; theory: two, of three times as 
 TABLE_FIT_PER_CURVE = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
 
 
+NAMES = VOCABULARIES["measured"]
 MEASURED_KEYS = tuple(NAMES.quantities)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,11 +15,13 @@ from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import relaxing
-from ..methods.fem.mesh import Grid
 from ..methods.protocol import Choice
 from ..resolve.comparison import StickingEffect, effect_as_json, sticking_warnings
 from ..series import COLUMNS, Series, Solution
 from .result import Figure
+
+if TYPE_CHECKING:
+    from ..methods.fem.mesh import Grid
 
 
 def end_of(series: Series) -> dict[str, Any]:

@@ -735,6 +735,7 @@ def residuals_of(asked: Sequence[Question]) -> list[tuple[Array, Array] | Except
 # How many starts are tried.
 # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
 STARTS_ALONE = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
+STARTS_ROWS = 120  # choice: rows by which starts are compared
 STARTS_SHAPES = 25  # choice: ratios w/s tried
 STARTS_POINTS = 41  # choice: contact points tried
 
@@ -786,37 +787,47 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
     if part.wave is not None:
         net -= part.wave(part.z[rows])
     delta = part.z[rows] - net / model.k
-    (D, T, H, V), _, _ = on_grid(model.family)
-    modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
-    best = (math.inf, 0.0, 0.0, 0.0)
     points = _contact_points(part, delta, rows)
     if part.jumped:  # the others are free
         delta, net = delta[part.touching[rows]], net[part.touching[rows]]
-    for r in _shapes(D, T) if part.jumped and work != 0 else (0.0,):
+    modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
+    curves = _moving_curves(model.family)[: None if part.jumped and work != 0 else 1]
+    sizes, along = np.empty((2, len(curves), points.size))
+    for i, (_, path, load) in enumerate(curves):
+        zeros = points - path[0] if part.jumped else points
+        basis = np.interp(delta - zeros[:, None], path, load, left=None if part.jumped else 0.0)
+        sizes[i], along[i] = np.einsum("ij,ij->i", basis, basis), basis @ net
+    factors = along / np.where(sizes > 0, sizes, np.inf)
+    if modulus is not None or work:
+        each = [math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0 for r, _, _ in curves]
+        factors[:] = np.array(each)[:, None]
+    costs = np.where(factors > 0, factors * (factors * sizes - 2 * along), np.inf)
+    shape, point = divmod(int(np.argmin(costs)), points.size)
+    if not factors[shape, point] > 0:
+        raise SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
+    r, path, _ = curves[shape]
+    return float(factors[shape, point]), float(points[point] - path[0] * part.jumped), r
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _moving_curves(family: Family) -> list[tuple[float, Array, Array]]:
+    """Ratios sqrt(w/s) with the displacement and the load of each from the fold on, at s = 1 without a device."""
+    (D, T, H, V), _, _ = on_grid(family)
+    curves = []
+    for r in _shapes(D, T).tolist():
         path, load = D - r * T, H - r * V
         fold = int(np.argmin(path))
-        zeros = points - float(path[fold]) if part.jumped else points
-        basis = np.interp(delta - zeros[:, None], path[fold:], load[fold:], left=0.0 if not part.jumped else None)
-        size, along = np.einsum("ij,ij->i", basis, basis), basis @ net
-        factors = along / np.where(size > 0, size, np.inf)
-        if modulus is not None or work:
-            factors[:] = math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0
-        costs = float(net @ net) + factors * (factors * size - 2 * along)
-        at = int(np.argmin(np.where(factors > 0, costs, np.inf)))
-        if factors[at] > 0 and costs[at] < best[0]:
-            best = (float(costs[at]), float(factors[at]), float(zeros[at]), float(r))
-    if best[1] == 0:
-        raise SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
-    return best[1:]
+        curves.append((r, path[fold:], load[fold:]))
+    return curves
 
 
 def _some_rows(part: DirectionReadings) -> Array:
     """Rows spread evenly, half of them where contact may be."""
     n = part.z.size
-    if n <= ROWS:
+    if n <= STARTS_ROWS:
         return np.arange(n)
     near = int(np.argmax(part.touching)) if part.jumped else n // 2
-    halves = [np.linspace(first, n - 1, ROWS // 2) for first in (0, near)]
+    halves = [np.linspace(first, n - 1, STARTS_ROWS // 2) for first in (0, near)]
     return np.unique(np.concatenate(halves).astype(int))
 
 

@@ -14,9 +14,9 @@ import math
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -26,11 +26,12 @@ from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[impo
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.validity import LIMITS
 from jkrcli.base.errors import JkrError
+from jkrcli.base.lockstep import Flow
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting import force_curve, verdict
-from jkrcli.fitting.alternative_tests import RecordRivals, relative_errors
+from jkrcli.fitting.alternative_tests import RecordRivals, profile_bounds, relative_errors, rivals_of_records
 from jkrcli.fitting.alternatives import AMOUNT, RIVALS, FittedRecord, Perturbation, RivalModel
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.procedure import fit
@@ -81,17 +82,24 @@ def fitted(kind: str, made: Wrong, **options: Any) -> Fit:
 
 def timed_scores() -> None:
     """Counts the time of the scores apart, and keeps what was judged first of each fit."""
+    plain = rivals_of_records
 
-    def timed(plain: Callable[..., RecordRivals], *args: Any) -> RecordRivals:
+    def scores(records: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
         begin = time.process_time()
-        found = plain(*args)
+        found = plain(records)
         spent[1] += time.process_time() - begin
         if not last:  # the fit of the tip that was asked for; one by the other profile may follow
-            last[:] = [args[0].body, args[0].fit, found]
+            last[:] = [records[0].body, records[0].fit, found[0]]
         return found
 
-    for name in ("rivals_of_record", "profile_bounds"):
-        vars(verdict)[name] = partial(timed, vars(verdict)[name])
+    def bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
+        begin = time.process_time()
+        found = profile_bounds(record, rivals)
+        spent[1] += time.process_time() - begin
+        yield from ()
+        return found
+
+    vars(verdict).update(rivals_of_records=scores, bounds=bounds)
 
 
 def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ..base.errors import JkrError, SolveError
+from ..base.lockstep import Flow, alone, ask, together
 from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
 from ..bodies.problem import GEL_TENSION
 from .alternatives import (
@@ -34,6 +35,7 @@ from .alternatives import (
     RivalModel,
     amount_of_range,
     amount_of_tension,
+    changed_offs,
     neck,
 )
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
@@ -182,6 +184,24 @@ class Verdict:
 
 def rivals_of_record(record: FittedRecord) -> RecordRivals:
     """The scores of all rivals of a fit."""
+    (found,) = rivals_of_records([record])
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
+    """The scores of all rivals of some fits, each by itself."""
+    answers: list[RecordRivals | Exception] = []
+    for record in records:
+        try:
+            answers.append(_scored(record))
+        except (JkrError, ArithmeticError, np.linalg.LinAlgError) as error:
+            answers.append(error)
+    return answers
+
+
+def _scored(record: FittedRecord) -> RecordRivals:
     rows = regular_rows(record)
     weighted = _weighted(record, record.table, rows)
     linear = Linearised.by(record, rows, weighted)
@@ -400,6 +420,7 @@ class Linearised:
         inverse: Array = np.linalg.pinv(self.triangle, rcond=len(self.triangle) * np.finfo(float).eps)
         return inverse
 
+    @np.errstate(all="ignore")
     def step(self, residuals: Array) -> tuple[Array, float]:
         """What the unknowns are to fall by for ``residuals`` [N] of all rows, and chi^2 of what is left then."""
         r = self.record.model.whitened(residuals * self.rows, self.record.fit.spread.noise)
@@ -542,22 +563,25 @@ class RivalFit:
         return self.passes and best.falls > SCORE_TIED and self.falls > best.falls - SCORE_TIED
 
 
-@np.errstate(all="ignore")
 def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
+    """The rivals with their ``bounds``."""
+    return alone(bounds(record, rivals))
+
+
+def bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
     """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
         return rivals
     near, off = (Linearised.of(record, rows, rivals=True) for rows in (None, off_folds(record)))
-    scores = [
-        _bounded(off if score.name in (RANGE.name, TENSION.name) else near, score, i)
-        for i, score in enumerate(rivals.scores)
-    ]
+    scores = []
+    for i, score in enumerate(rivals.scores):
+        scores.append((yield from _bounded(off if score.name in (RANGE.name, TENSION.name) else near, score, i)))
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 
 
-def _bounded(near: Linearised, score: Score, which: int) -> Score:
+def _bounded(near: Linearised, score: Score, which: int) -> Flow[Score]:
     """The score with the moves at the largest amount that is possible: to first order where they are small by it, and
     long ranges of adhesion, of which it says nothing, are excluded. ``which`` of the columns is the rival's."""
     ranged, tense, rival, record = score.name == RANGE.name, score.name == TENSION.name, _rival(score), near.record
@@ -580,9 +604,9 @@ def _bounded(near: Linearised, score: Score, which: int) -> Score:
     if not isinstance(change, Perturbation):
         return score
     if not (ranged or tense):
-        return _at_most(near, change, ahead, score)
+        return (yield from _at_most(near, change, ahead, score))
     tried = _Amounts(near, change, ahead)
-    return _of_ranges(tried, score, certain, long) if ranged else _of_tension(tried, score)
+    return (yield from _of_ranges(tried, score, certain, long) if ranged else _of_tension(tried, score))
 
 
 def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
@@ -596,10 +620,10 @@ def _rival(score: Score) -> AlternativeModel:
     return next(rival for rival in RIVALS if rival.name == score.name)
 
 
-def _at_most(near: Linearised, change: Perturbation, ahead: Array, score: Score) -> Score:
+def _at_most(near: Linearised, change: Perturbation, ahead: Array, score: Score) -> Flow[Score]:
     """The score with the moves at the largest amount that is possible, about ``ahead`` per amount."""
     begin = near.x + score.most * ahead
-    end = _followed(near, _with_amount(near.record, change, score.most), still=FULL_ABOUT, begin=begin)
+    end = yield from _followed(near, _with_amount(near.record, change, score.most), still=FULL_ABOUT, begin=begin)
     E, w = (math.nan, math.nan) if end is None else _moves(near, end[1])
     return replace(score, E_star=E / score.most, w=w / score.most) if math.isfinite(E + w) else score
 
@@ -621,10 +645,10 @@ class _Amounts:
         """The moves at those that are left."""
         return {amount: moves for amount, moves in self.moves.items() if moves is not None}
 
-    def at(self, amount: float) -> Moves | None:
+    def at(self, amount: float) -> Flow[Moves | None]:
         """The moves at an amount, from where those below lead."""
         model = _with_amount(self.near.record, self.change, amount)
-        end = _followed(self.near, model, SCORE_TIED, FULL_ABOUT, self._begin(amount))
+        end = yield from _followed(self.near, model, SCORE_TIED, FULL_ABOUT, self._begin(amount))
         moves = None if end is None else (end[0], *_moves(self.near, end[1]))
         self.moves[amount] = None
         if end is not None and moves is not None and moves[0] < SCORE_TIED and np.isfinite(moves).all():
@@ -644,38 +668,38 @@ class _Amounts:
         return y + (y - x) * ((amount - last) / (last - first)) if last > first else y
 
 
-def _of_ranges(tried: _Amounts, score: Score, certain: float, long: bool) -> Score:
+def _of_ranges(tried: _Amounts, score: Score, certain: float, long: bool) -> Flow[Score]:
     """The score with the moves at ranges up to the longest that there may be, or where one step excludes all amounts
     beyond ``certain`` and with them the ``long`` ones, up to the end of the interval, from where that step has it
     on."""
     record, within, unsure = tried.near.record, score.quantile**2, score.quantile * score.error
     if long:
         for amount in sorted({*_ranges(record, score)}):
-            tried.at(amount)
-        return _of_amounts(tried, score)
+            yield from tried.at(amount)
+        return (yield from _of_amounts(tried, score))
     most = min(score.known, certain)
     amount = min(most, score.amount if score.amount > unsure else max(score.most, score.error))
     for _ in range(MOST_STEPS):
-        moves = tried.at(amount)
+        moves = yield from tried.at(amount)
         if moves is None or moves[0] > FULL_CLOSE * within or amount == most:
             break
         amount = min(most, amount * min(2.0, score.quantile / math.sqrt(FULL_CLOSE * max(moves[0], TINY))))
-    return _of_amounts(tried, score)
+    return (yield from _of_amounts(tried, score))
 
 
-def _of_tension(tried: _Amounts, score: Score) -> Score:
+def _of_tension(tried: _Amounts, score: Score) -> Flow[Score]:
     """The same of surface tensions up to the largest that is known, or the usual one where the data lean to any: by
     more than can be chance, as one step has it about, too."""
     record, known = tried.near.record, tried.near.record.known.tension
     most, least, leans = amount_of_tension(record, known or GEL_TENSION), 0.0, False
     for amount in sorted({min(most, FULL_SKINS[0]), *(amount for amount in FULL_SKINS if amount < most)}):
-        moves = tried.at(amount)
+        moves = yield from tried.at(amount)
         rises = moves is not None and moves[0] > least
         least = least if moves is None else min(least, moves[0])
         leans = bool(known) or -least > FULL_LEANING or _by_chance(record, -least)
         if (moves is None and len(tried.moves) > 1) or (rises and not leans):
             break  # no larger one is left either, or takes more
-    return _of_amounts(tried, score) if leans else score
+    return (yield from _of_amounts(tried, score)) if leans else score
 
 
 def _by_chance(record: FittedRecord, taken: float) -> bool:
@@ -683,7 +707,7 @@ def _by_chance(record: FittedRecord, taken: float) -> bool:
     return chance_of(record.fit, taken) < SCORE_CHANCE / len(RIVALS)
 
 
-def _of_amounts(tried: _Amounts, score: Score) -> Score:
+def _of_amounts(tried: _Amounts, score: Score) -> Flow[Score]:
     """The score with the largest moves at those amounts ``tried`` that the data leave, where they leave none, at
     smaller ones; it is detected where one takes enough of the misfit. Those beyond the interval count by the chord to
     it, as moves may grow steeply there."""
@@ -692,7 +716,7 @@ def _of_amounts(tried: _Amounts, score: Score) -> Score:
         if any(moves[0] < within for moves in tried.left.values()):
             break
         moves = tried.moves[least]  # chi^2 rises with the square of the amount
-        tried.at(least := least * (0.5 if moves is None else math.sqrt(FULL_CLOSE * within / moves[0])))
+        yield from tried.at(least := least * (0.5 if moves is None else math.sqrt(FULL_CLOSE * within / moves[0])))
     else:
         return score
     end = max(amount for amount, moves in tried.left.items() if moves[0] < within)
@@ -701,7 +725,7 @@ def _of_amounts(tried: _Amounts, score: Score) -> Score:
         if tried.left[end][0] > FULL_NEARLY * within:
             break
         middle = math.sqrt(end * beyond)
-        moves = tried.at(middle)
+        moves = yield from tried.at(middle)
         end, beyond = (end, middle) if moves is None or moves[0] > within else (middle, beyond)
     possible, record = tried.left, tried.near.record
     best = min(possible, key=lambda amount: possible[amount][0])
@@ -751,14 +775,14 @@ def _with_amount(record: FittedRecord, change: Perturbation, amount: float) -> R
 
 def _followed(
     near: Linearised, model: RivalModel, most: float = math.inf, still: float = FULL_STILL, begin: Array | None = None
-) -> tuple[float, Array] | None:
+) -> Flow[tuple[float, Array] | None]:
     """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
     the fit without, down to ``still`` standard errors, from ``begin`` on, else from that fit; None where they do not
     settle, or come to a contact that is nowhere stable, or chi^2 will not fall to about ``most``."""
     x, size, excess = near.x if begin is None else begin, math.inf, math.inf
     with contextlib.suppress(SolveError, ArithmeticError):  # unknowns that no row determines may go anywhere
         for _ in range(MOST_STEPS):
-            step, left = near.step(model.off(x, 0.0))
+            step, left = near.step((yield from ask(changed_offs, (model, x, 0.0))))
             before, size, x, excess = size, near.size(step), x - step, left - near.left
             if not (size < before and excess < most + FULL_FALLING * size):
                 return None
@@ -823,7 +847,8 @@ def _valleys(record: FittedRecord, model: RivalModel, starts: Iterable[tuple[flo
     """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
     more than the ones next to them."""
     near, starts = Linearised.of(record, off_folds(record)), sorted(starts)
-    ends = [_followed(near, _with_amount(record, model.change, start[0]), still=FULL_ABOUT) for start in starts]
+    flows = [_followed(near, _with_amount(record, model.change, start[0]), still=FULL_ABOUT) for start in starts]
+    ends = [end for end in together(flows) if not isinstance(end, Exception)]
     left = np.array([math.inf, *(math.inf if end is None else end[0] for end in ends), math.inf])
     lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
     for start, end, low in zip(starts, ends, lowest, strict=True):

@@ -7,11 +7,12 @@ at fixed positions of the device. The data are asked for each by its score (``al
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache, partial
-from typing import Any, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -100,9 +101,22 @@ class ChangedFamily(Family):
         values: Array = super().values(u) * np.exp(self.spline(np.clip(u, self.spline.x[0], self.spline.x[-1])).T)
         return values
 
+    @cached_property
+    def functions(self) -> Array:
+        """The four and their derivatives at the nodes of its grid, (3, 4, nodes)."""
+        return next(_changed_functions([self]))
+
     def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
-        assert self.body is not None
-        return _changed(on_grid(self.body), self.changes, *_rates(self.changes, float(u[1] - u[0])))
+        value, by_u, by_uu = self.functions
+        return value, by_u, by_uu
+
+
+def _changed_functions(families: Sequence[ChangedFamily]) -> Iterator[Array]:
+    """The ``functions`` of families."""
+    bodies, g = [one.body for one in families if one.body is not None], np.stack([one.changes for one in families])
+    steps = np.array([(u[-1] - u[0]) / (u.size - 1) for u in map(grid, bodies)])
+    value, by_u, by_uu = (np.stack(columns) for columns in zip(*map(on_grid, bodies), strict=True))
+    yield from np.stack(_changed((value, by_u, by_uu), g, *_rates(g, steps[:, None, None])), axis=1)
 
 
 def _changed(
@@ -117,7 +131,7 @@ def _changed(
     )  # fmt: skip
 
 
-def _rates(g: Array, step: float) -> tuple[Array, Array]:
+def _rates(g: Array, step: Array | float) -> tuple[Array, Array]:
     """Two derivatives of rows at even nodes, of fourth order but at the two of each end."""
     near, far = g[..., 1:-3], g[..., 3:-1]
     first, second = rates = np.empty((2, *g.shape))
@@ -178,7 +192,8 @@ class Perturbation:
     whether the change depends on the other unknowns too. ``recentred``: the change about a fit that it led to, where it
     is made about one. The derivative of all loads [N] by the amount, where it is not that at 0: ``column``, or
     that by ``per_amount``, changes of the logs of the body (4, n) for one of it. ``shape``: changes of the logs of its
-    displacement and stiffness, where the others follow from these.
+    displacement and stiffness, where the others follow from these; ``rings``: the ring of attraction that the changes
+    are solved from, by the plain family and all values, where there is one.
     """
 
     starts: tuple[tuple[float, ...], ...] = ((0.0,),)
@@ -195,6 +210,7 @@ class Perturbation:
     column: Array | None = None
     per_amount: Array | None = None
     shape: Shape | None = None
+    rings: Callable[[Family, Values], Ring | None] | None = None
 
     def followed(self, plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         """The model that a stretch follows in place of the ``plain`` one."""
@@ -319,6 +335,21 @@ class RivalModel(ForceCurveModel):
 
     def in_place_of_path(self, part: DirectionReadings) -> Loads | None:
         return self.change.loads or (self.change.loads_back if part is self.stretches[-1] else None)
+
+
+@np.errstate(all="ignore")
+def changed_offs(asked: Sequence[tuple[RivalModel, Array, float]]) -> list[Array | Exception]:
+    """Model minus reading [N] of all rows of models with changes, of which rings of attraction and changed bodies are
+    made for all together."""
+    each = [(model, model.values(x)) for model, x, _ in asked]
+    rings = [model.change.rings(model.family, values) for model, values in each if model.change.rings is not None]
+    with contextlib.suppress(JkrError, ArithmeticError):  # of one of them, which tells so itself
+        ring_changes([ring for ring in rings if ring is not None])
+        families = {model.followed(part, values).family for model, values in each for part in model.stretches}
+        changed = [one for one in families if isinstance(one, ChangedFamily) and "functions" not in vars(one)]
+        for family, functions in zip(changed, _changed_functions(changed) if changed else (), strict=True):
+            vars(family)["functions"] = functions  # remembered as if asked for alone
+    return offs(asked)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -558,7 +589,7 @@ ADHESION_TABOR = (3.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06, 0.03)
 ADHESION_ENDLESS = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
 ADHESION_NARROW = 0.5  # choice: of the contact radius, a ring between narrow and wide
 ADHESION_EVERY = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
-ADHESION_SETTLED = 1e-4  # theory: such a step by Newton's method, whose errors are squared: the next is below 1e-9
+ADHESION_SETTLED = 1e-6  # theory: such a step by Newton's method, whose errors are squared: the next is round-off
 # choice: rise of w at the usual speed of the edge and power of the speed, to begin with
 ADHESION_SPEEDS = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
 # choice: of the speed of the edge, that are searched; measured 0.1 to 1
@@ -651,20 +682,24 @@ def finite_range(record: FittedRecord) -> Perturbation | None:
         return None
     E_star = record.body.problem.E_star
 
-    changes = lru_cache(maxsize=1)(_maugis)  # of all stretches, one after the other
+    def rings(family: Family, values: Values) -> Ring | None:
+        s, z0 = math.exp(values["ln_s"]), range_of(record, values[AMOUNT])
+        works = tuple(w for name in kinds if (w := values[name] * s) > 0)
+        return None if z0 in (0, math.inf) or not works else (family, s * E_star, works, z0)
 
     def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
-        s, z0 = math.exp(values["ln_s"]), range_of(record, values[AMOUNT])
-        works = {one.kind: w for one in plain.stretches if (w := values[f"q:{one.kind}"] * s) > 0}
-        if part.kind not in works or z0 in (0, math.inf):
+        adhesive, ring = [name for name in kinds if values[name] > 0], rings(plain.family, values)
+        if ring is None or f"q:{part.kind}" not in adhesive:
             return None
-        each: Array = changes(plain.family, s * E_star, tuple(works.values()), z0)[[*works].index(part.kind)]
+        (changes,) = ring_changes([ring])
+        each: Array = changes[adhesive.index(f"q:{part.kind}")]
         return each
 
+    kinds = [f"q:{part.kind}" for part in record.model.stretches]
     starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in ADHESION_TABOR)
     most = amount_of_range(record, ADHESION_ENDLESS * neck(record))
     return Perturbation(
-        starts, limits={AMOUNT: (0.0, most)}, log_changes=log_changes, coupled=True,
+        starts, limits={AMOUNT: (0.0, most)}, log_changes=log_changes, coupled=True, rings=rings,
         quantities=lambda values: {"range": range_of(record, values[AMOUNT])},
     )  # fmt: skip
 
@@ -699,19 +734,36 @@ def range_of(record: FittedRecord, amount: float) -> float:
     return narrow_range(record) * math.sqrt(amount / (1 - amount / least)) if amount < least else math.inf
 
 
-def _maugis(family: Family, E: float, works: tuple[float, ...], z0: float) -> Array:
-    """Changes of the logs (works, 4, n) of a body of E* ``E`` [Pa] whose w [J/m^2] has the range ``z0`` [m]: the
+Ring: TypeAlias = "tuple[Family, float, tuple[float, ...], float]"  # a body, its E* [Pa], w [J/m^2] and range [m]
+_SOLVED: dict[Ring, Array] = {}
+
+
+def ring_changes(wanted: Sequence[Ring]) -> list[Array]:
+    """Changes of the logs (works, 4, n) of bodies whose w has a range, each by itself, the last ones remembered."""
+    if missing := [one for one in dict.fromkeys(wanted) if one not in _SOLVED]:
+        if len(_SOLVED) >= REMEMBERED:
+            _SOLVED.clear()
+        changes, first = _maugis(missing), 0
+        for one in missing:
+            _SOLVED[one] = changes[first : (first := first + len(one[2]))]
+    return [_SOLVED[one] for one in wanted]
+
+
+def _maugis(rings: Sequence[Ring]) -> Array:
+    """Changes of the logs (works of all rings, 4, n) of bodies of E* [Pa] whose w [J/m^2] has the range z0 [m]: the
     stress sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2
     sigma a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
-    w, some = np.array(works)[:, None], slice(None, None, ADHESION_EVERY)
+    some, each = slice(None, None, ADHESION_EVERY), [(*ring, w) for ring in rings for w in ring[2]]
+    E, z0, w = (np.array([one[i] for one in each])[:, None] for i in (1, 3, 4))
+    a = np.exp(np.stack([grid(family)[some] for family, *_ in each]))
+    D = np.stack([on_grid(family)[0][0, some] for family, *_ in each])
     sigma = w / z0
-    a, D = np.exp(grid(family)[some]), on_grid(family)[0][0, some]
     m = _rim(a, D, E, w, sigma)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
     pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
     zero = np.zeros_like(shift)
-    changes: Array = np.stack([zero, np.log(shift), zero, np.log(pull)], axis=1) @ _splines(grid(family).size)
+    changes: Array = np.stack([zero, np.log(shift), zero, np.log(pull)], axis=1) @ _splines(grid(each[0][0]).size)
     return changes
 
 
@@ -725,7 +777,7 @@ def _splines(size: int) -> Array:
     return splines
 
 
-def _rim(a: Array, D: Array, E: float, w: Array, sigma: Array) -> Array:
+def _rim(a: Array, D: Array, E: Array, w: Array, sigma: Array) -> Array:
     """Ratio m of outer to inner radius of the ring whose stress ``sigma`` releases ``w``. With t = sqrt(m^2 - 1) and c
     = arccos(1/m), 1 = 4 sigma^2 a/(pi E* w) (t c - m + 1) + sigma D/(pi w) (t + (m^2 - 2) c); by Newton's method for
     the log of the right-hand side over that of m - 1, nearly straight; from its limits, of narrow rings and
@@ -733,16 +785,17 @@ def _rim(a: Array, D: Array, E: float, w: Array, sigma: Array) -> Array:
     own, pressed = 4 * sigma**2 / (math.pi * E * w) * a, sigma / (math.pi * w) * D
     near = 1 / (own + (math.sqrt(128) / 3 * pressed) ** (2 / 3))
     far = 2 / ((math.pi / 2 - 1) * own + np.sqrt(((math.pi / 2 - 1) * own) ** 2 + 2 * math.pi * pressed))
-    x = np.where(near < ADHESION_NARROW, near, np.maximum(far, ADHESION_NARROW))
+    x, goes_on = np.where(near < ADHESION_NARROW, near, np.maximum(far, ADHESION_NARROW)), np.ones((len(a), 1))
     for _ in range(MOST_STEPS):
         m = 1 + x
         root = np.sqrt(x * (2 + x))
         angle = np.arctan(root)
         released = own * (root * angle - x) + pressed * (root + (m**2 - 2) * angle)
         rate = own * (m * angle / root + 1 / m - 1) + pressed * (m / root + 2 * m * angle + (m - 2 / m) / root)
-        step = -released / (x * rate) * np.log(released)
+        step = -released / (x * rate) * np.log(released) * goes_on
         x *= np.exp(np.clip(step, -SLOW_EDGE_WIDEST, SLOW_EDGE_WIDEST))
-        if float(np.abs(step).max()) < ADHESION_SETTLED:
+        goes_on *= np.abs(step).max(axis=1, keepdims=True) >= ADHESION_SETTLED  # each by itself
+        if not goes_on.any():
             break
     return 1 + x
 

@@ -19,10 +19,10 @@ from .alternative_tests import (
     RecordRivals,
     RivalFit,
     Verdict,
+    bounds,
     fit_alternatives,
-    profile_bounds,
     relative_errors,
-    rivals_of_record,
+    rivals_of_records,
 )
 from .alternatives import MEMORY, FittedRecord, Known
 from .force_curve import ForceCurveFit, ForceCurveModel, base_line
@@ -43,8 +43,8 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fi
     """The result with its verdict: that of a ``fit`` of all directions of the record."""
     settings = result.settings
     record = FittedRecord(body, fit, Known(settings.range_at_most, settings.tension_at_most, settings.level))
-    scores = yield from ask(_scores, record)
-    rivals = profile_bounds(record, scores)
+    scores = yield from ask(rivals_of_records, record)
+    rivals = yield from bounds(record, scores)
     new = {name: sentence for name, sentence in _flags(rivals, fit) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
@@ -52,10 +52,6 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fi
         result, estimates=estimates, flags=(*result.flags, *new), warnings=(*warnings, *result.warnings),
         verdict=Verdict(rivals, *_by_formula(body.problem, fit)),
     )  # fmt: skip
-
-
-def _scores(asked: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
-    return [rivals_of_record(record) for record in asked]
 
 
 def replace_by_best_alternative(

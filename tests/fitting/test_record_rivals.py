@@ -402,7 +402,7 @@ def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     assert isinstance(effect, Perturbation)
     tried = _Amounts(Linearised.of(at), effect, np.zeros_like(at.fit.x))
     tried.moves.update({4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)})
-    found = _of_amounts(tried, score)
+    found = alone(_of_amounts(tried, score))
     assert found.known == 4
     assert found.moved(found.E_star) == pytest.approx(0.3 * 1.96 / math.sqrt(6), rel=1e-4)
     assert found.moved(found.w) == pytest.approx(0.4 * 1.96 / math.sqrt(7), rel=1e-4)

@@ -110,6 +110,7 @@ RECORD_WAVY = 0.03  # choice: of the range of the load, waviness of a base line 
 # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
 # least of what it makes over all of the base line
 RECORD_STEEP = 0.2
+CUTS = 200  # choice: places at which a direction may be cut into a line and a curve
 ALONGSIDE = 20_000  # choice: rows of directions that are read at once; more no longer saves time
 RECORD_WANDERING = 2.0  # theory: way over distance of a device that reverses once
 
@@ -408,49 +409,58 @@ def _directions(z: Array, P: Array, parts: Sequence[Segment]) -> Flow[tuple[Dire
 
 
 def _directions_of(records: Sequence[Sequence[tuple[Array, Array, Segment]]]) -> list[tuple[Direction, ...]]:
-    """The directions of each record, by their positions, loads and segments; those with equal rows together, as arrays
-    (directions, rows) from the far end inwards."""
+    """The directions of each record, by their positions, loads and segments.
+
+    Those of nearly equal rows together, as arrays (directions, places) from the far end inwards, which go on with their
+    last rows. How many places follows from the rows of each alone, so that no sum depends on the others.
+    """
     found: list[list[Any]] = [[None] * len(sides) for sides in records]
-    by_rows: dict[int, list[tuple[int, int]]] = {}
+    alike: dict[tuple[int, int, int], list[tuple[int, int]]] = {}
     for i, sides in enumerate(records):
         for j, (x, _, _) in enumerate(sides):
-            by_rows.setdefault(x.size, []).append((i, j))
-    for rows, places in by_rows.items():
-        many = max(1, ALONGSIDE // rows)
+            step = 1 if _cuts(x.size).size < CUTS else 2 ** (x.size.bit_length() - 4)
+            key = -(-x.size // step) * step, _block(x.size), _jump_width(x.size)
+            alike.setdefault(key, []).append((i, j))
+    for (size, _, _), places in alike.items():
+        many = max(1, ALONGSIDE // size)
         for part in (places[k : k + many] for k in range(0, len(places), many)):
-            positions, loads, segments = zip(*(records[i][j] for i, j in part), strict=True)
-            x, y = (
-                np.stack([v if side.kind == APPROACH else v[::-1] for v, side in zip(columns, segments, strict=True)])
-                for columns in (positions, loads)
-            )
-            for (i, j), direction in zip(part, _equally_long(x, y, segments), strict=True):
+            of_each = [records[i][j] for i, j in part]
+            rows, columns = np.array([x.size for x, _, _ in of_each]), np.empty((2, len(part), size))
+            for column, (z, P, side) in zip(columns.swapaxes(0, 1), of_each, strict=True):
+                column[:, : z.size] = (z, P) if side.kind == APPROACH else (z[::-1], P[::-1])
+                column[:, z.size :] = column[:, z.size - 1 : z.size]
+            x, y, segments = columns[0], columns[1], [one[2] for one in of_each]
+            for (i, j), direction in zip(part, _side_by_side(x, y, rows, segments), strict=True):
                 found[i][j] = direction
     return [tuple(sides) for sides in found]
 
 
-def _equally_long(x: Array, y: Array, segments: Sequence[Segment]) -> list[Direction]:
-    """Base lines, touch, adhesion and jumps of directions whose positions and loads are ``x, y`` (directions, rows), in
-    the order from their far ends inwards."""
-    roundings = [step / math.sqrt(12) for step in resolutions(y)]
-    ends = _ends_of_free_parts(x, y)
-    bases, off = _base_lines(x, y, ends, roundings)
-    falls, rises, width = _sudden(off, bases)
+def _side_by_side(x: Array, y: Array, rows: Array, segments: Sequence[Segment]) -> list[Direction]:
+    """Base lines, touch, adhesion and jumps of directions whose positions and loads are the first ``rows`` of ``x, y``
+    (directions, places), in the order from their far ends inwards."""
+    block, width = _block(int(rows[0])), _jump_width(int(rows[0]))
+    roundings = [step / math.sqrt(12) for step in resolutions(y, rows)]
+    ends = _ends_of_free_parts(x, y, rows)
+    bases, off = _base_lines(x, y, ends, roundings, block)
+    falls, rises = _sudden(off, rows, bases)
     # The load falls at once for the first time: a tether or a second contact holds beyond, however straight it is.
-    first = math.ceil(RECORD_FAR * x.shape[1])
-    sooner = [min((one for one, _ in _runs(rows, width) if one >= first), default=x.shape[1]) for rows in falls]
+    sooner = np.array([
+        min((first for first, _ in _runs(fall, width) if first >= RECORD_FAR * n), default=n)
+        for fall, n in zip(falls, rows.tolist(), strict=True)
+    ])  # fmt: skip
     again = np.flatnonzero(sooner < ends)
     if again.size:
-        ends[again] = np.array(sooner)[again]
+        ends[again] = sooner[again]
         at = again.tolist()
-        changed, off[again] = _base_lines(x[again], y[again], ends[again], [roundings[i] for i in at])
-        fallen, risen, _ = _sudden(off[again], changed)
+        changed, off[again] = _base_lines(x[again], y[again], ends[again], [roundings[i] for i in at], block)
+        fallen, risen = _sudden(off[again], rows[again], changed)
         for k, i in enumerate(at):
             bases[i], falls[i], rises[i] = changed[k], fallen[k], risen[k]
-    for i in np.flatnonzero(_are_curved(x, y, ends)).tolist():
+    for i in np.flatnonzero(_are_curved(x, y, rows, ends)).tolist():
         bases[i] = replace(bases[i], curved=True)
     return [
-        _direction(x[i], y[i], off[i], (falls[i], rises[i], width), bases[i], segment)
-        for i, segment in enumerate(segments)
+        _direction(x[i, :n], y[i, :n], off[i, :n], (falls[i], rises[i], width), bases[i], segments[i])
+        for i, n in enumerate(rows.tolist())
     ]
 
 
@@ -613,16 +623,18 @@ def _robust_of_first(values: Array, rows: Array) -> Array:
     return np.where(rows > 0, RECORD_NORMAL * medians(off)[:, 0], 0.0)
 
 
-def _ends_of_free_parts(x: Array, y: Array) -> Array:
+def _ends_of_free_parts(x: Array, y: Array, rows: Array) -> Array:
     """How many rows (B,) from the far ends on are free: first the best of all cuts into a line and a curve, then as far
     as the load stays on the line through what surely is free."""
-    n, size, all_of = x.shape[1], _block(x.shape[1]), np.arange(x.shape[0])
-    ends = np.maximum(_best_cuts(x, y), 5)
-    rough = _robust_of_first(_bends(y), np.full(ends.size, n - 2)) / math.sqrt(6 * size)
+    size, all_of = _block(int(rows[0])), np.arange(rows.size)
+    ends = np.maximum(_best_cuts(x, y, rows), 5)
+    rough = _robust_of_first(_bends(y), rows - 2) / math.sqrt(6 * size)
     lowest, highest = np.minimum.accumulate(y, axis=1), np.maximum.accumulate(y, axis=1)
     x, y = x - x[:, :1], y - y[:, :1]
     sums = [np.cumsum(products, axis=1) for products in (x, y, x * x, x * y)]
     x, y = _blocks(x, size), _blocks(y, size)
+    blocks = np.arange(x.shape[1] + RECORD_RUN - 1)
+    last = np.minimum(blocks, rows[:, None] // size - 1)  # which may alone be in contact: it goes on
     for _ in range(2):
         sure = np.maximum(np.rint(RECORD_INSIDE * ends).astype(int), 5)
         X, Y, XX, XY = (total[all_of, sure - 1] for total in sums)
@@ -630,41 +642,43 @@ def _ends_of_free_parts(x: Array, y: Array) -> Array:
         tilt = np.where(way > 0, XY - X * Y / sure, 0.0) / np.where(way > 0, way, 1.0)
         off = y - (Y / sure)[:, None] - tilt[:, None] * (x - (X / sure)[:, None])
         inside = sure // size
-        slow = np.sum(off**2 * (np.arange(off.shape[1]) < inside[:, None]), axis=1) / np.maximum(inside, 1)
+        slow = np.sum(off**2 * (blocks[: off.shape[1]] < inside[:, None]), axis=1) / np.maximum(inside, 1)
         scatter = np.maximum(np.sqrt(slow), rough)
-        seen = np.minimum(2 * ends, n) - 1
+        seen = np.minimum(2 * ends, rows) - 1
         least = RECORD_LEAST * (highest[all_of, seen] - lowest[all_of, seen])
         away = np.abs(off) > np.maximum(RECORD_SIGMAS * scatter, least)[:, None]
         away &= (inside > 0)[:, None]
-        away = np.concatenate([away, away[:, -1:].repeat(RECORD_RUN - 1, axis=1)], axis=1)  # the last may be in contact
-        runs = in_succession(away)
-        ends = np.where(runs.any(axis=1), np.maximum(np.argmax(runs, axis=1) * size, 5), n)
+        runs = in_succession(np.take_along_axis(away, last, axis=1))
+        ends = np.where(runs.any(axis=1), np.maximum(np.argmax(runs, axis=1) * size, 5), rows)
     return ends
 
 
-def _best_cuts(x: Array, y: Array) -> Array:
+@lru_cache(maxsize=REMEMBERED)
+def _cuts(rows: int) -> Array:
+    """The numbers of rows before the cuts that are tried."""
+    return np.unique(np.linspace(max(5, round(RECORD_FAR * rows)), rows - 4, min(rows, CUTS)).astype(int))
+
+
+def _best_cuts(x: Array, y: Array, rows: Array) -> Array:
     """The numbers (B,) of rows before the cuts at which a straight line up to it and a parabola beyond leave least.
 
     All polynomials follow from sums of powers between the cuts; the sums of squares that they leave, from the
     triangular factors of their normal equations (Cholesky).
     """
-    n = x.shape[1]
-    cuts = np.unique(np.linspace(max(5, round(RECORD_FAR * n)), n - 4, min(n, 200)).astype(int))
-    u, v = ((w - w.mean(axis=1, keepdims=True)) / _ways(w) for w in (x, y))
+    cuts = np.stack([_cuts(n) for n in rows.tolist()])
+    within, count = np.arange(x.shape[1]) < rows[:, None], rows[:, None]
+    ways = (np.ptp(w, axis=1, keepdims=True) for w in (x, y))
+    u, v = (
+        (w - np.sum(w * within, axis=1, keepdims=True) / count) / np.where(way > 0, way, 1.0) * within
+        for w, way in zip((x, y), ways, strict=True)
+    )
     uu, uv = u * u, u * v
-    powers, edges = (u, uu, u * uu, uu * uu, v, uv, uu * v, v * v), np.concatenate([[0], cuts])
-    between = np.stack([np.add.reduceat(power, edges, axis=1) for power in powers])
+    edges = (np.column_stack([0 * rows, cuts]) + x.shape[1] * np.arange(rows.size)[:, None]).ravel()
+    powers = (u, uu, u * uu, uu * uu, v, uv, uu * v, v * v)
+    between = np.stack([np.add.reduceat(power.ravel(), edges).reshape(rows.size, -1) for power in powers])
     before, beyond = np.cumsum(between[..., :-1], axis=2), np.cumsum(between[..., :0:-1], axis=2)[..., ::-1]
-    left = _left_by_sums(before, cuts, 1) + _left_by_sums(beyond, n - cuts, 2)
-    best: Array = cuts[np.argmin(left, axis=1)]
-    return best
-
-
-def _ways(values: Array) -> Array:
-    """Ranges along the last axis, (..., 1); 1 where all are equal."""
-    ranges = np.ptp(values, axis=-1, keepdims=True)
-    ways: Array = np.where(ranges > 0, ranges, 1.0)
-    return ways
+    left = _left_by_sums(before, cuts, 1) + _left_by_sums(beyond, count - cuts, 2)
+    return np.asarray(cuts[np.arange(rows.size), np.argmin(left, axis=1)])
 
 
 def _left_by_sums(sums: Array, rows: Array, degree: int) -> Array:
@@ -695,7 +709,9 @@ def _lines(x: Array, y: Array, rows: Array) -> tuple[Array, Array, Array, Array]
     return middle, level, tilt, within
 
 
-def _base_lines(x: Array, y: Array, ends: Array, roundings: Sequence[float]) -> tuple[list[BaseLine], Array]:
+def _base_lines(
+    x: Array, y: Array, ends: Array, roundings: Sequence[float], block: int
+) -> tuple[list[BaseLine], Array]:
     """The straight lines through the first ``ends`` (B,) rows of x and y (B, n), and what they leave of all rows."""
     middle, level, tilt, _ = _lines(x, y, ends)
     at = np.take_along_axis(x, ends[:, None] - 1, axis=1)
@@ -705,7 +721,7 @@ def _base_lines(x: Array, y: Array, ends: Array, roundings: Sequence[float]) -> 
     bases = []
     for i, (end, rounding) in enumerate(zip(ends.tolist(), roundings, strict=True)):
         noise = max(float(noises[i]), rounding)
-        size = max(1, min(end // 10, _block(x.shape[1])))
+        size = max(1, min(end // 10, block))
         means = _blocks(off[i, :end], size)
         slow = float(means @ means) / means.size - noise**2 / size
         line = float(offset[i, 0]), float(tilt[i, 0]), float(at[i, 0])
@@ -715,18 +731,18 @@ def _base_lines(x: Array, y: Array, ends: Array, roundings: Sequence[float]) -> 
 
 def resolution(y: Array) -> float:
     """The step of readings that are whole numbers of steps; 0 where they are none, or none repeats."""
-    (step,) = resolutions(y[None])
+    (step,) = resolutions(y[None], np.array([y.size]))
     return step
 
 
-def resolutions(y: Array) -> list[float]:
-    """The steps of readings (B, n) by ``resolution``."""
+def resolutions(y: Array, rows: Array) -> list[float]:
+    """The steps of so many ``rows`` (B,) of readings (B, n) by ``resolution``; beyond, readings are repeated."""
     values = np.sort(y, axis=1)
     steps = values[:, 1:] - values[:, :-1]
     differ = steps > SAME * (values[:, -1:] - values[:, :1])  # conversion to other units parts equal ones by round-off
     counts = np.count_nonzero(differ, axis=1)
     found = [0.0] * counts.size
-    for i in np.flatnonzero((counts > 0) & (2 * counts <= y.shape[1])).tolist():
+    for i in np.flatnonzero((counts > 0) & (2 * counts <= rows)).tolist():
         own = steps[i, differ[i]]
         step = median(own[own < 1.5 * own.min()])
         whole = own / step
@@ -734,12 +750,12 @@ def resolutions(y: Array) -> list[float]:
     return found
 
 
-def _are_curved(x: Array, y: Array, ends: Array) -> Array:
+def _are_curved(x: Array, y: Array, rows: Array, ends: Array) -> Array:
     """Whether the first ``ends`` rows (B,) go on smoothly in as many more: one polynomial through all of them leaves
     much less than the line through what surely would be free. Contact begins with a kink or a jump, which none
     follows."""
     sure = np.rint(RECORD_INSIDE * ends).astype(int)
-    curved = (sure >= 2 * (RECORD_SMOOTH + 1)) & (2 * ends <= x.shape[1])
+    curved = (sure >= 2 * (RECORD_SMOOTH + 1)) & (2 * ends <= rows)
     if curved.any():
         x, y, sure, ends = x[curved], y[curved], sure[curved], ends[curved]
         middle, level, tilt, within = _lines(x, y, sure)
@@ -838,20 +854,27 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     return [] if goes_on else [(end, end + size)]
 
 
-def _sudden(off: Array, bases: Sequence[BaseLine]) -> tuple[list[list[int]], list[list[int]], int]:
+def _jump_width(rows: int) -> int:
+    """The number of rows over which a load that jumps changes."""
+    return max(1, round(rows * RECORD_BLOCK / 4))
+
+
+def _sudden(off: Array, rows: Array, bases: Sequence[BaseLine]) -> tuple[list[list[int]], list[list[int]]]:
     """The rows from which on the loads ``off`` each of B base lines (B, n) fall at once, by more than noise and
-    round-off, and those from which on they rise, over so many rows."""
-    width = max(1, round(off.shape[1] * RECORD_BLOCK / 4))
+    round-off, and those from which on they rise; ``rows`` (B,) of them are readings."""
+    width = _jump_width(int(rows[0]))
     step = off[:, width:] - off[:, :-width]
     least = np.array([[max(RECORD_SIGMAS * math.sqrt(2) * one.noise, ROUNDED * abs(one.offset))] for one in bases])
     least = np.maximum(least, RECORD_SMALL * np.ptp(off, axis=1, keepdims=True))
     # The median of the steps over `width` rows just before each of them, and just after: none is above, or below, as
     # many of all steps as of its own window.
-    n, some = FEWEST_ROWS, step[:, ::width]
-    some = np.concatenate([some[:, :1].repeat(n + 1, axis=1), some, some[:, -1:].repeat(n + 1, axis=1)], axis=1)
+    n, last = FEWEST_ROWS, rows[:, None] - width - 1
+    places = np.arange(-n - 1, step.shape[1] // width + n + 2) * width
+    some = np.take_along_axis(step, np.clip(places, 0, last // width * width), axis=1)
     low, high = (n - 1) // 2, n // 2
     ordered = np.sort(some, axis=1)
-    which, rows = np.nonzero((step < ordered[:, high - n, None] - least) | (step > ordered[:, low, None] + least))
+    away = (step < ordered[:, high - n, None] - least) | (step > ordered[:, low, None] + least)
+    which, rows = np.nonzero(away & (np.arange(step.shape[1]) <= last))
     windows = np.lib.stride_tricks.sliding_window_view(some, n, axis=1)
     before, after = (
         np.sort(windows[which, rows // width + shift], axis=1)[:, low : high + 1].mean(axis=1) for shift in (0, n + 3)
@@ -865,7 +888,7 @@ def _sudden(off: Array, bases: Sequence[BaseLine]) -> tuple[list[list[int]], lis
     ):
         for i, row in zip(which[marked].tolist(), rows[marked].tolist(), strict=True):
             found[i].append(row)
-    return falls, rises, width
+    return falls, rises
 
 
 def _runs(rows: Sequence[int], width: int) -> list[tuple[int, int]]:

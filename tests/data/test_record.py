@@ -380,7 +380,7 @@ def test_records_examined_together_are_those_examined_alone() -> None:
         curve_of(replace(DEVICE, rows=190), seed=4), curve_of(replace(DEVICE, rows=1999, noise=0.0), seed=5),
         replace(whole, P=held), replace(whole, P=spiked), replace(whole, P=np.minimum(P, 2 * PULL_OFF)),
         replace(whole, stiffness=DEVICE.k), held_twice(3), dented(0.84, 200),
-        whole.rows(np.arange(DEVICE.rows)),
+        whole.rows(np.arange(DEVICE.rows)), whole.rows(np.arange(17, P.size - 40)),
         Curve("no contact", delta=z, P=rng.normal(size=z.size)), Curve("walk", delta=np.cumsum(P), P=P),
         Curve("turned", delta=-z, P=P),
     ]  # fmt: skip

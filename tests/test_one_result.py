@@ -27,7 +27,7 @@ from jkrcli.report.explorer import Explored, page, payload
 from jkrcli.report.export import Exported
 from jkrcli.report.forward import Fields
 from jkrcli.report.solved import Imported, Meshed, Solved
-from jkrcli.resolve.comparison import sticking_effect
+from jkrcli.resolve.resolve import sticking_effect
 from jkrcli.series import Solution
 
 CASES = Path(__file__).parent.parent / "cases"

@@ -15,7 +15,7 @@ from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.methods.integral.fredholm import InaccurateError
 from jkrcli.methods.layered.solver import Layered, largest_radius
 from jkrcli.methods.protocol import Method, method_class
-from jkrcli.resolve.comparison import curve_distance
+from jkrcli.resolve.resolve import curve_distance
 from jkrcli.series import Series
 
 # How exact the exact solution is, and where it is compared.

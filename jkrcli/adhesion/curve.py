@@ -26,6 +26,7 @@ from ..base.numerics import (
     PiecewiseCubic,
     PiecewiseQuintic,
     composite_gauss,
+    rising_slopes,
     spline_slopes,
     zeros_between,
 )
@@ -90,21 +91,13 @@ class Rows:
             fitted = np.stack([pieces, spline_slopes(x, np.log(self.dS))], 1)
             rates = np.where(np.isnan(rates), fitted, rates)
         rate, rate_dS = rates.T
-        rate = _rising(z, np.log(self.delta), rate)
-        by_P = _rising(z, np.log(self.P), self.S * self.delta / self.P * rate)
+        rate = rising_slopes(z, np.log(self.delta), rate)
+        by_P = rising_slopes(z, np.log(self.P), self.S * self.delta / self.P * rate)
         by_S = self.a * self.dS / self.S if self.derived else spline_slopes(x, np.log(self.S))
         return Logs(
             PiecewiseCubic(z, np.log(np.stack([self.delta, self.P], 1)), np.stack([rate, by_P], 1)),
             PiecewiseCubic(x, np.log(np.stack([self.S, self.dS], 1)), np.stack([by_S, rate_dS], 1)),
         )
-
-
-def _rising(x: Array, y: Array, slopes: Array) -> Array:
-    """The ``slopes`` at the points, none larger than three times the chord on either side, where ``y`` rises there:
-    steeper ones make a cubic fall in between (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238)."""
-    chord = np.diff(y) / np.diff(x)
-    most = 3 * np.minimum(np.append(chord[0], chord), np.append(chord, chord[-1]))
-    return np.where(most > 0, np.minimum(slopes, most), slopes)
 
 
 def energy_consistent_interpolant(rows: Rows) -> Logs:

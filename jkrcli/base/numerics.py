@@ -175,6 +175,14 @@ def cubic_spline(x: Array, y: Array) -> PiecewiseCubic:
     return PiecewiseCubic(x, y, spline_slopes(x, y))
 
 
+def rising_slopes(x: Array, y: Array, slopes: Array) -> Array:
+    """The ``slopes`` at the points, none larger than three times the chord on either side, where ``y`` rises there:
+    steeper ones make a cubic fall in between (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238)."""
+    chord = np.diff(y) / np.diff(x)
+    most = 3 * np.minimum(np.append(chord[0], chord), np.append(chord, chord[-1]))
+    return np.where(most > 0, np.minimum(slopes, most), slopes)
+
+
 def _end(h: Array, secant: Array) -> float:
     """h[1] s[0] + (h[0] + h[1]) s[1] where the third derivative is continuous at the second knot."""
     both = h[0] + h[1]

@@ -21,7 +21,7 @@ from ..data.foreign import NAMES, SeriesReading, read_series
 from ..methods.protocol import METHODS, Limits, long_look
 from ..report.result import Output
 from ..report.solved import Imported, Meshed, Solved
-from ..resolve.comparison import effect_facts, sticking_effect
+from ..resolve.resolve import effect_facts, sticking_effect
 from . import options
 from .inputs import SEPARATED, Flags, begin_reading, body_options, case_of, named_flags, reading_of
 from .printing import announce, command_line, detail, give, note, say

@@ -18,7 +18,7 @@ import click
 from ..adhesion.finite_range import RangeRequest
 from ..adhesion.slopes import RULES
 from ..base.errors import InputError
-from ..base.files import received
+from ..base.files import HANDED, received
 from ..base.units import LARGEST_SI, doubtful_work, parse
 from ..methods.protocol import LESS, Forecast, Limits, check_cost
 from ..report.result import Output
@@ -189,7 +189,8 @@ class FileType(click.Path):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         path = super().convert(value, param, ctx)
-        return path if ctx is not None and ctx.resilient_parsing else received(cast(Path, path))
+        handed = HANDED.fullmatch(str(path)) and not (ctx is not None and ctx.resilient_parsing)
+        return received(cast(Path, path)) if handed else path
 
 
 def verb(usage: str = "", name: str | None = None) -> Callable[[Command], click.Command]:

@@ -25,7 +25,7 @@ from ..data.segmentation import PERMANENT_SET as SET
 from ..data.segmentation import SUBTRACTED_TWICE, ForceCurve, segment_force_curve, with_zero_points
 from ..data.tables import NO_UNIT
 from ..methods.radii import ROOM
-from ..resolve.comparison import sticking_effect, sticking_warnings
+from ..resolve.resolve import sticking_effect, sticking_warnings
 from .checks import warnings_of
 from .forward_model import ADVANCING, RECEDING, RESTING, FittedBody, RestingMember, check_parameters
 from .least_squares import (

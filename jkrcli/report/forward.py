@@ -30,9 +30,8 @@ from ..base.numerics import ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import implausible_work, show, show_within
 from ..bodies.problem import relaxing
-from ..resolve.analysis import Analysis, Lost, analyse
+from ..resolve.analysis import Analysis, Lost, analyse, is_refined
 from ..resolve.histories import LostByHistory, strains_after
-from ..resolve.resolve import is_refined
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
 from .result import Figure

@@ -3,13 +3,14 @@ work and written together."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..base.errors import InputError
-from ..base.files import as_json, check_target, make_folder, real_path, together, write_csv, write_text
+from ..base.files import as_json, check_target, make_folder, together, write_csv, write_text
 from ..base.registry import Result
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ class Output:
     def each(self, stems: Sequence[Path], ends: Iterable[str], inputs: Iterable[Path], more: str = "") -> list[Files]:
         """The ``files`` of each of several ``stems``; InputError, with ``more`` to its remedy, where two would be the
         same."""
-        places = list(map(real_path, stems))
+        places = list(map(os.path.realpath, stems))
         for i, stem in enumerate(stems):
             if places[i] in places[:i]:
                 raise InputError(f"{stem}.csv: would be written twice; rename a file, or give each its own -o{more}")

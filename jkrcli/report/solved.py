@@ -16,7 +16,7 @@ from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import relaxing
 from ..methods.protocol import Choice
-from ..resolve.comparison import StickingEffect, effect_as_json, sticking_warnings
+from ..resolve.resolve import StickingEffect, effect_as_json, sticking_warnings
 from ..series import COLUMNS, Series, Solution
 from .result import Figure
 

@@ -33,9 +33,8 @@ from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
 from ..bodies.problem import Elastic, Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
-from ..resolve.analysis import Analysis
-from ..resolve.comparison import effect_as_json
-from ..resolve.resolve import is_refined
+from ..resolve.analysis import Analysis, is_refined
+from ..resolve.resolve import effect_as_json
 
 SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON

@@ -44,8 +44,7 @@ from ..formulas import over_hertz, over_jkr
 from ..methods.layered.solver import Layered
 from ..methods.radii import DENSE
 from ..series import Series
-from .comparison import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, sticking_effect
-from .resolve import resolve_with
+from .resolve import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, resolve_with, sticking_effect
 
 # What is taken in where a case does not say how much of it there is, and how well that is solved.
 LEFT_OUT_GLASS = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass

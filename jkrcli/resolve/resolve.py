@@ -4,21 +4,26 @@ is lost.
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, Nonadhesive
-from ..adhesion.slopes import TWO_SIDED_90, exact
-from ..base.errors import JkrError, Refusal
-from ..base.numerics import MOST_SOLVES, SAME, Array, composite_gauss
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
+from ..adhesion.finite_range import Range
+from ..adhesion.slopes import Slopes
+from ..base.errors import Estimate, JkrError, Refusal, Unknown
+from ..base.numerics import ROUNDED, Array, zeros_between
 from ..base.process import PATIENCE, duration
-from ..bodies.problem import Loading, Problem
+from ..base.units import show
+from ..bodies.indenters import Sphere
+from ..bodies.problem import Loading, Problem, without_side_walls
 from ..case.models import Case, method_of
+from ..formulas import adhesive_half_space, shift
+from ..methods.layered import contact as stack
+from ..methods.layered import no_slip, solver
 from ..methods.protocol import METHODS, Method, method_class
 from ..series import Series, Solution
 
@@ -80,268 +85,324 @@ def own_solution(problem: Problem, a: Array) -> Series | None:
 
 
 # --------------------------------------------------------------------------------------------------
-# The points where contact is lost, solved anew at their own radii where the method that made the series is exact.
+# Adhesive curves beside those of a simpler body: a half-space, no slip, a finite range.
+
+# --------------------------------------------------------------------------------------------------
+# What it matters whether the surfaces stick or slide: the same body solved roughly under both assumptions.
 #
-# Between its radii a series is interpolated, with a larger error than that of an exact method. The problem is solved
-# once more at seven radii close around each pull-off point: the curve then passes through the middle one with the
-# slopes of the polynomials through the seven, and the errors of these slopes say how well the place is known.
-#
-# Over a homogeneous half-space delta_H is F, over others delta_H' = sqrt(2 E*/S') F' + what the kernel adds, which is
-# smooth where the profile is not: the first part is integrated, and the polynomials only follow the rest.
+# The sides of a finite body are left out. Eq. 13 holds for either: with the S, S', delta_H and P_H of a contact that
+# was laid down without adhesion and then retracted, the radial displacements with which points were touched do no
+# work.
 
-POINTS = 14  # choice: radii that are solved at once for a curve: seven around each of two pull-off points
-Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
-STEPS = np.arange(-3, 4)
-MIDDLE = STEPS.size // 2
-# Rows: derivatives of the polynomials through all values at ``STEPS``, the inner five, the inner three, by the step.
-WEIGHTS = np.array([[-1, 9, -45, 0, 45, -9, 1], [0, 5, -40, 0, 40, -5, 0], [0, 0, -30, 0, 30, 0, 0]]) / 60
-
-# Where further radii are solved, and how often.
-SOLVED_STEP = 0.02  # of log(a - a0) between the seven; tuned on random bodies, by `make bounds`
-# Of what is stated of columns, and of S', what is neither a spring in series nor a stiffness: on random bodies at
-# most 0.03 of delta, 0.08 of S'
-SOLVED_OWN = (0.06, 0.06, 0.06, 0.13)  # tuned on random bodies, by `make bounds`
-# of delta where delta' is meant, at least
-SOLVED_ROUGH = 0.25  # tuned on random bodies, by `make bounds`
-# and of S' where S'' is meant, at least
-SOLVED_BENT = 0.45  # tuned on random bodies, by `make bounds`
-# Error of a rate, in logs, over that of its column: one kernel errs smoothly
-SOLVED_STEEPER = 1.5  # tuned on random bodies, by `make bounds`
-# Radius up to which such a kernel is made over that of the outermost point, less the flat end, at most:
-SOLVED_REACH = 1.6  # tuned on random bodies, by `make bounds`
-SOLVED_SCATTER = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
-SOLVED_EACH = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
-# Rows below a series, in equal steps of log sqrt(a^2 - a0^2), and how many more below the least pull-off:
-SOLVED_DECADE = 15  # choice: a little closer than the 25 of four decades of "log", per decade of a - a0
-SOLVED_UNDER = 4  # theory: of which splines and seven points around the point need some
-SOLVED_RIM = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
+# The rough solutions, and when their difference is worth a word.
+# tuned on bodies, by `make constants`: of ratios that are shown to three digits; most are a hundred times as good
+STICKING_EFFECT_ACCURACY = 1e-2
+STICKING_EFFECT_RADII = 25  # tuned on bodies, by `make constants`: where pull-off is sought
+# of the largest radius, the least of them; tuned on bodies, by `make constants`: below, the contact is a
+# half-space's
+STICKING_EFFECT_SMALLEST = 0.02
+# of it, one more; tuned on bodies, by `make constants`: a stuck contact is wider at equal depth by less
+STICKING_EFFECT_BEYOND = 1.1
+STICKING_EFFECT_NOTICEABLE = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
 
 
-def solver_of(solution: Solution) -> Further | None:
-    """How further radii of ``solution`` are solved; None where its radii are not exact. ``seconds_of_points`` forecasts
-    what that costs."""
-    method, series = method_behind(solution), solution.series
-    stated = {"delta", "dS"} <= series.errors.keys() and series.dS is not None
-    if method is None or not stated or np.any(series.errors.get("a", 0.0)):
-        return None
-    problem, kept = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),))), solution.kernel
-    if method.refusal(problem):
-        return None
-
-    def further(a: Array) -> Nonadhesive:
-        beyond = np.outer(a - series.a0, np.exp(SOLVED_STEP * STEPS))
-        radii = (series.a0 + beyond).ravel()
-        if "parameters" in solution.facts and (kept is None or radii.max() > kept.reach):
-            end = min(series.a0 + SOLVED_REACH * float(np.max(a - series.a0)), float(series.a[-1]))
-            radii = np.append(radii, max(end, radii.max()))
-        radii, order = np.unique(radii, return_inverse=True)
-        return _in_the_middle(resolve_with(problem, radii, method), order[: beyond.size].reshape(-1, STEPS.size))
-
-    return further
+OUTSIDE = Unknown("pull-off lies outside the solution")
+NOT_KEPT = Unknown("solution files do not keep it")
 
 
-def seconds_of_points(solution: Solution, devices: int = 0) -> float:
-    """CPU seconds of the solved pull-off points of a curve, about, those by so many ``devices`` included; 0 where none
-    are."""
-    method = method_behind(solution)
-    if method is None or solver_of(solution) is None:
-        return 0.0
-    least, most = (float(solution.series.a[end]) for end in (0, -1))
-    radii = np.unique(np.linspace(max(0.5 * most, least), most, POINTS + STEPS.size * devices))
-    problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
-    return SOLVED_EACH * method.forecast(problem).seconds
+@dataclass(frozen=True)
+class StickingEffect:
+    """Sticking over sliding: ``load`` and ``stiffness_at_depth`` S at equal depth, ``stiffness`` S at equal radius, all
+    at the radius ``a`` [m]; ``pull_off``: of the pull-off force under load control for each work of adhesion
+    [J/m^2]."""
+
+    a: float
+    load: float
+    stiffness: float
+    pull_off: dict[float, Estimate]
+    stiffness_at_depth: Estimate = NOT_KEPT
+
+    @property
+    def largest(self) -> float:
+        """The largest of the relative changes."""
+        pulls = (value for value in self.pull_off.values() if not isinstance(value, Unknown))
+        return max(abs(ratio - 1) for ratio in (self.load, self.stiffness, *pulls))
+
+    @property
+    def words(self) -> str:
+        """``1.63 times the load at equal depth, 1.7 times S at equal radius, 0.956 times the pull-off force``, the last
+        with each w where they differ."""
+        pulls = {w: f"{value:.3g}" for w, value in self.pull_off.items() if not isinstance(value, Unknown)}
+        alike = len(set(pulls.values())) < 2
+        each = dict.fromkeys(value if alike else f"{value} (w = {show(w, 'work')})" for w, value in pulls.items())
+        parts = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S at equal radius"]
+        return ", ".join(parts + ([f"{' and '.join(each)} times the pull-off force"] if pulls else []))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The radius [m] and the ratios [-] as they stand in JSON."""
+        pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in self.pull_off.items()]
+        return {"a_m": self.a, "load": self.load, "S": self.stiffness, "pull_off": pulls}
 
 
-def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
-    """The functions at the ``sevens``, rows (n, 7) of ``solution`` at ``STEPS``, with slopes and the joint covariance
-    of columns and slopes at the middle of each: those around it say how the slopes change."""
-    series, problem = solution.series, solution.problem
-    assert series.S is not None
-    assert series.dS is not None
-    # Rows that lie nearer, in logs, to their own middle than to any other, which all do
-    places = np.log(series.a[sevens] - series.a0)
-    middles, n = places[:, MIDDLE], np.arange(len(sevens))
-    away, own = np.abs(places[:, :, None] - middles), np.abs(places - middles[:, None])
-    away[n, :, n] = np.inf
-    nearer = np.min(away, axis=2) >= own + SOLVED_STEP / 2
-    nearer[:, MIDDLE] = True
-    rows = np.unique(sevens[nearer])
-    columns = {name: getattr(series, name)[rows] for name in ("a", "delta", "P", "S", "dS")}
-    errors = {name: values[rows] for name, values in series.errors.items()}
-    inner = replace(series, **columns, errors=errors, unresolved=solution.unresolved[:, rows])
-    middle = sevens[:, MIDDLE]
-    beyond, delta, dS = series.a[middle] - series.a0, series.delta[middle], series.dS[middle]
-    followed = [_followed(problem, series, seven) for seven in sevens]
-    known = np.array([rate for _, rate in followed]) * beyond / delta
-    rest = np.stack([rest for rest, _ in followed]) / delta[:, None]
-    (rate, by_dS), left = _rates(np.stack([rest, np.log(series.dS[sevens])]))
-    log_rates, joint = np.full((rows.size, 2), np.nan), np.zeros((rows.size, 6, 6))
-    here = np.searchsorted(rows, middle)
-    log_rates[here] = np.stack([known + rate, by_dS * series.a[middle] / beyond], axis=1)
-    unit = np.stack([delta, dS]) / beyond
-    joint[here] = _joint(solution, sevens, np.stack([known + rate, by_dS]) * unit, left * unit)
-    return Nonadhesive(inner, replace(exact(inner), joint=joint), log_rates)
-
-
-def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Array:
-    """Covariance (n, 6, 6) of the columns and of the ``rates`` delta_H', S'' (2, n) at the middle of the ``sevens``, of
-    which polynomials leave ``left``.
-
-    A kernel errs smoothly: most of it is the compliance of one spring in series, which leaves P as it is and changes S
-    by the relative error e, S' by 2 e, delta_H by e P/S and delta_H' by e delta_H' the other way, S'' as S'; and what
-    errs of P is one stiffness that is too large, of S, S' and S'' too. A small share of what is stated goes its own
-    way, more of it where rates are meant; and so does the profile's part.
-
-    What is known better are ``companions``: each errs in a way of its own, rates included.
-    """
-    series, companions = solution.series, solution.companions
-    at = sevens[:, MIDDLE]
-    values = np.stack([getattr(series, name)[at] for name in ("delta", "P", "S", "dS")])
-    stated = np.stack([series.errors[name][at] for name in ("delta", "P", "S", "dS")])
-    shift, slope = solution.unresolved[:, at]
-    delta, P, S, dS = values
-    kernel = stated - shift * np.stack([np.ones_like(S), S, 0 * S, 0 * S])
-    kernel = kernel if companions is None else companions.least * values
-    by_spring = np.stack([-P / S, 0 * S, S, 2 * dS, -rates[0], 2 * (dS**2 / S + rates[1])]) * kernel[2] / S
-    by_stiffness = np.stack([0 * S, P, S, dS, 0 * S, rates[1]]) * kernel[1] / P
-    common = np.stack([by_spring, by_stiffness])
-    if companions is not None:
-        columns = np.stack([getattr(series, name) for name in ("delta", "P", "S", "dS")])
-        changes = (companions(series.a) * columns)[:, :, sevens]
-        changed_rates = _rates(changes[:, ::3])[0] / (series.a[at] - series.a0)
-        common = np.concatenate([common, np.concatenate([changes[..., MIDDLE], changed_rates], axis=1)])
-    unit = np.stack([delta, dS]) / (series.a[at] - series.a0)
-    steep = np.maximum(np.abs(rates), unit)
-    pair = kernel[::3]
-    not_of = np.sqrt(np.maximum(pair**2 - by_spring[:4:3] ** 2, 0.0))  # one spring
-    rough = np.maximum(not_of, np.array([[SOLVED_ROUGH], [SOLVED_BENT]]) * pair)
-    of_rates = SOLVED_STEEPER * steep * rough / values[::3] + left + SOLVED_SCATTER / SOLVED_STEP * unit
-    profile = np.stack([shift, S * shift, 0 * S, 0 * S, slope, 0 * S])
-    covariance = np.sum(common[:, :, None] * common[:, None], axis=0)
-    own = np.array(SOLVED_OWN)[:, None] * kernel
-    if companions is None:  # by the quadrature of F, where S is known much better: no spring
-        own[0] = np.maximum(own[0], not_of[0])
-    covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
-    return np.moveaxis(covariance, -1, 0) / TWO_SIDED_90**2
-
-
-def _followed(problem: Problem, series: Series, seven: Array) -> tuple[Array, float]:
-    """delta_H [m] at the rows ``seven`` without int sqrt(2 E*/S') F' da, up to a constant, and the integrand [-] at the
-    middle one: whatever it is subtracted for, the sum is delta_H'."""
-    assert series.dS is not None
-    a, a0, indenter = series.a[seven], series.a0, problem.indenter
-    log_dS = np.polynomial.Polynomial.fit(STEPS, np.log(series.dS[seven]), STEPS.size - 1)
-
-    def rate(r: Array) -> Array:
-        places = np.log((r - a0) / (a[MIDDLE] - a0)) / SOLVED_STEP
-        return np.sqrt(2 * problem.E_star) * np.exp(-log_dS(places) / 2) * indenter.abel_slope(r)
-
-    joints = [joint for joint in indenter.joints if a[0] < joint < a[-1]]
-    nodes, weights = composite_gauss(np.union1d(a, joints))
-    gained = np.sum(weights * rate(nodes.ravel()).reshape(nodes.shape), axis=1)
-    through = np.concatenate([[0.0], np.cumsum(gained)])[np.searchsorted(np.union1d(a, joints), a)]
-    return series.delta[seven] - through, float(rate(a[MIDDLE : MIDDLE + 1])[0])
-
-
-def _rates(values: Array) -> tuple[Array, Array]:
-    """Slopes (...) over log(a - a0) of ``values`` (..., 7) at ``STEPS``, and what the polynomials leave: their changes
-    go on to fall as they have done, and no faster than by the step."""
-    sixth, quartic, parabola = np.einsum("...k,wk->w...", values, WEIGHTS) / SOLVED_STEP
-    first = np.abs(quartic - parabola)
-    second = np.maximum(np.abs(sixth - quartic), SOLVED_STEP**2 * first)
-    fall = np.divide(second, first, out=np.ones_like(first), where=first > second)
-    return sixth, second * np.maximum(fall, SOLVED_STEP)
-
-
-def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:
-    """The ``curve`` through what is solved at its pull-off points, those by ``devices`` of a stiffness [N/m] included,
-    until they lie there."""
-    controls = {*CONTROLS.values(), *devices}
-
-    def wanted(body: Nonadhesive) -> list[float]:
-        trial = AdhesiveCurve(body, curve.w)
-        trial.find_critical(controls)
-        return [point.a for k in controls if isinstance(point := trial.pull_off(k), CriticalPoint)]
-
-    return AdhesiveCurve(refined(curve.nonadhesive, further, wanted), curve.w)
-
-
-def solved_below(
-    solution: Solution, works: Sequence[float], modulus_factor: float = 1.0, devices: Sequence[float] = ()
-) -> Solution:  # fmt: skip
-    """The ``solution`` with rows below its first one, down to the least radius at which contact is lost with the
-    ``works`` of adhesion [J/m^2] under either control or by ``devices`` of a stiffness [N/m].
-
-    As it is where that lies within it, or its method is not exact. Down to z0, with a flat end to its rim, where
-    nothing is lost more.
-    """
-    method, series = method_behind(solution), solution.series
-    if method is None or not METHODS[solution.method].exact or series.dS is None or len(series) < 2:
-        return solution
-    controls = [*CONTROLS.values(), *devices]
-
-    def least(rows: Series) -> float:
-        """The least radius [m] of pull-off; 0 where one lies below the ``rows``."""
-        body, radii = Nonadhesive(rows, exact(rows)).scaled(modulus_factor), [math.inf]
-        for curve, k in itertools.product([AdhesiveCurve(body, w) for w in works if w > 0], controls):
-            point = curve.pull_off(k)
-            if isinstance(point, CriticalPoint) and point.a > rows.a[0]:
-                radii.append(point.a)
-            elif curve.lowest_end(k) == "smallest":
-                return 0.0
-        return min(radii)
-
-    first, a0 = float(np.sqrt((series.a[0] - series.a0) * (series.a[0] + series.a0))), series.a0
-    floor = SOLVED_RIM * a0 if a0 else solution.record.z0
-    if first <= floor or least(series) > 0:
-        return solution
-    steps = math.ceil(SOLVED_DECADE * math.log10(first / floor))
-    below = np.hypot(a0, np.geomspace(floor, first, steps + 1)[:-1])
+def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) -> StickingEffect | Unknown:
+    """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
+    if problem.specimen.surface_tension:
+        return Unknown("effect of no slip unknown: it is not derived with surface tension")
+    body = without_side_walls(problem)
+    if reason := no_slip.why_unsupported(body.indenter, body.specimen):
+        return Unknown(f"effect of no slip unknown: {reason}")
+    pair = stack.LayeredContact(body.indenter, body.specimen), no_slip.StuckLayeredContact(body.indenter, body.specimen)
+    if largest > solver.QUICK * pair[1].scale:
+        return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
+    a0 = body.indenter.a0
+    radii = a0 + (largest - a0) * np.append(
+        np.geomspace(STICKING_EFFECT_SMALLEST, 1.0, STICKING_EFFECT_RADII), STICKING_EFFECT_BEYOND
+    )
+    radii = radii[radii < body.indenter.r_max]
     try:
-        rows = resolve_with(solution.problem, np.append(below, series.a), method, PATIENCE)
-        begin = np.searchsorted(below, least(rows.series)) - SOLVED_UNDER
-        if begin > 0:
-            below = below[begin:]
-            rows = resolve_with(solution.problem, np.append(below, series.a), method, PATIENCE)
-    except JkrError:
-        return solution
-    facts = {**solution.facts, "rows_below": below.size}
-    return replace(solution, series=rows.series, budget=rows.budget, companions=rows.companions, facts=facts)
+        solved: list[Series] = []
+        for contact in pair:
+            result: Any = contact.solved(radii, contact.plan(radii, STICKING_EFFECT_ACCURACY))  # type: ignore[arg-type]
+            solved.append(Series(radii, result.delta, result.P, result.S, result.dS, a0=a0))
+        sliding, sticking = solved
+        pulled = [w for w in works if w > 0]
+        pull_off = pull_off_ratios(sticking, sliding, pulled) if pulled else {}
+    except JkrError as error:
+        return Unknown(f"effect of no slip unknown: {error}")
+    last = min(STICKING_EFFECT_RADII, radii.size) - 1
+    depth = min(sliding.delta[last], sticking.delta[-1])
+    assert sliding.S is not None
+    assert sticking.S is not None
+    load = _punch_at(sticking, sticking.P, depth) / _punch_at(sliding, sliding.P, depth)
+    at_depth = _punch_at(sticking, sticking.S, depth) / _punch_at(sliding, sliding.S, depth)
+    return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off, at_depth)
 
 
-def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive], Sequence[float]]) -> Nonadhesive:
-    """The functions of ``body`` through what is solved at the radii [m] that are ``wanted`` of them, until these lie
-    there."""
-    before = np.array([])
-    for step in range(MOST_SOLVES):
-        radii = np.unique(wanted(body))
-        if all(_is_solved_at(body, a) for a in radii):
-            break
-        if step > 1:
-            # Those radii of the step before that lie apart from the new radii: where steps go to and fro, the
-            # place lies between them
-            steps = np.abs(np.log((before[:, None] - body.series.a0) / (radii - body.series.a0)))
-            apart = before[np.min(steps, axis=1) > SOLVED_STEP]
-        else:
-            apart = before[:0]
-        try:
-            there = further(np.union1d(apart, radii))  # in place of what was solved further before
-            trial = replace(body, further=there)
-            trial.logs  # noqa: B018 - refuses points that do not fit in between the rows
-        except JkrError:  # nor may body or profile allow it: what is interpolated stands, with its error
-            break
-        body, before = trial, radii
-    return body
+def _punch_at(series: Series, column: Array, depth: float) -> float:
+    """A ``column`` of the series at a ``depth`` [m], between its rows along a power law."""
+    return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(column))))
 
 
-def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:
-    """Whether the ``point`` was solved at its own radius, and is not one between rows."""
-    if not isinstance(curve, AdhesiveCurve):
-        return True  # of finite range: each solves itself
-    return _is_solved_at(curve.nonadhesive, point.a)
+def pull_off_ratios(
+    one: Series, other: Series, works: Sequence[float], outside: Unknown = OUTSIDE
+) -> dict[float, Estimate]:
+    """The pull-off force under load control of one series with exact slopes over that of the other, for each of the
+    ``works`` of adhesion [J/m^2]; what lies between the rows is found once for all of them."""
+    from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
+
+    pair, ratios = [Nonadhesive.of(each, "exact") for each in (one, other)], dict[float, Estimate]()
+    for w in works:
+        first, second = (AdhesiveCurve(functions, w).pull_off(LOAD_CONTROL) for functions in pair)
+        known = isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint)
+        ratios[w] = first.P / second.P if known else outside  # type: ignore[union-attr]
+    return ratios
 
 
-def _is_solved_at(body: Nonadhesive, a: float) -> bool:
-    further = body.further
-    nearest = math.inf if further is None else float(np.min(np.abs(further.a - a)))
-    return nearest <= SAME * (a - body.series.a0)
+def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:
+    """Sentences on an assumption that matters by more than ``STICKING_EFFECT_NOTICEABLE``."""
+    if isinstance(effect, Unknown) or effect.largest <= STICKING_EFFECT_NOTICEABLE:
+        return
+    other = "sliding" if problem.sticks else "sticking"
+    assumed = "no slip" if problem.sticks else "no friction"
+    yield (
+        f"{assumed} is assumed: no slip gives {effect.words} of frictionless contact (a = "
+        f'{show(effect.a, "length")}): compare with specimen.surface = "{other}"'
+    )
+
+
+def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
+    """What a series file keeps of it."""
+    if isinstance(effect, Unknown):
+        return {"sticking_over_sliding": str(effect)}
+    return {"sticking_over_sliding_load": effect.load, "sticking_over_sliding_S": effect.stiffness}
+
+
+def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Unknown:
+    """Effect on a solved body with its pull-off forces; not computed again where its file has it as small."""
+    load, stiffness = (solution.facts.get(f"sticking_over_sliding_{name}") for name in ("load", "S"))
+    a = float(solution.series.a[-1])
+    if isinstance(load, float) and isinstance(stiffness, float):
+        small = Unknown("not computed: load and S hardly differ")
+        effect = StickingEffect(a, load, stiffness, dict.fromkeys(works, small))
+        if effect.largest <= STICKING_EFFECT_NOTICEABLE:
+            return effect
+    return sticking_effect(solution.problem, a, works)
+
+
+def effect_as_json(effect: StickingEffect | Unknown) -> Any:
+    """The effect as it stands in JSON, or why it is not known."""
+    return str(effect) if isinstance(effect, Unknown) else effect.as_dict()
+
+
+NO_FORMULA = Unknown("no formula for a half-space under this tip")
+
+# How the point of the exact curve is found that is nearest to a computed one.
+DISTANCE_WINDOW = 1.8  # factor of the radius within which it lies; choice: errors of the radius are far smaller
+DISTANCE_COARSE = 129  # points of the exact curve in that window; choice: several to each of its bends
+DISTANCE_FINE = 17  # and in each refinement around the nearest; choice: time alone depends on it
+DISTANCE_REFINEMENTS = 17  # theory: by fine // 2 each, down to round-off of the radius
+DISTANCE_RIM = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
+DISTANCE_BEYOND = 3.0  # choice: of the pull-off radius of a paraboloid, up to which that of another tip is sought
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Relative differences to the closed form of the same profile, and that closed form's own curve for plots.
+
+    ``load``: worst of P_H at equal displacement above a tenth of the largest. ``pull_off``: of the pull-off force
+    (unknown where it lies outside the series). ``curve``: greatest distance between the adhesive curves, in units of
+    the exact pull-off force and of its displacement. ``parabola``: for the sphere, by how much its exact pull-off force
+    is smaller than the paraboloid's (Eq. 18): physics, not an error.
+    """
+
+    load: float
+    pull_off: Estimate
+    curve: Estimate
+    parabola: float | None
+    exact: AdhesiveCurve
+
+
+def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison | None:
+    """The distance of ``computed`` from the closed form for the same indenter; None where there is none."""
+    series = computed.series
+    exact = exact_curve(problem, computed.w, float(series.a[-1]))
+    if exact is None:
+        return None
+    # Worst relative difference of P_H to the closed form at equal delta_H, above a tenth of the depth.
+    deep = series.delta >= 0.1 * series.delta[-1]
+    # Radii [m] of the closed form at `delta` [m] > 0, where F(a) = delta, between two logs of a - a0.
+    delta = series.delta[deep]
+    a0, top = problem.indenter.a0, (problem.indenter.r_max - problem.indenter.a0) * (1 - 1e-15)
+    low = high = min(max(a0, float(delta[-1])), top / 2)
+    while (problem.indenter.abel(np.array(a0 + low)) > delta).any():
+        low /= 2
+    while high < top and (problem.indenter.abel(np.array(a0 + high)) < delta).any():
+        high = min(2 * high, top)
+    start, end = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
+    a = a0 + np.exp(zeros_between(lambda x: problem.indenter.abel(a0 + np.exp(x)) - delta, start, end, 0.0))
+    load = float(np.max(np.abs(series.P[deep] / _formula(problem, 0.0, a)[1] - 1)))
+    # The formula's own pull-off point; its radius is that of the interpolated curve, where P is stationary: its error
+    # enters P by its square
+    curve = exact_curve(problem, computed.w, 1.02 * float(series.a[-1]))
+    exact_point = None if curve is None else curve.pull_off(LOAD_CONTROL)
+    if not isinstance(exact_point, CriticalPoint):
+        return Comparison(load, OUTSIDE, OUTSIDE, None, exact)
+    delta_there, P = _formula(problem, computed.w, np.array(exact_point.a))
+    exact_point = CriticalPoint(exact_point.a, float(delta_there), float(P), kind=exact_point.kind)
+    point = computed.pull_off(LOAD_CONTROL)
+    pull_off = point.P / exact_point.P - 1 if isinstance(point, CriticalPoint) else OUTSIDE
+    parabola = None
+    if isinstance(problem.indenter, Sphere):
+        parabola = 1 - exact_point.P / (-1.5 * np.pi * computed.w * problem.indenter.R)
+    # Greatest relative distance of the computed points from the exact curve; near pull-off in units of that point.
+    # Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
+    moved = shift(computed.w, exact_point.a, 2 * problem.E_star)
+    unit = CriticalPoint(exact_point.a, max(abs(exact_point.delta), 0.1 * moved), exact_point.P)
+    distance = curve_distance(
+        computed.a, computed.delta, computed.P, lambda radii: _formula(problem, computed.w, radii), unit,
+        (problem.indenter.a0, problem.indenter.r_max * (1 - 1e-12)), relative=True,
+    )  # fmt: skip
+    return Comparison(load, pull_off, distance, parabola, exact)
+
+
+def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> AdhesiveCurve | None:
+    """The closed-form adhesive curve of the indenter on a half-space up to ``a_max`` [m]."""
+    indenter, E_star, a0 = problem.indenter, problem.E_star, problem.indenter.a0
+    top = min(a_max, indenter.r_max * (1 - ROUNDED))
+    a = a0 + (top - a0) * np.linspace(0, 1, points + 1)[1:] ** 2
+    if a0:
+        v = np.sqrt((a[0] - a0) * (a[0] + a0))
+        rim = np.hypot(a0, np.geomspace(min(DISTANCE_RIM * a0, v / 2), v, DISTANCE_COARSE)[:-1])
+        a = np.concatenate([rim, a])
+    pair = indenter.half_space(a, E_star)
+    if pair is None:
+        return None
+    slope = np.full_like(a, 2 * E_star)
+    series = Series(a, *pair, slope * a, slope, a0=a0, S0=2 * E_star * a0)
+    return transform(series, Slopes(slope * a, slope, "exact", 0.0), w)
+
+
+def half_space_pull_off(problem: Problem, w: float, stiffness: float) -> CriticalPoint | Unknown:
+    """JKR's pull-off of the indenter from a half-space under a device of a ``stiffness`` [N/m], against the work of
+    adhesion ``w`` [J/m^2]; Unknown for tips without a radius and under surface tension."""
+    R = problem.indenter.tip_radius
+    if R is None or problem.specimen.surface_tension:
+        return NO_FORMULA
+    radius = (9 * np.pi * w * R**2 / (8 * problem.E_star)) ** (1 / 3)  # JKR's under load control, the widest
+    curve = exact_curve(problem, w, DISTANCE_BEYOND * radius)
+    return NO_FORMULA if curve is None else curve.pull_off(stiffness)
+
+
+def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
+    """delta [m] and P [N] of the closed form at radii ``a`` [m] of any shape."""
+    pair = problem.indenter.half_space(a, problem.E_star)
+    assert pair is not None
+    return adhesive_half_space(a, *pair, problem.E_star, w)
+
+
+def curve_distance(
+    a: Array, delta: Array, P: Array, exact: Callable[[Array], tuple[Array, Array]], unit: CriticalPoint,
+    ends: tuple[float, float], relative: bool = False,
+) -> float:  # fmt: skip
+    """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is sought
+    near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``,
+    or, where ``relative``, of the point itself where these are larger."""
+    low, high = np.maximum(a / DISTANCE_WINDOW, ends[0]), np.minimum(a * DISTANCE_WINDOW, ends[1])
+    columns = np.arange(a.size)
+    pairs = (delta, abs(unit.delta)), (P, abs(unit.P))
+    sizes = [np.maximum(np.abs(values), size) if relative else size for values, size in pairs]
+    v = np.broadcast_to(np.linspace(0, 1, DISTANCE_COARSE)[:, None], (DISTANCE_COARSE, a.size))  # of the way, squared
+    step, least = 1 / (DISTANCE_COARSE - 1), np.full(a.size, np.inf)
+    for _ in range(DISTANCE_REFINEMENTS):
+        delta_there, P_there = exact(low + (high - low) * v**2)
+        off = (delta_there - delta) / sizes[0], (P_there - P) / sizes[1]
+        distances = np.hypot(*off)
+        nearest = np.argmin(distances, axis=0)
+        least = np.minimum(least, distances[nearest, columns])
+        v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, DISTANCE_FINE)[:, None], 0, 1)
+        step *= 2 / (DISTANCE_FINE - 1)
+    return float(np.max(least))
+
+
+# --------------------------------------------------------------------------------------------------
+# How far JKR holds: by what fraction the pull-off force would differ if adhesion had the range z0.
+#
+# The Tabor number answers it for a half-space alone. Here the same body is solved with a constant tension up to z0,
+# unless the annulus in which it would act, pi z0^2 E*/(4 w) wide, is so narrow that nothing can differ.
+
+# When the effect of a range is computed, and when it is reported.
+# Width of the annulus over the contact radius and the top layer, below which the force differs by less than is
+# reported:
+RANGE_EFFECT_NARROW = 0.03  # choice: there a half-space differs by 0.5 %, layers by less
+RANGE_EFFECT_POINTS = 40  # contact radii of the solution; choice: a tenth of a second
+
+
+def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point: Equilibrium) -> Estimate:
+    """The pull-off force under load control at the range ``z0`` [m] over that of JKR at ``point``, less 1; 0 where it
+    must be next to nothing.
+
+    ``series``: its radii are the ones solved for; ``w``: work of adhesion [J/m^2].
+    """
+    if problem.sticks:
+        return Unknown("adhesion of finite range is implemented for frictionless contact only")
+    if problem.specimen.surface_tension:
+        return Unknown("adhesion of finite range is not derived with surface tension")
+    h = min(point.a, problem.top_thickness)
+    if math.pi * z0**2 * problem.E_star / (4 * w) < RANGE_EFFECT_NARROW * h:
+        return 0.0
+    try:
+        pull_off = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
+    except JkrError as error:
+        return Unknown(str(error))
+    return pull_off.P / point.P - 1 if isinstance(pull_off, CriticalPoint) else Unknown(pull_off.reason)
+
+
+def ranged(problem: Problem, series: Series, w: float, z0: float) -> EquilibriumCurve:
+    """The adhesive curve at some of the radii of ``series``, of the range ``z0`` [m] and the work of adhesion ``w``
+    [J/m^2]."""
+    from ..adhesion.finite_range import FiniteRangeBody
+    from ..methods.finite_range import AttractedBody
+
+    some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_POINTS).astype(int))
+    body = FiniteRangeBody(problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem))
+    return body.curve(Range.of(w, length=z0))

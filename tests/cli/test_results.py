@@ -20,8 +20,8 @@ from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import Forecast, choose_method, method_class
 from jkrcli.report import tables
 from jkrcli.resolve.analysis import Analysis
-from jkrcli.resolve.comparison import compare_half_space, exact_curve
 from jkrcli.resolve.neglected import preview_effects
+from jkrcli.resolve.resolve import compare_half_space, exact_curve
 from jkrcli.series import ErrorBudget, Series, Solution, curve_differences, series_differences
 
 R, W = 1e-4, 50.0

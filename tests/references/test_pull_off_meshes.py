@@ -10,7 +10,7 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.methods.fem.method import FEM
-from jkrcli.resolve.comparison import exact_curve
+from jkrcli.resolve.resolve import exact_curve
 
 R, W = 100e-6, 50.0
 PROBLEM = Problem(Sphere(R), Specimen((), HalfSpace(Elastic(5e9, 0.4))), Loading("depth", 0.03 * R))

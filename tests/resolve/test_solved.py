@@ -19,8 +19,7 @@ from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import Method
-from jkrcli.resolve.analysis import analyse, nonadhesive
-from jkrcli.resolve.resolve import is_refined, seconds_of_points
+from jkrcli.resolve.analysis import analyse, is_refined, nonadhesive, seconds_of_points
 
 CASES = Path(__file__).parents[2] / "cases"
 

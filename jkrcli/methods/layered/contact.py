@@ -299,23 +299,25 @@ class LayeredContact(IndenterOnLayers):
     def solved(self, radii: Array, plan: Quadrature) -> fredholm.ContactResult:
         """Contact at the increasing ``radii`` [m]; of one group with its densities, an ``EquationResult``."""
         self.guard(radii, plan)
-        kernel = self.spectrum.kernel(2 * float(radii[-1]), self.order)
+        kernel, tail = self.spectrum.kernel(2 * float(radii[-1]), self.order), self.spectrum.tail
         columns, rounding = np.empty((4, radii.size)), np.empty(radii.size)
         for start in range(plan.groups):
             dealt = slice(start, None, plan.groups)
             panels = fredholm.Panels.through(radii[dealt], plan, self.indenter.a0)
-            part = fredholm.solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
+            K = kernel.square(panels.places)
+            if tail is not None:
+                K = K + product_matrix(tail.transform, panels)
+            part = fredholm.solve(K, panels, self.indenter, self.E_star, plan.inner)
             if plan.groups == 1:
                 return part
             columns[:, dealt], rounding[dealt] = part.columns, part.rounding
         delta, P, S, dS = columns
         return fredholm.ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
 
-    def matrix(self, panels: fredholm.Panels, kernel: fredholm.CosineKernel | None = None) -> Array:
-        """K [1/m] at the places of the ``panels``; ``kernel``: its smooth part, where it is known."""
+    def matrix(self, panels: fredholm.Panels) -> Array:
+        """K [1/m] at the places of the ``panels``."""
         tail = self.spectrum.tail
-        smooth = kernel or self.spectrum.kernel(2 * float(panels.edges[-1]), self.order)
-        K = smooth.square(panels.places)
+        K = self.spectrum.kernel(2 * float(panels.edges[-1]), self.order).square(panels.places)
         return K if tail is None else K + product_matrix(tail.transform, panels)
 
     def attraction(self, reach: float, tolerance: float) -> Attraction:

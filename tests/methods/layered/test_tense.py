@@ -25,7 +25,7 @@ from jkrcli.bodies.problem import (
 from jkrcli.methods.layered.contact import lagrange
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.surface_tension import Angles, SurfaceTensionSolver
-from jkrcli.resolve.resolve import solved, solver_of
+from jkrcli.resolve.analysis import solved, solver_of
 
 UNIT = Paraboloid(1.0)
 SOFT, STIFF = Elastic(1.0, 0.4), Elastic(10.0, 0.25)

@@ -426,6 +426,17 @@ def orthogonal(J: Array) -> tuple[Array, Array]:
     return Q, R
 
 
+def projected(J: Array, r: Array) -> tuple[Array, Array]:
+    """R and Q^T r of columns of about unit length, J = Q R, and a column r, as of ``orthogonal``."""
+    with contextlib.suppress(np.linalg.LinAlgError):
+        lower = np.linalg.cholesky(J.T @ J)
+        size = np.diag(lower)
+        if size.min(initial=1.0) > SEARCH_DIGITS * size.max(initial=1.0):
+            return lower.T, np.linalg.solve(lower, J.T @ r)
+    Q, R = np.linalg.qr(J)
+    return R, Q.T @ r
+
+
 def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:
     """The state of a model that gives residuals alone: derivatives by forward ``steps`` of the unknowns."""
     here = residuals(x)
@@ -818,14 +829,22 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
 
     def of(noise: Array | float) -> Array:
+        if isinstance(noise, float) and not weight.slow:  # U^T U = 1
+            plain: Array = noise / weight.A * (root @ root.T)
+            return plain
         matrix: Array = root @ (U.T * (noise / own)) @ U @ root.T
         return matrix
 
-    beside, covariance = of(every), of(every if seen is None else noise(f))
+    def of_spectrum(noise: Spectrum) -> tuple[Array, float]:
+        density = noise(f) if noise.slow else noise.A
+        return of(density), float(np.mean(density))
+
+    beside, (covariance, level) = of(every), (of(every), float(np.mean(every))) if seen is None else of_spectrum(noise)
     if seen is not None and _rise(beside, covariance) < COLOURED_HIDDEN**2:
-        noise = _hidden(seen, noise, weight if weight.slow else all_rows)
-        covariance = of(noise(f))
-    tau = _rise(covariance, of(float(np.mean(every if seen is None else noise(f)))))
+        hidden = _hidden(seen, noise, weight if weight.slow else all_rows)
+        if hidden is not noise:
+            noise, (covariance, level) = hidden, of_spectrum(hidden)
+    tau = _rise(covariance, of(level))
     excess = math.sqrt(max(_rise(beside, covariance), 1.0))
     if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
         covariance = covariance * (COLOURED_UNSEEN * min(excess, COLOURED_EXCEEDED)) ** 2
@@ -853,13 +872,20 @@ def _of_base_lines(runs: Sequence[Array], rounding: float) -> Octaves:
     that of ``rounding``, which a line that stands still does not show."""
     parts = []
     for off in runs:
-        line = np.linalg.qr(np.stack([np.ones(off.size), np.arange(off.size)], axis=1))[0]
-        left = off - line @ (line.T @ off)
-        parts.append((frequencies(off.size), waves(left) ** 2, np.sum(waves(line) ** 2, axis=1)))
+        line, taken = _line(off.size)
+        parts.append((frequencies(off.size), waves(off - line @ (line.T @ off)) ** 2, taken))
     f, power, taken = (np.concatenate(items) for items in zip(*parts, strict=True))
     order = np.argsort(f, kind="stable")
     octaves = Octaves.of(f[order], power[order], taken[order])
     return replace(octaves, mean=np.maximum(octaves.mean, max(rounding, TINY)))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _line(rows: int) -> tuple[Array, Array]:
+    """An orthonormal base of straight lines over so many rows (rows, 2), and how much of each wave they take."""
+    along = np.arange(rows) - (rows - 1) / 2
+    line = np.stack([np.full(rows, 1 / math.sqrt(rows)), along / np.linalg.norm(along)], axis=1)
+    return line, np.sum(waves(line) ** 2, axis=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,7 @@ from .force_curve import (
     windowed,
 )
 from .forward_model import FittedBody
-from .least_squares import Intervals, State, bootstrap, covariance_coloured, orthogonal, structure, t_quantile, wider
+from .least_squares import Intervals, State, bootstrap, covariance_coloured, projected, structure, t_quantile, wider
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit
 from .rows import noise_from_third_differences
@@ -63,8 +63,7 @@ class AddedParameter:
         off, J = fit.model.residuals(fit.x, 0.0)
         J, noise = np.column_stack([J, column]), fit.spread.noise
         scale = np.maximum(np.linalg.norm(J, axis=0), np.finfo(float).tiny)
-        Q, triangle = orthogonal(fit.model.whitened(J / scale, noise))
-        along = Q.T @ fit.model.whitened(off, noise)
+        triangle, along = projected(fit.model.whitened(J / scale, noise), fit.model.whitened(off, noise))
         return cls(fit, J, -np.linalg.lstsq(triangle, along, rcond=None)[0] / scale, abs(float(along[-1])))
 
     @property

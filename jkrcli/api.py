@@ -96,8 +96,8 @@ from .fitting.procedure import further
 from .fitting.result import Fit, Further
 from .fitting.settings import settings_of
 from .methods.closed_form import ClosedForm
-from .methods.fem.method import FEM
-from .methods.hybrid.method import Hybrid
+from .methods.fem import FEM
+from .methods.hybrid import Hybrid
 from .methods.layered.solver import Layered
 from .methods.protocol import Limits, Method
 from .report import rate
@@ -929,7 +929,7 @@ def profile(
     InputError
         Where the contact is not one of the series.
     """
-    from .resolve.profile import profile_columns, radius_under
+    from .resolve.analysis import profile_columns, radius_under
 
     if (a is None) == (load is None):
         raise InputError("profile: give exactly one of a and load")

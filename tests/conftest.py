@@ -144,7 +144,7 @@ def _study(
 @pytest.fixture(name="no_pictures")
 def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of sweeps are drawn in test_sweep_figure.py: each takes longer than the sweeps."""
-    monkeypatch.setattr("jkrcli.many.sweep.running.sweep_figure", lambda *_: None)
+    monkeypatch.setattr("jkrcli.many.sweep.sweep_figure", lambda *_: None)
 
 
 @pytest.fixture(name="solves")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
-from jkrcli.many.sweep.plan import Plan, load_plan
+from jkrcli.many.sweep_plan import Plan, load_plan
 
 HALF_SPACE = """
 [base]

@@ -19,8 +19,8 @@ from jkrcli.cli import VERBS
 from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.many.studies import Bench, Convergence, converge
-from jkrcli.many.sweep.plan import load_plan
-from jkrcli.many.sweep.running import Means, alone, sweep
+from jkrcli.many.sweep import Means, alone, sweep
+from jkrcli.many.sweep_plan import load_plan
 from jkrcli.report.archive import Shown
 from jkrcli.report.check import Machine
 from jkrcli.report.explorer import Explored, page, payload

@@ -36,11 +36,11 @@ from jkrcli.cli.inputs import (
 from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.data.measured import each
 from jkrcli.many.maps import map_of
-from jkrcli.many.sweep.plan import load_plan
-from jkrcli.many.sweep.running import Means, sweep
-from jkrcli.many.sweep.running import forecast as forecast_of_sweep
-from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.many.sweep import Means, sweep
+from jkrcli.many.sweep import forecast as forecast_of_sweep
+from jkrcli.many.sweep_plan import load_plan
+from jkrcli.methods.fem import FEM
+from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.tables import curve_columns, summary
 from jkrcli.resolve.analysis import JKR, analyse, forecast

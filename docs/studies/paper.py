@@ -25,7 +25,7 @@ from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.case.models import load_case, method_of
 from jkrcli.data.measured import read
 from jkrcli.many.studies import COLORS, converge, curves_panel, radius_panel
-from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
 from jkrcli.report.plots.studies import Line, Panel, panels_figure

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, position
-from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
+from jkrcli.adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.base.errors import JkrError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Problem, without_side_walls
 from jkrcli.formulas import shift
-from jkrcli.methods.finite_range import AttractedBody
 from jkrcli.methods.hybrid.kernel import AdaptiveKernel
 from jkrcli.methods.integral.finite_range import Attraction
 from jkrcli.methods.integral.fredholm import Panels, Quadrature

@@ -33,14 +33,13 @@ from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
 from ..base.numerics import MOST_STEPS, SAME, TINY, Array, zeros_between
 from ..base.units import show
 from ..bodies.problem import Modes, Problem, Relaxation
-from ..methods.finite_range import AttractedBody
 from ..methods.integral.density import DentedProfile, DentPoints
 from ..methods.integral.finite_range import Attraction, Rims
 from ..methods.integral.fredholm import angle
 from ..series import Solution
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, Nonadhesive, control, position
 from .device_path import Jump, Program, Ramp, TimedState
-from .finite_range import Range, unable
+from .finite_range import AttractedBody, Range, unable
 from .from_rest import Rest
 from .rate import History, RateContact
 

@@ -65,7 +65,7 @@ from ..tables import TextTable, read_table, split_name, unit_power
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..methods.fem.method import FEM
+    from ..methods.fem import FEM
 
 # --------------------------------------------------------------------------------------------------
 # Building blocks of the case tables: types that read numbers with dimension and range, and the strict table itself.

@@ -21,9 +21,8 @@ from ..case.models import Case
 from ..methods.protocol import Limits
 from ..report import forward, tables
 from ..report.result import PICTURES, Files, Output, Results
-from ..resolve.analysis import analyse, seconds_of_page, where_lost
+from ..resolve.analysis import analyse, profile_columns, radius_under, seconds_of_page, where_lost
 from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
-from ..resolve.profile import profile_columns, radius_under
 from ..resolve.resolve import effect_on, sticking_warnings
 from ..series import Solution
 from . import inputs, options

@@ -15,10 +15,10 @@ from ..base.errors import InputError
 from ..base.executors import executor
 from ..case.models import load_case, plain_toml
 from ..case.store import solve
+from ..many import sweep as running
+from ..many import sweep_plan as plans
 from ..many.maps import MAPS
 from ..many.studies import FEW, Bench
-from ..many.sweep import plan as plans
-from ..many.sweep import running
 from ..methods.protocol import METHODS, Limits
 from ..report import archive
 from ..report import archive as shown
@@ -123,7 +123,7 @@ def study_converge(
     """
     from ..case.models import load_case, method_of
     from ..many import studies as convergence
-    from ..methods.fem.method import FEM
+    from ..methods.fem import FEM
 
     loaded = load_case(case)
     w = work if work is not None else next(iter(loaded.model.adhesion.w), None)

@@ -17,13 +17,12 @@ import numpy as np
 
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
-from ..adhesion.finite_range import Range
+from ..adhesion.finite_range import AttractedBody, Range
 from ..adhesion.relaxing_adhesion import STEP_TOLERANCE, ZONE_POINTS, ZONE_SLOPE, RelaxingAdhesion
 from ..base.errors import InputError, SolveError
 from ..base.numerics import MOST_STEPS, TINY, Array
 from ..base.units import Ranged
 from ..bodies.problem import Problem, Relaxation
-from ..methods.finite_range import AttractedBody
 from .forward_model import FittedBody
 
 # How a march is followed while a minimum is sought.

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.interpolate import BSpline, CubicHermiteSpline, PPoly, make_interp_spline
 
 from ..adhesion.curve import Nonadhesive
-from ..adhesion.finite_range import Broken, FiniteRangeBody, RangeRequest, leaps_of
+from ..adhesion.finite_range import AttractedBody, Broken, FiniteRangeBody, RangeRequest, leaps_of
 from ..adhesion.slopes import Slopes, slopes
 from ..base.errors import InputError, JkrError, Refusal, SolveError
 from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SAME, UNSEEN, Array
@@ -29,7 +29,6 @@ from ..bodies.indenters import Indenter
 from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, without_side_walls
 from ..case.models import Case, load_case
 from ..case.store import read_solution, solve
-from ..methods.finite_range import AttractedBody
 from ..methods.integral.finite_range import Attraction, Discs, Rims, refuse_narrow
 from ..methods.layered.solver import Layered
 from ..methods.protocol import Limits

@@ -14,7 +14,7 @@ import numpy as np
 from .. import __version__
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, transform
 from ..adhesion.device_path import Program
-from ..adhesion.finite_range import FiniteRangeBody, Range
+from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
 from ..adhesion.rate import RateContact, rate_law_of
 from ..base.errors import InputError, JkrError, SolveError, Unknown, counted, known
 from ..base.executors import Pool, in_order
@@ -26,7 +26,6 @@ from ..bodies.indenters import Paraboloid
 from ..bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ..formulas import wetting_radius
 from ..methods.closed_form import ClosedForm
-from ..methods.finite_range import AttractedBody
 from ..methods.layered.solver import Layered
 from ..methods.protocol import Method
 from ..report.result import Figure

@@ -28,7 +28,7 @@ from ..base.units import show
 from ..bodies.problem import Problem
 from ..case.models import Case
 from ..case.store import solve, write_solution
-from ..methods.fem.method import FEM
+from ..methods.fem import FEM
 from ..methods.layered.solver import Layered
 from ..report import tables
 from ..report.plots import BLACK, BLUE, GREEN, ORANGE, axis_of

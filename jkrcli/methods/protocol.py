@@ -418,11 +418,11 @@ _METHODS = (
     Descriptor(
         "hybrid",
         "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes.",
-        "jkrcli.methods.hybrid.method:Hybrid", 30, HybridOptions, kernel=True,
+        "jkrcli.methods.hybrid:Hybrid", 30, HybridOptions, kernel=True,
     ),
     Descriptor(
         "fem", "Finite elements for stacks of isotropic layers, wide or of finite radius.",
-        "jkrcli.methods.fem.method:FEM", 40, FEMOptions, "mesh", tension=True,
+        "jkrcli.methods.fem:FEM", 40, FEMOptions, "mesh", tension=True,
     ),
 )  # fmt: skip
 METHODS = {method.name: method for method in _METHODS}  # by name, least effort first

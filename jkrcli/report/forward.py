@@ -40,8 +40,8 @@ from .tables import Scales, format_state, quantities, read_curve, transpose_rows
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..fitting.pull_off import MeasuredWork
+    from ..methods.fem import FEM
     from ..methods.fem.fields import ContactState
-    from ..methods.fem.method import FEM
 
 
 @FIGURES.register(Analysis)

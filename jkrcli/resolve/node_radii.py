@@ -19,8 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion.slopes import TWO_SIDED_90
-from ..adhesion.slopes.node_radii import AS_THEY_ARE, Ahead, NodeRadii, evenly_spaced, node_radii
+from ..adhesion.slopes import AS_THEY_ARE, TWO_SIDED_90, Ahead, NodeRadii, evenly_spaced, node_radii
 from ..base.numerics import ROUNDED, Array
 from ..base.units import show
 from ..bodies.indenters import Indenter

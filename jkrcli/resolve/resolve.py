@@ -400,8 +400,7 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
 def ranged(problem: Problem, series: Series, w: float, z0: float) -> EquilibriumCurve:
     """The adhesive curve at some of the radii of ``series``, of the range ``z0`` [m] and the work of adhesion ``w``
     [J/m^2]."""
-    from ..adhesion.finite_range import FiniteRangeBody
-    from ..methods.finite_range import AttractedBody
+    from ..adhesion.finite_range import AttractedBody, FiniteRangeBody
 
     some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_POINTS).astype(int))
     body = FiniteRangeBody(problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem))

@@ -15,9 +15,8 @@ from uncontacted import Uncontacted
 import jkrcli as jkr
 from jkrcli.adhesion.curve import CriticalPoint, Equilibrium, position
 from jkrcli.adhesion.device_path import Jump, branch, cycle, stability_under
-from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
+from jkrcli.adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.base.units import show
-from jkrcli.methods.finite_range import AttractedBody
 from jkrcli.methods.integral.finite_range import AttractedSurface, Rims, attracted_surface
 from jkrcli.methods.integral.fredholm import DiscreteEquation, Panels
 from jkrcli.methods.layered.contact import LayeredContact

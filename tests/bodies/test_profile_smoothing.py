@@ -22,7 +22,7 @@ from jkrcli import (
     pull_off,
     solve,
 )
-from jkrcli.bodies.indenters.smoothing import scatter
+from jkrcli.bodies.indenters.table import scatter
 
 FLAT, R, E_STAR, NOISE = 60e-9, 500e-9, 10e6 / (1 - 0.45**2), 0.05e-9
 

@@ -17,8 +17,8 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, TransverselyIsotropic
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.fem.fields import ContactState, contact_state
-from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import surface_profile
 from jkrcli.report.plots.forward import contact_zone_figure, magnification
 

@@ -16,7 +16,7 @@ from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.studies import coarser, converge, edge_size, richardson
-from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem import FEM
 
 MATERIAL = Elastic(1.0, 0.3)
 HERTZ = Problem(Paraboloid(100.0), Specimen((), HalfSpace(MATERIAL)), Loading("radius", 1.0, 40))

@@ -14,7 +14,7 @@ from sweep_files import AXIS, BAD, HALF_SPACE, TWO_LAYERS, R, axis, plan_of, row
 
 from jkrcli.base.errors import InputError
 from jkrcli.formulas import jkr as jkr_curve
-from jkrcli.many.sweep.plan import NAMES, names_of, with_values
+from jkrcli.many.sweep_plan import NAMES, names_of, with_values
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sweep_files import AXIS, BAD, HALF_SPACE, TWO_LAYERS, rows
 
-from jkrcli.many.sweep import plan
+from jkrcli.many import sweep_plan as plan
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.many.sweep.plan import Plan, load_plan
-from jkrcli.many.sweep.running import sweep_figure
+from jkrcli.many.sweep import sweep_figure
+from jkrcli.many.sweep_plan import Plan, load_plan
 
 CASES = Path(__file__).parents[2] / "cases"
 THICKNESS = 'key = "specimen.layers[0].thickness"\nvalues = [3e-4, 5e-4, 8e-4]\n'

@@ -13,7 +13,7 @@ import pytest
 from sweep_files import AXIS, BAD, HALF_SPACE, rows, samples
 
 from jkrcli.base.errors import InputError
-from jkrcli.many.sweep import plan
+from jkrcli.many import sweep_plan as plan
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -122,7 +122,7 @@ def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, s
 
 
 def test_a_row_with_other_values_than_the_columns_is_not_believed(jkr, tmp_path: Path) -> None:
-    from jkrcli.many.sweep.running import opened
+    from jkrcli.many.sweep import opened
 
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     jkr("sweep", "s.toml", "-o", "r")
@@ -137,7 +137,7 @@ def test_a_row_with_other_values_than_the_columns_is_not_believed(jkr, tmp_path:
 @pytest.mark.slow
 def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> None:
     """2,000 random bytes, or the head: every row that is still read is as it was written."""
-    from jkrcli.many.sweep.running import opened
+    from jkrcli.many.sweep import opened
 
     path, made = tmp_path / "journal.jsonl", np.random.default_rng(seed)
     with opened(path) as journal:
@@ -158,7 +158,7 @@ def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> 
 
 
 def test_two_sweeps_into_one_folder_are_refused(jkr, tmp_path: Path) -> None:
-    from jkrcli.many.sweep.running import opened
+    from jkrcli.many.sweep import opened
 
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     (tmp_path / "r").mkdir()

@@ -9,7 +9,7 @@ import pytest
 from sweep_files import AXIS, HALF_SPACE, TWO_LAYERS, R, axis, rows, samples
 
 from jkrcli.base.errors import InputError
-from jkrcli.many.sweep.plan import load_plan
+from jkrcli.many.sweep_plan import load_plan
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 

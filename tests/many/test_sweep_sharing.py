@@ -12,7 +12,7 @@ from sweep_files import SHARED, TWO_LAYERS, rows
 
 from jkrcli.base.errors import JkrError
 from jkrcli.case import store
-from jkrcli.many.sweep.plan import at_unit_modulus
+from jkrcli.many.sweep_plan import at_unit_modulus
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -59,8 +59,8 @@ def test_a_solve_that_cannot_be_kept_is_no_failed_case(
     def full(path: Path, *_: object) -> None:
         raise JkrError(f"{path}: cannot be written (No space left on device)")
 
-    tuned("jkrcli.many.sweep.plan.SHARING_WORTH_KEEPING", -1.0)
-    monkeypatch.setattr("jkrcli.many.sweep.plan.write_solution", full)
+    tuned("jkrcli.many.sweep_plan.SHARING_WORTH_KEEPING", -1.0)
+    monkeypatch.setattr("jkrcli.many.sweep_plan.write_solution", full)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED.partition("[[axes]]\nzip")[0])
     assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
     assert [row["status"] for row in rows(tmp_path / "r" / "table.csv")] == ["ok"] * 3
@@ -84,7 +84,7 @@ def test_unit_modulus_is_the_same_for_every_factor() -> None:
 @pytest.mark.slow
 def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, tuned: Callable) -> None:
     """Other quantities of the same bodies: new rows, no new solve; a damaged file is solved again."""
-    tuned("jkrcli.many.sweep.plan.SHARING_WORTH_KEEPING", -1.0)
+    tuned("jkrcli.many.sweep_plan.SHARING_WORTH_KEEPING", -1.0)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
     jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
     before = rows(tmp_path / "r" / "table.csv")
@@ -106,7 +106,7 @@ def test_a_kept_solve_is_known_by_what_it_holds_not_by_its_name(
     jkr, tmp_path: Path, solves: list, tuned: Callable
 ) -> None:
     """Two kept files with their names exchanged: both bodies are solved again."""
-    tuned("jkrcli.many.sweep.plan.SHARING_WORTH_KEEPING", -1.0)
+    tuned("jkrcli.many.sweep_plan.SHARING_WORTH_KEEPING", -1.0)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
     jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
     table, journal = tmp_path / "r" / "table.csv", tmp_path / "r" / "journal.jsonl"

@@ -12,9 +12,9 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, Tabulated
 from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.fem.mesh import SizeLaw, expected_triangles
-from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered, largest_radius
 from jkrcli.methods.protocol import long_look, survey
 

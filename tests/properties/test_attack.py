@@ -23,7 +23,7 @@ from jkrcli.base.files import as_json, write_csv
 from jkrcli.case import store
 from jkrcli.case.models import parse_case, plain_toml
 from jkrcli.case.store import solve
-from jkrcli.many.sweep.plan import load_plan
+from jkrcli.many.sweep_plan import load_plan
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.tables import curve_columns, summary
 from jkrcli.resolve.analysis import JKR, analyse, forecast
@@ -264,7 +264,7 @@ def test_a_long_sweep_is_announced_before_its_cases_are_looked_at(
     def looked(*_: object) -> str:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jkrcli.many.sweep.plan.Plan.identity", looked)
+    monkeypatch.setattr("jkrcli.many.sweep_plan.Plan.identity", looked)
     more = '[[axes]]\nkey = "adhesion.w"\nfrom = 0.01\nto = 0.1\ncount = 2000\n'
     (tmp_path / "big.toml").write_text(SWEEP.replace("count = 400", "count = 1000") + more)
     with takes_less_than(2):

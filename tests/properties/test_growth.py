@@ -20,9 +20,9 @@ from jkrcli.cli import MOST_WORDS
 from jkrcli.cli.inputs import TABLE_PER_ROW, begin_reading
 from jkrcli.data import foreign, instruments, measured
 from jkrcli.data.afm_formats import estimate_rows
-from jkrcli.many.sweep.plan import Wanted, load_plan, solve_group
-from jkrcli.many.sweep.running import forecast
-from jkrcli.methods.fem.method import FEM
+from jkrcli.many.sweep import forecast
+from jkrcli.many.sweep_plan import Wanted, load_plan, solve_group
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.protocol import Limits
 from jkrcli.report.tables import read_curve
 from jkrcli.series import RawSeries

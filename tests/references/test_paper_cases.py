@@ -21,7 +21,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Side, Specimen
 from jkrcli.case.models import load_case, parse_case
-from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Array, Series
 

@@ -9,7 +9,7 @@ from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
-from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem import FEM
 from jkrcli.resolve.resolve import exact_curve
 
 R, W = 100e-6, 50.0

@@ -17,7 +17,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.case import store
 from jkrcli.case.models import load_case
 from jkrcli.case.store import solve
-from jkrcli.many.sweep import plan
+from jkrcli.many import sweep_plan as plan
 from jkrcli.report import archive
 
 CASE = """

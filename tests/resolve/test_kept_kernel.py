@@ -16,11 +16,9 @@ from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, Graded, Layer, Linear, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.methods.hybrid import correction
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.hybrid import Hybrid, correction
 from jkrcli.methods.integral.fredholm import COLUMNS
-from jkrcli.resolve.analysis import analyse
-from jkrcli.resolve.profile import profile_columns
+from jkrcli.resolve.analysis import analyse, profile_columns
 from jkrcli.resolve.resolve import method_behind
 from jkrcli.series import Solution
 

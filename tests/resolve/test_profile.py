@@ -12,9 +12,8 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.resolve.analysis import JKR
-from jkrcli.resolve.profile import profile_columns
+from jkrcli.methods.hybrid import Hybrid
+from jkrcli.resolve.analysis import JKR, profile_columns
 from jkrcli.series import Solution
 
 A = 4e-4  # contact radius [m]

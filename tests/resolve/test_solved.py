@@ -16,7 +16,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.case.models import load_case
 from jkrcli.case.store import solve
 from jkrcli.methods.closed_form import ClosedForm
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import Method
 from jkrcli.resolve.analysis import analyse, is_refined, nonadhesive, seconds_of_points

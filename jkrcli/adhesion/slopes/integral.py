@@ -26,8 +26,17 @@ from scipy.special import stdtrit
 from ...base.errors import Estimate, InputError, Refusal, Unknown
 from ...base.numerics import MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
 from ...series import RawSeries, Series
-from . import ERROR_AT_DISPLACEMENT, ERROR_COMMON, TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
-from .node_radii import AS_THEY_ARE, Ahead, node_radii
+from . import (
+    AS_THEY_ARE,
+    ERROR_AT_DISPLACEMENT,
+    ERROR_COMMON,
+    TWO_SIDED_90,
+    Ahead,
+    Slopes,
+    covariance_from_errors,
+    node_radii,
+    shift_error,
+)
 
 # --------------------------------------------------------------------------------------------------
 # A smooth nonadhesive series given by log g and log s as B-splines in the log of the radius.
@@ -793,7 +802,7 @@ def smoothed(
     """A series and its slopes from increments, also where they are too noisy to be a series (columns out of order).
 
     Where radii are those of nodes, the moments at which the next node is reached are found first, the edge being
-    ``ahead`` of it (``node_radii.py``); ``load_errors`` (2, m): relative 90 % half-widths of the loads at equal depth,
+    ``ahead`` of it (``Ahead``); ``load_errors`` (2, m): relative 90 % half-widths of the loads at equal depth,
     which rows share, over displacements [m]. The series holds the fitted columns at the data's radii, sorted and
     without repeats, but for those of outliers beyond all others.
     """

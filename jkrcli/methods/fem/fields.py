@@ -22,9 +22,9 @@ from ...base.errors import InputError, Refusal
 from ...base.numerics import ROUNDED, Array
 from ...base.process import StageClock
 from ...bodies.problem import Problem
+from . import FEM
 from .elasticity import ElasticSystem, force_r, force_z, mass, measure, stiffness_constants
 from .mesh import Grid, finest_spacing, pressure_layers, scaled_layout, truncate
-from .method import FEM
 from .model import Discretisation, Model
 
 # --------------------------------------------------------------------------------------------------

@@ -10,9 +10,8 @@ from jkrcli.base.errors import InputError, SolveError, installs
 from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import elasticity
+from jkrcli.methods.fem import FEM, elasticity
 from jkrcli.methods.fem.elasticity import sparse_factor
-from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, Model, run
 
 UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))

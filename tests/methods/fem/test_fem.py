@@ -11,12 +11,11 @@ from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
-from jkrcli.methods.fem import elasticity
+from jkrcli.methods.fem import FEM, elasticity
 from jkrcli.methods.fem.elasticity import assemble, factorise
 from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout, triangles
-from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, nested_events
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 
 SUBSTRATE = Specimen((), HalfSpace(Elastic(5e9, 0.4)))

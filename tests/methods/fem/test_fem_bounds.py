@@ -11,8 +11,8 @@ import pytest
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
 from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Loading, Power, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.fem import FEM
+from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse, error_of_point
 from jkrcli.series import Series

@@ -13,8 +13,8 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution
 from jkrcli.many.studies import converge
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.fem.mesh import Layout, Strip, homogenised_half_space, layout_for
-from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, _in_step
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse

@@ -10,6 +10,7 @@ import pytest
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.fem.mesh import (
     SizeLaw,
     graded_points,
@@ -20,7 +21,6 @@ from jkrcli.methods.fem.mesh import (
     write_msh,
     write_vtu,
 )
-from jkrcli.methods.fem.method import FEM
 
 SOFT, STIFF = Elastic(1.0, 0.3), Elastic(10.0, 0.2)
 LAW = SizeLaw(

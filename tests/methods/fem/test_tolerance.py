@@ -12,7 +12,7 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.methods.fem.method import FEM, REFINEMENT_COMPANION
+from jkrcli.methods.fem import FEM, REFINEMENT_COMPANION
 from jkrcli.methods.fem.model import Discretisation
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Solution
@@ -97,7 +97,7 @@ def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.Monke
         return build(recipe, clock)
 
     monkeypatch.setattr(Discretisation, "build", counted)
-    tuned("jkrcli.methods.fem.method.REFINEMENT_USUAL", 1e-5)  # a guess that is much too coarse
+    tuned("jkrcli.methods.fem.REFINEMENT_USUAL", 1e-5)  # a guess that is much too coarse
     solution = FEM(tolerance=5e-4)(PROBLEMS["half-space"])
     assert len(sizes) >= 3  # a first mesh, its companion, and at least one finer
     assert sizes[1] == pytest.approx(REFINEMENT_COMPANION * sizes[0])
@@ -120,7 +120,7 @@ def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.Monke
     ids=["the user's truncation", "radii of nodes"],
 )
 def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, message, tuned) -> None:
-    tuned("jkrcli.methods.fem.method.REFINEMENT_FINEST", 0.02)
+    tuned("jkrcli.methods.fem.REFINEMENT_FINEST", 0.02)
     with pytest.raises(Refusal, match=message):
         FEM(tolerance=1e-3, **options)(PROBLEMS["half-space"])
 

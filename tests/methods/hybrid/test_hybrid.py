@@ -24,10 +24,9 @@ from jkrcli.bodies.problem import (
     Specimen,
     TransverselyIsotropic,
 )
-from jkrcli.methods.hybrid import correction
+from jkrcli.methods.hybrid import Hybrid, correction
 from jkrcli.methods.hybrid.correction import Region
 from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, KernelContact, KernelLevels, count_for
-from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.integral.fredholm import COLUMNS, rule
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayeredSpectrum

@@ -10,8 +10,8 @@ import pytest
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, _falls
-from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import Method
 

@@ -12,10 +12,9 @@ from stopwatch import seconds_of, takes_less_than
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid import kernel
+from jkrcli.methods.hybrid import Hybrid, kernel
 from jkrcli.methods.hybrid.correction import Region, correction
 from jkrcli.methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement
-from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)

@@ -9,8 +9,8 @@ from scipy.interpolate import CubicSpline
 
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Exponential, Graded, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.fem import FEM
+from jkrcli.methods.hybrid import Hybrid
 
 GRADED = Specimen((Layer(Graded(Exponential(3.0, 1.0, 1.0), 0.4), 1.0),), Rigid(), 1.3, "clamped")
 ROLLER = Specimen((Layer(Elastic(1.0, 0.3), 1.0),), Rigid(False), 30.0, "roller")

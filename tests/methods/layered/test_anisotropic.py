@@ -14,9 +14,9 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, TransverselyIsotropic
 from jkrcli.case.models import parse_case
 from jkrcli.formulas import hertz
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.fem.elasticity import Boussinesq, TransversePointForce, assemble
 from jkrcli.methods.fem.mesh import MeshedBody, triangles
-from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayerMedium, deviation
 

@@ -34,7 +34,7 @@ from jkrcli.bodies.problem import (
 )
 from jkrcli.case.models import parse_case
 from jkrcli.methods.closed_form import ClosedForm
-from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.integral.fredholm import Panels, Quadrature
 from jkrcli.methods.layered.contact import GRADED, LayeredContact, product_matrix
 from jkrcli.methods.layered.solver import Layered, surface_profile

@@ -28,8 +28,8 @@ from jkrcli.bodies.problem import (
     TransverselyIsotropic,
 )
 from jkrcli.case.models import parse_case
-from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.fem import FEM
+from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import deviation, surface_series
 

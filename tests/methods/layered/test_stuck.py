@@ -20,7 +20,7 @@ from jkrcli.bodies.problem import (
     Specimen,
     TransverselyIsotropic,
 )
-from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.integral.fredholm import Panels, Quadrature
 from jkrcli.methods.layered.no_slip import StuckDisc, StuckLayeredContact
 from jkrcli.methods.layered.solver import Layered

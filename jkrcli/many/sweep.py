@@ -19,22 +19,22 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from ... import __version__
-from ...adhesion.validity import strain_words
-from ...base import process
-from ...base.errors import InputError, JkrError, Unknown, counted, printable
-from ...base.executors import Progress, completed, executor, silent
-from ...base.files import atomic, check_target, make_folder, remove_file, together, write_csv
-from ...base.hdf5 import Dataset, Group
-from ...base.numerics import Array
-from ...base.process import SILENCE, duration
-from ...base.registry import Result
-from ...base.units import scale, show
-from ...report import archive
-from ...report import plots as looks
-from ...report.plots import Figure, studies
-from ...report.result import Files
-from .plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, cheapest_method, failed, solve_group
+from .. import __version__
+from ..adhesion.validity import strain_words
+from ..base import process
+from ..base.errors import InputError, JkrError, Unknown, counted, printable
+from ..base.executors import Progress, completed, executor, silent
+from ..base.files import atomic, check_target, make_folder, remove_file, together, write_csv
+from ..base.hdf5 import Dataset, Group
+from ..base.numerics import Array
+from ..base.process import SILENCE, duration
+from ..base.registry import Result
+from ..base.units import scale, show
+from ..report import archive
+from ..report import plots as looks
+from ..report.plots import Figure, studies
+from ..report.result import Files
+from .sweep_plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, cheapest_method, failed, solve_group
 
 # --------------------------------------------------------------------------------------------------
 # The figure of a sweep: its results over the axis with the most values, a line for each value of the next.

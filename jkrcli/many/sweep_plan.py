@@ -23,23 +23,23 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from ... import __version__
-from ...adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint, Equilibrium, Nonadhesive
-from ...adhesion.device_path import stability_under
-from ...adhesion.slopes import checked_rule
-from ...adhesion.validity import strain_size, strain_words
-from ...base.errors import InputError, JkrError, Unknown, counted, did_you_mean
-from ...base.files import check_target
-from ...base.numerics import DISTRIBUTIONS, MOST_CELLS, Distribution, draw
-from ...bodies.problem import Problem
-from ...case.models import Case, CaseModel, method_of, model_of
-from ...case.store import read_solution, write_solution
-from ...case.sweep import MOST_CASES, AxisTable, DistributionTable, SweepModel, load_sweep
-from ...methods.protocol import Choice, Method, choose_method, least_first, survey
-from ...report import tables
-from ...resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points
-from ...series import Record, Solution
-from ...tables import MOST_COLUMNS
+from .. import __version__
+from ..adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint, Equilibrium, Nonadhesive
+from ..adhesion.device_path import stability_under
+from ..adhesion.slopes import checked_rule
+from ..adhesion.validity import strain_size, strain_words
+from ..base.errors import InputError, JkrError, Unknown, counted, did_you_mean
+from ..base.files import check_target
+from ..base.numerics import DISTRIBUTIONS, MOST_CELLS, Distribution, draw
+from ..bodies.problem import Problem
+from ..case.models import Case, CaseModel, method_of, model_of
+from ..case.store import read_solution, write_solution
+from ..case.sweep import MOST_CASES, AxisTable, DistributionTable, SweepModel, load_sweep
+from ..methods.protocol import Choice, Method, choose_method, least_first, survey
+from ..report import tables
+from ..resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points
+from ..series import Record, Solution
+from ..tables import MOST_COLUMNS
 
 # --------------------------------------------------------------------------------------------------
 # Keys of a case file as paths, "specimen.layers[0].nu": written into its tables, read from its model.

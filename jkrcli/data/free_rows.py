@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..base.lockstep import Flow, ask
 from ..base.numerics import Array, median
 from ..base.units import show
 
@@ -147,9 +148,11 @@ class FreeRows:
         return replace(self, attraction=found, taken=self.taken + change, bent=replace(bent, best=bend))
 
 
-def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> FreeRows | None:
-    """What the free rows of some directions hold beside lines; None where that is nothing. ``size``: rows of the
-    record, ``stiffness`` of the device [N/m]."""
+def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRows | None]:
+    """What the free rows of some directions hold beside lines, as a flow; None where that is nothing.
+
+    ``size``: rows of the record, ``stiffness`` of the device [N/m].
+    """
     taken, spoilt = np.zeros(size), [np.zeros(0, dtype=int)]
     levels, raised, level_free = list[Level](), list[Array](), list[Side]()
     for side in sides:
@@ -163,7 +166,7 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> FreeRows | 
             raised.append(error * own)
             spoilt.append(side.rows[max(edge - 1, 0) : edge + 2])
         level_free.append(replace(side, y=y) if (y != side.y).any() else side)
-    bent = _bent(level_free, size, stiffness)
+    bent = yield from _bent(level_free, size, stiffness)
     # Rows that rest on one level of a converter, with noise below it, know their load to its share of a level only.
     rest = [
         side
@@ -324,7 +327,7 @@ class Bent:
         return taken
 
 
-def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Bent | None:
+def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Flow[Bent | None]:
     """The attraction before contact; None where the free rows bend no more at contact than elsewhere, or as no law
     does."""
     usable = tuple(side for side in sides if side.y.size >= FREE_FEWEST and side.noise > 0)
@@ -334,12 +337,13 @@ def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Bent | None:
     at = next(float(side.x[-1]) for side in usable if side.kind == "approach")
     way = max(float(np.ptp(side.x)) for side in usable)
     noise = max(side.noise for side in usable)
-    fall, mirrored = _falls(blocks, at, way)
+    fall, mirrored = yield from ask(_falls, (blocks, at, way))
     if fall < max(FREE_SIGMAS**2, FREE_MIRRORED * mirrored):
         return None
     # Rows next to contact may belong to it, or to a slow jump: an attraction is seen without them, too.
-    apart_from_contact = [(*tuple(v[x < at - FREE_RANGES[0] * way] for v in (x, y)), s) for x, y, s in blocks]
-    if _falls(apart_from_contact, at, way)[0] < FREE_SIGMAS**2:
+    beyond = [(x < at - FREE_RANGES[0] * way, x, y, noise) for x, y, noise in blocks]
+    apart_from_contact = [(x[far], y[far], noise) for far, x, y, noise in beyond if far.any()]
+    if not apart_from_contact or (yield from ask(_falls, (apart_from_contact, at, way)))[0] < FREE_SIGMAS**2:
         return None
     bends = [_bend(blocks, law, at, way, stiffness, False) for law in LAWS]
     least = min(one.cost for one in bends)
@@ -366,7 +370,7 @@ def _with_error(bent: Bent, colour: float) -> Bent:
 def _blocked(side: Side) -> tuple[Array, Array, float]:
     """Positions and loads of blocks of rows and the standard deviation of a block, by the differences of neighbours."""
     size = max(1, side.y.size // FREE_BLOCKS)
-    x, y = (v[v.size % size :].reshape(-1, size).mean(axis=1) for v in (side.x, side.y))
+    x, y = (np.einsum("ij->i", v[v.size % size :].reshape(-1, size)) / size for v in (side.x, side.y))
     return x, y, max(row_noise(y), side.noise / math.sqrt(size))
 
 
@@ -434,47 +438,54 @@ def _gaps(x: Array, at: float, size: float, reach: float, law: str, stiffness: f
     return gap
 
 
-def _falls(blocks: Sequence[tuple[Array, Array, float]], at: float, way: float) -> tuple[float, float]:
-    """How far chi^2 of lines falls by a bend at contact, and then by another at the far end, each of the best range;
-    the latter is not looked for where the former is none."""
+def _falls(asked: Sequence[tuple[Sequence[tuple[Array, Array, float]], float, float]]) -> list[tuple[float, float]]:
+    """How far chi^2 of lines falls by a bend at contact, and then by another at the far end, each of the best range.
 
-    def beside_lines(gaps: Sequence[Array]) -> Array:
-        """What bends over ``gaps`` leave beside the lines, for each range."""
-        return np.concatenate(
-            [
-                _beside(np.exp(np.outer(-1 / (FREE_LOOKED_AT * way), gap)) / max(block[2], 1e-300), line)
-                for gap, block, line in zip(gaps, blocks, lines, strict=True)
-            ],
-            axis=1,
-        )
-
-    lines = [_line(x) for x, _, _ in blocks]
-    off = np.concatenate(
-        [_beside(y[None] / max(noise, 1e-300), line)[0] for (_, y, noise), line in zip(blocks, lines, strict=True)]
+    ``asked``: the blocks of each record, the position of contact and the free way [m]. The latter is looked for where
+    the former is seen.
+    """
+    sides = [(x, y, noise, at, way) for blocks, at, way in asked for x, y, noise in blocks]
+    counts = np.array([x.size for x, *_ in sides])
+    starts = np.cumsum(counts) - counts
+    records = starts[np.cumsum([0, *(len(blocks) for blocks, _, _ in asked[:-1])])]
+    noise, at, way = (
+        np.repeat(values, counts)
+        for values in zip(*((max(noise, 1e-300), at, way) for _, _, noise, at, way in sides), strict=True)
     )
-    near = beside_lines([np.maximum(at - x, 0.0) for x, _, _ in blocks])
-    falls = _of_each(near, off)
-    best = int(np.argmax(falls))
-    if falls[best] < FREE_SIGMAS**2:
-        return float(falls[best]), 0.0
-    bend, far = near[best] / np.linalg.norm(near[best]), beside_lines([x - x[0] for x, _, _ in blocks])
-    far -= np.outer(far @ bend, bend)
-    return float(falls[best]), float(_of_each(far, off).max())
+    x, y = (np.concatenate([side[column] for side in sides]) for column in (0, 1))
 
+    def of_side(values: Array) -> Array:
+        """The sums over the rows of each side, at each of them."""
+        return np.repeat(np.add.reduceat(values, starts, axis=-1), counts, axis=-1)
 
-def _line(x: Array) -> Array:
-    """The orthonormal columns (2, rows) of a straight line over ``x``."""
-    along = x - x.mean()
-    return np.stack([np.full(x.size, 1 / math.sqrt(x.size)), along / (math.sqrt(float(along @ along)) or 1.0)])
+    rows = np.repeat(counts, counts)
+    along = x - of_side(x) / rows
+    length = np.sqrt(of_side(along**2))
+    along /= np.where(length > 0, length, 1.0)
 
+    def beside_lines(values: Array) -> Array:
+        """What the line of each side leaves."""
+        values = values / noise
+        values -= of_side(values) / rows
+        return values - of_side(values * along) * along
 
-def _beside(values: Array, line: Array) -> Array:
-    """What is left of ``values`` (n, rows) beside a line."""
-    left: Array = values - (values @ line.T) @ line
-    return left
+    def by_each(columns: Array) -> Array:
+        """Falls of the sum of squares of ``off`` by each of some columns (n, rows), of each record (n, records)."""
+        square = np.add.reduceat(columns**2, records, axis=1)
+        return np.add.reduceat(columns * off, records, axis=1) ** 2 / np.maximum(square, 1e-300)
 
-
-def _of_each(columns: Array, off: Array) -> Array:
-    """Falls of the sum of squares of ``off`` by each of some columns (n, rows)."""
-    falls: Array = (columns @ off) ** 2 / np.maximum(np.sum(columns**2, axis=1), 1e-300)
-    return falls
+    off, shares = beside_lines(y), -1 / FREE_LOOKED_AT
+    near = beside_lines(np.exp(np.outer(shares, np.maximum(at - x, 0.0) / way)))
+    falls, each = by_each(near), np.arange(len(asked))
+    best = np.argmax(falls, axis=0)
+    falls, seen = falls[best, each], np.flatnonzero(falls[best, each] >= FREE_SIGMAS**2)
+    mirrored = np.zeros(each.size)
+    if seen.size == each.size:
+        far = beside_lines(np.exp(np.outer(shares, (x - np.repeat(x[starts], counts)) / way)))
+        of_record = np.diff(np.append(records, x.size))
+        bend = near[np.repeat(best, of_record), np.arange(x.size)]
+        shared = np.add.reduceat(far * bend, records, axis=1) / np.add.reduceat(bend**2, records)
+        mirrored = by_each(far - np.repeat(shared, of_record, axis=1) * bend).max(axis=0)
+    elif seen.size:
+        mirrored[seen] = [far for _, far in _falls([asked[i] for i in seen.tolist()])]
+    return list(zip(falls.tolist(), mirrored.tolist(), strict=True))

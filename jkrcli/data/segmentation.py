@@ -286,7 +286,7 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     parts, by_load = _segments_by_motion(z, P) if curve.segment is None else (_named_segments(curve, z), False)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = yield from _directions(z, P, sides)
-    held = _free_rows(z, P, directions, resolution(whole.load), curve.stiffness)
+    held = yield from _free_rows(z, P, directions, resolution(whole.load), curve.stiffness)
     plain = ForceCurve(whole, tuple(parts), directions, {}, spikes, spikes[:0]) if held is not None else None
     if held is not None:  # the tip stays at its depth
         curve, whole = (replace(one, P=one.load - held.taken) for one in (curve, whole))
@@ -307,7 +307,7 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
 
 def _free_rows(
     z: Array, P: Array, directions: Sequence[Direction], code: float, stiffness: float | None
-) -> FreeRows | None:
+) -> Flow[FreeRows | None]:
     """What the free rows of the first approach and the first retraction hold beside a base line; ``code`` [N]: the step
     of the converter."""
     sides = []
@@ -318,7 +318,7 @@ def _free_rows(
         rows = np.arange(item.segment.first, item.segment.last + 1)[:: 1 if kind == APPROACH else -1]
         free, contact = rows[: item.free], rows[item.free :]
         sides.append(Side(kind, free, z[free], P[free], contact, item.jump, code, z[contact]))
-    return free_rows(sides, P.size, math.inf if stiffness is None else stiffness)
+    return (yield from free_rows(sides, P.size, math.inf if stiffness is None else stiffness))
 
 
 def _spikes(P: Array) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cycle_records import drawn
+from dirty_records import KINDS
 from force_curves import Instrument, equilibrium, record
 
 from jkrcli.base.errors import InputError, Unknown
@@ -358,13 +359,19 @@ def test_a_dwell_in_which_the_load_relaxes_is_a_dwell() -> None:
     assert [len(part) for part in found.segments] == pytest.approx([750, 200, 600], abs=25)
 
 
+def of_kind(kind: str, seed: int) -> Curve:
+    """A record with one kind of dirt."""
+    made = KINDS[kind](np.random.default_rng((3, seed)))
+    return Curve(kind, delta=1e-9 * made.columns["Z Piezo (nm)"], P=1e-9 * made.at.k * made.columns["Deflection (nm)"])
+
+
 def parts_of(found: ForceCurve | Exception) -> object:
-    """All that was found, as it prints: every digit of every number."""
+    """All that was found, to the last bit of every number."""
     if isinstance(found, Exception):
         return type(found), str(found)
-    held = None if found.held is None else (found.held.levels, found.held.attraction, found.held.taken.tolist())
+    held = None if found.held is None else (found.held.levels, found.held.attraction, found.held.taken.tobytes())
     rows = found.spikes.tolist(), found.saturated.tolist()
-    return repr((found.segments, found.directions, found.flags, held, rows, found.curve.load.tolist()))
+    return repr((found.segments, found.directions, found.flags, rows)), held, found.curve.load.tobytes()
 
 
 def test_records_examined_together_are_those_examined_alone() -> None:
@@ -382,7 +389,7 @@ def test_records_examined_together_are_those_examined_alone() -> None:
         replace(whole, stiffness=DEVICE.k), held_twice(3), dented(0.84, 200),
         whole.rows(np.arange(DEVICE.rows)), whole.rows(np.arange(17, P.size - 40)),
         Curve("no contact", delta=z, P=rng.normal(size=z.size)), Curve("walk", delta=np.cumsum(P), P=P),
-        Curve("turned", delta=-z, P=P),
+        Curve("turned", delta=-z, P=P), of_kind("attraction", 0), of_kind("tether", 1), of_kind("ringing", 2),
     ]  # fmt: skip
     poisoned = [
         Curve("two rows", delta=z[:2], P=P[:2]), Curve("no load", delta=z, a=z),
@@ -395,6 +402,9 @@ def test_records_examined_together_are_those_examined_alone() -> None:
     for order in (np.arange(len(curves)), rng.permutation(len(curves))):
         together = segment_force_curves([curves[i] for i in order])
         assert [parts_of(found) for found in together] == [alone[i] for i in order]
+        held = [one.held for one in together if isinstance(one, ForceCurve) and one.held is not None]
+        assert any(one.attraction for one in held)
+        assert any(one.levels for one in held)
     assert [type(found) for found in segment_force_curves(poisoned[:4])] == [InputError] * 2 + [ForceCurve] * 2
     with pytest.raises(InputError, match="2 rows"):
         segment_force_curve(poisoned[0])

@@ -73,42 +73,48 @@ class Nodes:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """The bodies of some curves: their ``nodes``, each body once, and ``which`` of them is that of each curve."""
+    """The bodies of some curves: their ``nodes``, each body once, and ``which`` of them is that of each curve;
+    ``u, released`` (bodies, nodes) and ``logs`` (bodies, nodes, 3, 4) of them."""
 
     nodes: tuple[Nodes, ...]
     which: Array
     u: Array
-    functions: Array
     released: Array
     logs: Array
 
     @classmethod
     def of(cls, families: Sequence[Family]) -> Bodies:
-        """``u, released`` (curves or 1, nodes), ``functions`` (curves or 1, 4, 3, nodes) and ``logs`` (curves or 1,
-        nodes, 3, 4), 1 where all are alike."""
+        """Those of ``families``, one for each curve."""
         places = {family: i for i, family in enumerate(dict.fromkeys(families))}
-        nodes = tuple(Nodes.of(family) for family in places)
-        which = np.array([places[family] for family in families])
-        if len(nodes) == 1:
-            (one,) = nodes
-            return cls(nodes, which, one.u[None], one.functions[None], one.released[None], one.logs[None])
-        columns = (
-            np.stack([getattr(one, name) for one in nodes])[which] for name in ("u", "functions", "released", "logs")
+        nodes, which = tuple(Nodes.of(family) for family in places), np.array([places[family] for family in families])
+        u, released, logs = (
+            getattr(nodes[0], name)[None] if len(nodes) == 1 else np.stack([getattr(one, name) for one in nodes])
+            for name in ("u", "released", "logs")
         )
-        return cls(nodes, which, *columns)
+        return cls(nodes, which, u, released, logs)
 
     @cached_property
     def step(self) -> Array:
         """Of the nodes of each curve."""
-        return (self.u[:, -1] - self.u[:, 0]) / (self.u.shape[1] - 1)
+        steps: Array = (self.u[:, -1] - self.u[:, 0])[self.which] / (self.u.shape[1] - 1)
+        return steps
+
+    def combined(self, factors: Array, orders: int) -> Array:
+        """Sums of D, T, H, V of each curve with ``factors`` (curves, sums, 4), and so many of their ``orders`` of
+        derivatives: (curves, sums, orders, nodes)."""
+        sums = np.empty((*factors.shape[:2], orders, self.u.shape[1]))
+        for i, one in enumerate(self.nodes):
+            own = slice(None) if len(self.nodes) == 1 else np.flatnonzero(self.which == i)
+            columns = one.functions[None, :, :orders].reshape(1, FUNCTIONS, -1)
+            sums[own] = (factors[own] @ columns).reshape(-1, *sums.shape[1:])
+        return sums
 
     def at(self, u: Array) -> Array:
         """D, T, H, V at one place of each curve, with two derivatives: (3, curves, 4), good to rounding: of their logs,
         quintics through values and two derivatives at the nodes beside it."""
-        place, last = (u - self.u[:, 0]) / self.step, self.u.shape[1] - 1
+        place, last = (u - self.u[self.which, 0]) / self.step, self.u.shape[1] - 1
         i = np.minimum(np.maximum(place, 0.0), last - 1).astype(int)
-        curve = np.arange(u.size) if len(self.logs) > 1 else 0
-        logs = np.concatenate([self.logs[curve, i], self.logs[curve, i + 1]], axis=1)
+        logs = np.concatenate([self.logs[self.which, i], self.logs[self.which, i + 1]], axis=1)
         # Powers of the place within the cell and their two derivatives, (curves, 3, 6):
         powers = np.zeros((u.size, 3, 6))
         powers[:, 0] = (place - i)[:, None] ** np.arange(6)
@@ -161,11 +167,11 @@ class Branches:
         of_four = np.zeros((curves.size, 2, FUNCTIONS))
         of_four[:, 0] = np.stack([np.ones_like(s), -r, s / k, -s * r / k], axis=1)
         of_four[:, 1, 2], of_four[:, 1, 3] = s, -s * r
-        path = (of_four @ bodies.functions.reshape(-1, FUNCTIONS, 3 * n)).reshape(-1, 2, 3, n)
+        path = bodies.combined(of_four, 3)
         first, start = _folds(bodies, path[:, 0, 1], path[:, 0, 2])
         at_fold = bodies.at(start)
         path[curves, :, :, first] = of_four @ at_fold.transpose(1, 2, 0)
-        u, released = (np.repeat(one, curves.size // len(one), axis=0) for one in (bodies.u, bodies.released))
+        u, released = bodies.u[bodies.which], bodies.released[bodies.which]
         (_, T, _, V), (_, dT, _, dV) = at_fold[0].T, at_fold[1].T
         u[curves, first], released[curves, first] = start, dV * T - V * dT
         (z, dz, bend), (P, dP, _) = path.transpose(1, 2, 0, 3)
@@ -268,7 +274,7 @@ def _folds(bodies: Bodies, rates: Array, bends: Array) -> tuple[Array, Array]:
     i = n - 1 - np.argmax(falling[:, ::-1], axis=1)
     turns = falling.any(axis=1) & (i < n - 1)
     i = np.where(turns, i, 0)
-    step = np.broadcast_to(bodies.step, curves.shape)
+    step = bodies.step
     left, right, dl, dr = rates[curves, i], rates[curves, i + 1], step * bends[curves, i], step * bends[curves, i + 1]
     x = np.where(turns, left / np.where(left == right, 1.0, left - right), 0.0)
     a, b = 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
@@ -276,8 +282,7 @@ def _folds(bodies: Bodies, rates: Array, bends: Array) -> tuple[Array, Array]:
         slope = dl + x * (2 * b + 3 * x * a)
         better = np.clip(x - (left + x * (dl + x * (b + x * a))) / np.where(slope > 0, slope, 1.0), 0.0, 1.0)
         x = np.where(turns & (slope > 0), better, x)
-    u = bodies.u[curves if len(bodies.u) > 1 else 0, i]
-    return i + np.rint(x).astype(int), u + x * step
+    return i + np.rint(x).astype(int), bodies.u[bodies.which, i] + x * step
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,9 +358,9 @@ class Rest:
         families, *columns = zip(*asked, strict=True)
         s, advanced, receding, k, turn = np.array(columns)
         bodies = Bodies.of(families)
-        nodes = np.broadcast_to(bodies.u, (s.size, bodies.u.shape[1]))
+        nodes = bodies.u[bodies.which]
         of_four = np.stack([np.ones_like(s), -advanced, s / k, -s * advanced / k], axis=1)[:, None]
-        z = (of_four @ bodies.functions[:, :, 0])[:, 0]
+        z = bodies.combined(of_four, 1)[:, 0, 0]
         first = np.argmin(z, axis=1)
         u = np.array([np.interp(at, y[i:], x[i:]) for at, x, y, i in zip(turn, nodes, z, first, strict=True)])
         lowest = nodes[np.arange(s.size), first]

@@ -11,7 +11,9 @@ from force_curves import Instrument, record
 from test_fit_record import BODY, body, usual
 
 from jkrcli.base.errors import InputError
+from jkrcli.base.lockstep import alone
 from jkrcli.data.curve import Curve
+from jkrcli.data.free_rows import Side, free_rows
 from jkrcli.data.measured import read
 from jkrcli.data.segmentation import segment_force_curve
 from jkrcli.fitting.procedure import fit
@@ -201,3 +203,19 @@ def test_a_direction_that_nobody_asked_for_is_not_missed() -> None:
     curve = Curve("in", delta=parts["z"][:half] - parts["P"][:half] / DEVICE.k, P=parts["P"][:half], stiffness=DEVICE.k)
     assert "no retract" in fit(BODY, curve, usual()).flags
     assert "no retract" not in fit(BODY, curve, usual(segment="approach")).flags
+
+
+def test_an_attraction_is_found_where_the_retraction_ends_beside_its_pull_off() -> None:
+    """All free rows of the retraction lie where the search looks away."""
+    rng, size, reach, noise = np.random.default_rng(1), 1e-10, 1e-7, 1e-12
+    sides = []
+    for kind, x in (("approach", np.linspace(0, 1e-6, 1000)), ("retract", np.linspace(0.99e-6, 0.9999e-6, 60))):
+        y = noise * rng.normal(size=x.size) - size * np.exp((x - 1e-6) / reach)
+        rows = np.arange(x.size) + 1000 * len(sides)
+        sides.append(Side(kind, rows, x, y, rows[:0], 0.0, 0.0, x[:0]))
+    held = alone(free_rows(sides, 1060, np.inf))
+    assert held is not None
+    assert held.attraction is not None
+    assert held.attraction.size == pytest.approx(-size, abs=4 * held.attraction.error)
+    assert held.attraction.error < 0.02 * size
+    assert held.attraction.range == pytest.approx(reach, rel=0.05)

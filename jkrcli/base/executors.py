@@ -170,12 +170,27 @@ def in_order(
     """``function`` of all items (None: in this process, one after the other); the first exception to come is raised."""
     if pool is None:
         return [function(item) for item in items]
-    results: dict[int, Result] = {}
-    for index, result in completed(pool, function, items, label, chunk):
-        if isinstance(result, Exception):
-            raise result
-        results[index] = result
-    return [results[index] for index in range(len(items))]
+    return batches_in_order(pool, partial(_each, function), items, label, chunk)
+
+
+def batches_in_order(
+    pool: Pool | None, function: Callable[[list[Item]], Outcomes[Result]], items: Sequence[Item], label: str, chunk: int
+) -> list[Result]:
+    """The same of a ``function`` that works on the items of one task together."""
+    outcomes: dict[int, Result | Exception] = {}
+    if pool is None:
+        for first in range(0, len(items), chunk):
+            outcomes |= enumerate(function(list(items[first : first + chunk])), first)
+    for index, outcome in () if pool is None else batches_completed(pool, function, items, label, chunk):
+        outcomes[index] = outcome
+        if isinstance(outcome, Exception):
+            break
+    results = list[Result]()
+    for index in sorted(outcomes):
+        if isinstance(outcome := outcomes[index], Exception):
+            raise outcome
+        results.append(outcome)
+    return results
 
 
 def run_chunk(version: str, function: Callable[[list[Item]], Outcomes[Result]], items: list[Item]) -> Outcomes[Result]:

@@ -19,8 +19,8 @@ from scipy import optimize, special
 from scipy.fft import dct, idct
 
 from ..base.errors import InputError, JkrError, SolveError
-from ..base.executors import Pool, in_order
-from ..base.lockstep import Flow, alone, ask
+from ..base.executors import Pool, batches_in_order
+from ..base.lockstep import Flow, alone, ask, together
 from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, median
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
@@ -627,19 +627,45 @@ def bootstrap(
 ) -> Array:  # fmt: skip
     """Unknowns of the least of ``count`` problems, each with its states changed at random, to ``cost`` relatively, from
     a first step by Gauss and Newton; fewer where no search reaches it (samples, unknowns)."""
-    samples = in_order(pool, partial(_sample, least, change, cost, seed), range(count), "bootstrap", TOGETHER)
+    draw = partial(_samples, least, change, cost, seed)
+    samples = batches_in_order(pool, draw, range(count), "bootstrap", TOGETHER)
     return np.array([x for x in samples if x is not None])
 
 
-def _sample(
-    least: Least, change: Callable[[np.random.Generator], Callable[[State], State]], cost: float, seed: int, number: int
-) -> Array | None:
-    changed, model = change(np.random.default_rng([seed, number])), least.problem.model
+def _samples(
+    least: Least, change: Callable[[np.random.Generator], Callable[[State], State]], cost: float, seed: int,
+    numbers: list[int],
+) -> list[Array | Exception | None]:  # fmt: skip
+    """The samples of some ``numbers``, searched side by side."""
+    changes = (change(np.random.default_rng([seed, number])) for number in numbers)
+    return together([_sampling(least, changed, cost) for changed in changes])
+
+
+def _sampling(least: Least, changed: Callable[[State], State], cost: float) -> Flow[Array | None]:
     here = changed(least.state)
     near = least.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
+    problem = replace(least.problem, model=_Changed(least.problem.model, changed), converged=cost, cost=cost)
     with contextlib.suppress(JkrError):
-        return replace(least.problem, model=lambda x: changed(model(x)), converged=cost, cost=cost).least(near).x
+        return (yield from problem.searching(near)).x
     return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Changed:
+    """A model whose states are ``changed``."""
+
+    model: Model
+    changed: Callable[[State], State]
+
+    def __call__(self, x: Array) -> State:
+        return self.changed(self.model(x))
+
+    @staticmethod
+    def many(asked: Sequence[tuple[_Changed, Array]]) -> list[State | Exception]:
+        """The states of some of them, each at its unknowns."""
+        found = states([(one.model, x) for one, x in asked])
+        each = zip(asked, found, strict=True)
+        return [state if isinstance(state, Exception) else one.changed(state) for (one, _), state in each]
 
 
 # ---------------------------------------------------------------------- uncertain inputs, to first order

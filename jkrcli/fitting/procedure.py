@@ -221,6 +221,7 @@ OF_SHAPE = "the faces of the pyramid"
 OF_STRAINS = "large strains"
 NOTICED = 0.1  # choice: of the interval of w, the part by large strains from which on it is told
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
+SIDE_BY_SIDE = 50_000  # choice: rows of curves that are fitted together; their derivatives stay in the cache
 STIFFEST = 50.0  # choice: of the device, a contact's stiffness beyond which no E* is told
 STIFFNESS_PART = 0.2  # choice: of the range of the load, from the largest on, over which a contact's stiffness is taken
 SYMBOLS = {"E_star": "E*"}
@@ -296,8 +297,15 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
 def _fits_together(
     body: FittedBody, curves: list[Curve], settings: Settings, pool: Pool | None
 ) -> list[Fit | Exception]:
-    """The fits of some curves, side by side, exceptions in place of those that failed."""
-    return together([_fitting(body, curve, settings, pool) for curve in curves])
+    """The fits of some curves, side by side as far as their rows are few, exceptions in place of those that failed."""
+    fits, batch, rows = list[Fit | Exception](), list[Curve](), 0
+    for curve in (*curves, None):
+        if batch and (curve is None or rows + len(curve) > SIDE_BY_SIDE):
+            fits += together([_fitting(body, one, settings, pool) for one in batch])
+            batch, rows = [], 0
+        if curve is not None:
+            batch, rows = [*batch, curve], rows + len(curve)
+    return fits
 
 
 def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = None) -> Fit:

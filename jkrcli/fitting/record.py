@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
-from ..base.lockstep import Flow, alone
+from ..base.lockstep import Flow, alone, together
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, SAME, Array
 from ..base.units import show
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
@@ -28,7 +28,6 @@ from .force_curve import (
     ForceCurveModel,
     Wave,
     base_line,
-    fit,
     fitting,
     held_by_last_row,
     nearest,
@@ -425,16 +424,29 @@ def _carried(
 ) -> dict[str, dict[str, float]]:
     """Changes of the outcome by the standard deviation of each uncertain input."""
 
-    def outcome(name: str, value: float) -> dict[str, float]:
+    def refitted(name: str, value: float) -> Flow[dict[str, float]]:
         if name in CALIBRATED:
             moved, model = body, best.model.calibrated(value, name == "stiffness")
         else:
             moved = body.with_values({name: value})
             model = replace(best.model, family=moved.family)
-        refitted = fit(model, best.at_loads(value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
-        return outcome_of(refitted, refitted.x, moved)
+        begin = best.at_loads(value if name in CALIBRATED else 1.0)
+        again = yield from fitting(model, begin, near=True, loss=settings.loss)
+        return outcome_of(again, again.x, moved)
 
     centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}
+    ends = [
+        (name, value)
+        for name, sigma in settings.uncertain.items()
+        for value in (centres[name] - sigma, centres[name] + sigma)
+    ]
+    outcomes = dict(zip(ends, together([refitted(*end) for end in ends]), strict=True))
+
+    def outcome(name: str, value: float) -> dict[str, float]:
+        if isinstance(found := outcomes[name, value], Exception):
+            raise found
+        return found
+
     return {
         name: changes_by(name, centres[name], sigma, here, partial(outcome, name))
         for name, sigma in settings.uncertain.items()

@@ -12,8 +12,6 @@ adhesion), cut at the radius of rest. At a_s contact keeps its radius, dP = S d(
 has risen from rho w to w. Where the history is not known, the fold of the curve that is not cut is the largest force.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -19,8 +19,6 @@ larger elements themselves, at this work of adhesion and those nearby, tell the 
 doubling changes, second order a third.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -13,8 +13,6 @@ reason for the one. Its workers go on for as long as their item takes when the p
 What it would replace, the start of processes, is thirty lines of the standard library's, without 0.3 s of imports.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import multiprocessing

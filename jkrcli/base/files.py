@@ -1,7 +1,5 @@
 """Files are interfaces: read with one clear error, written whole or not at all, never over what is not ours."""
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import functools

@@ -1,7 +1,5 @@
 """Arrays, piecewise polynomials, quadrature, iteration and random draws of all rooms."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Mapping

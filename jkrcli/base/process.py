@@ -1,7 +1,5 @@
 """The process as the program ``jkr``: its settings, memory, threads, clock, and locks of files."""
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import functools

@@ -5,8 +5,6 @@ guessed ("5 m" is five metres, "-3 Pa" is minus three pascal, "1,5 um" is refuse
 the complete list of what is allowed.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 import re

@@ -1,7 +1,5 @@
 """The series file (HDF5): a solution with its case, written whole under one digest, checked when it is read."""
 
-from __future__ import annotations
-
 import math
 import platform
 import sys

@@ -1,7 +1,5 @@
 """The sweep file as models: a base case, axes over its keys, samples of uncertain keys, the quantities wanted."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self

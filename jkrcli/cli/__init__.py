@@ -1,7 +1,5 @@
 """The command line: verbs are imported when they are called, so that ``jkr --help`` stays instant."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib
 import io

@@ -1,7 +1,5 @@
 """Verbs of cases: ``new``, ``check``, ``run`` and ``mesh``, and ``import`` of others' series."""
 
-from __future__ import annotations
-
 import contextlib
 import time
 import tomllib

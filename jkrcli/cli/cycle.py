@@ -1,7 +1,5 @@
 """``jkr cycle``: the trace that a device of given stiffness records."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path

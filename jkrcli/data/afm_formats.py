@@ -1,7 +1,5 @@
 """Force curves of force microscopes, read by the optional package afmformats: the one door to it."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import math

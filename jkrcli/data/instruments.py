@@ -2,8 +2,6 @@
 head.
 """
 
-from __future__ import annotations
-
 import contextlib
 import re
 import struct

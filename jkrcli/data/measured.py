@@ -1,7 +1,5 @@
 """Measured curves, from text tables and from the files of force microscopes."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence

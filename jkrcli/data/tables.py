@@ -1,7 +1,5 @@
 """Quantities of the columns of a text table and their units, by the names in its header or as the user says."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace

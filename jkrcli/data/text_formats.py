@@ -1,7 +1,5 @@
 """Measured curves in text tables: columns by name or number, words for segments, several curves in one file."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

@@ -1,7 +1,5 @@
 """Closed forms: one equation, one function, all parameters required."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A sweep carried out: what it will cost, the cases solved and journaled as they come, the table at the end."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import importlib.util

@@ -5,8 +5,6 @@ that every problem is solved at unit modulus, E = 1 Pa at its surface. The resul
 which of several cases asked for it first.
 """
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import hashlib

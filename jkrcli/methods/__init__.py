@@ -5,6 +5,4 @@ follow; its solver is imported when it is used. ``protocol.py`` registers the fo
 one's own may register itself in any module that has been imported.
 """
 
-from __future__ import annotations
-
 from . import protocol as _protocol  # registers the four methods

@@ -1,7 +1,5 @@
 """The method ``closed-form``: bodies whose solution is a formula, within the range where the formula holds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar

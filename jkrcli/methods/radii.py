@@ -3,8 +3,6 @@
 Both grow like powers of v = sqrt(a^2 - a0^2), so that the search runs in logarithms, without any unit.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Maps as images over their pixels; archives (HDF5) of fits and of the tables of sweeps, checked when they are read."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """One self-contained page to click through the curves of a map or a folder, as they were looked at or fitted."""
 
-from __future__ import annotations
-
 import base64
 import html
 import itertools

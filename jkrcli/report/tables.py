@@ -1,7 +1,5 @@
 """Adhesive curves as CSV, summaries as JSON and words: the interfaces that scripts rely on."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """How far a body has to be solved for its pull-off, and where a viscoelastic specimen lets go, by its history."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

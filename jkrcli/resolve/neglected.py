@@ -5,8 +5,6 @@ without adhesion are compared at the depth of the case, pull-off forces under lo
 known by formula, where they are.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -11,8 +11,6 @@ both ends), so that S' is biased at the last points wherever S is not a straight
 flagged.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

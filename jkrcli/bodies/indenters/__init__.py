@@ -1,7 +1,5 @@
 """The indenters; every module in this folder is imported, and registers its own."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 

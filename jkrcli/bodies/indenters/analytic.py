@@ -8,23 +8,11 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
+from ... import formulas
 from ...base.errors import InputError, positive
 from ...base.numerics import Array
 from ...base.registry import Key
 from ...base.units import AnyLength, Length, Ranged, show
-from ...formulas import (
-    abel_factor,
-    beyond,
-    effective_radius,
-    hertz,
-    power_law,
-    rounded_cone,
-    rounded_flat,
-    sneddon_sphere,
-    sphere_capped_cone,
-    sphere_capped_cone_rate,
-    tangent_minus_angle,
-)
 from ..problem import Indenter, Solid, shape
 
 HalfAngle = Annotated[float, Ranged("angle", above=0, below=math.pi / 2)]
@@ -76,7 +64,7 @@ class Sphere(_Round):
         return np.arctanh(x / self.R) + x * self.R / ((self.R - x) * (self.R + x))
 
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array]:
-        return sneddon_sphere(a, E_star, self.R)
+        return formulas.sneddon_sphere(a, E_star, self.R)
 
 
 class Paraboloid(_Round):
@@ -101,7 +89,7 @@ class Paraboloid(_Round):
         return 2 * x / self.R
 
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array]:
-        return hertz(a, E_star, self.R)
+        return formulas.hertz(a, E_star, self.R)
 
 
 @shape("paraboloid")
@@ -113,7 +101,7 @@ def on_a_sphere(radius: Length, counter_radius: AnyLength | None = None, *, mate
         raise InputError(
             f"counter_radius must be > 0, or < -radius for a cavity that the indenter fits, got {counter_radius:g} m"
         )
-    return Paraboloid(effective_radius(radius, counter_radius), material)
+    return Paraboloid(formulas.effective_radius(radius, counter_radius), material)
 
 
 @shape("power")
@@ -147,13 +135,13 @@ class PowerLaw(Indenter):
 
     def abel(self, x: Array) -> Array:
         with np.errstate(over="ignore"):  # infinite is what it is then, and what a search for a radius can tell
-            return self.B * (abel_factor(self.d) * np.asarray(x, dtype=float) ** self.d)
+            return self.B * (formulas.abel_factor(self.d) * np.asarray(x, dtype=float) ** self.d)
 
     def abel_slope(self, x: Array) -> Array:
         return self.d * self.abel(x) / x
 
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array]:
-        return power_law(a, E_star, self.B, self.d)
+        return formulas.power_law(a, E_star, self.B, self.d)
 
 
 @shape("cone")
@@ -199,14 +187,14 @@ class RoundedFlat(Indenter):
     def abel(self, x: Array) -> Array:
         x = np.maximum(np.asarray(x, dtype=float), self.b)
         tangent = np.sqrt((x - self.b) * (x + self.b)) / self.b
-        return x * self.b * tangent_minus_angle(tangent) / self.edge_radius
+        return x * self.b * formulas.tangent_minus_angle(tangent) / self.edge_radius
 
     def abel_slope(self, x: Array) -> Array:
         root = np.sqrt(np.maximum(x - self.b, 0) * (x + self.b))
         return (2 * root - self.b * np.arctan2(root, self.b)) / self.edge_radius
 
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array]:
-        return rounded_flat(a, E_star, self.b, self.edge_radius)
+        return formulas.rounded_flat(a, E_star, self.b, self.edge_radius)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -284,12 +272,12 @@ class RoundedCone(Indenter):
     def abel_slope(self, x: Array) -> Array:
         x = np.asarray(x, dtype=float)
         if self.cap == "sphere":
-            return sphere_capped_cone_rate(x, self.R, self.b)
-        root, angle = beyond(x, self.b)
+            return formulas.sphere_capped_cone_rate(x, self.R, self.b)
+        root, angle = formulas.beyond(x, self.b)
         return (2 * (x - root) + self.b * angle) / self.R
 
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array]:
-        formula = sphere_capped_cone if self.cap == "sphere" else rounded_cone
+        formula = formulas.sphere_capped_cone if self.cap == "sphere" else formulas.rounded_cone
         return formula(a, E_star, self.R, self.b)
 
 

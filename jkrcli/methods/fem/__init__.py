@@ -14,18 +14,8 @@ from ...base.process import StageClock, one_thread
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from ..protocol import DOUBLED, FEMOptions, Forecast, without_coating
-from .mesh import (
-    BUDGET_JUDGED_DEPTH,
-    Grid,
-    Layout,
-    expected_reach,
-    finest_spacing,
-    homogenised_half_space,
-    layout_for,
-    missing_packages,
-    mixed_layers,
-    require,
-)
+from . import mesh
+from .mesh import Grid, Layout
 
 if TYPE_CHECKING:
     from .model import Run
@@ -59,12 +49,12 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     # Unknowns per element of large meshes: a triangle has half a vertex, and two displacements per node.
     first_order = 1.0 if options.element == "triangle" else 2.0
     per_cell = (
-        first_order * (1.0 if options.order == 1 else 4.2) * (1.1 if bool(mixed_layers(options, problem)) else 1.0)
+        first_order * (1.0 if options.order == 1 else 4.2) * (1.1 if bool(mesh.mixed_layers(options, problem)) else 1.0)
     )
     cells = layout.expected_cells()
     seconds = _seconds(options, cells * per_cell)
     if elsewhere:  # the edge correction needs a mesh of its own
-        half_space = homogenised_half_space(layout.body, layout.law.reach * layout.unit)
+        half_space = mesh.homogenised_half_space(layout.body, layout.law.reach * layout.unit)
         seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
     rows = len(problem.loading.values)
     seconds += FORECAST_PER_ROW * rows
@@ -153,17 +143,17 @@ def first(options: FEMOptions, problem: Problem) -> FEMOptions:
     guess = REFINEMENT_USUAL_SPACING * (REFINEMENT_AIM * options.tolerance / REFINEMENT_USUAL) ** (1 / REFINEMENT_ORDER)
     spacing = max(min(REFINEMENT_COARSEST, guess), _finest(problem))
     # Fraction of the reach down to which the spacing follows the radius: half the width at the least depth judged.
-    reach = expected_reach(options, problem)
+    reach = mesh.expected_reach(options, problem)
     width = np.geomspace(1e-4, 1, 400) * (reach - problem.indenter.a0)
     depths = problem.indenter.abel(problem.indenter.a0 + width)
-    judged = np.interp(np.log(BUDGET_JUDGED_DEPTH * depths[-1]), np.log(depths), np.log(width))
+    judged = np.interp(np.log(mesh.BUDGET_JUDGED_DEPTH * depths[-1]), np.log(depths), np.log(width))
     smallest = min(options.smallest, 0.5 * float(np.exp(judged)) / (reach - problem.indenter.a0))
     return sized(replace(options, smallest=smallest), spacing)
 
 
 def _finest(problem: Problem) -> float:
     """Least spacing that the problem is solved with."""
-    follows = finest_spacing(problem.specimen.materials[0]) if problem.sticks else 0.0
+    follows = mesh.finest_spacing(problem.specimen.materials[0]) if problem.sticks else 0.0
     return max(REFINEMENT_FINEST, follows)
 
 
@@ -203,7 +193,7 @@ class FEM(FEMOptions):
             self._first_layout(problem)
         except Refusal as refusal:
             return "; ".join(refusal.lines)
-        return missing_packages(*packages)
+        return mesh.missing_packages(*packages)
 
     @property
     def _packages(self) -> tuple[str, ...]:
@@ -249,7 +239,7 @@ class FEM(FEMOptions):
             return f"an elastic indenter without slip is not represented by a rigid profile: use {other}"
         if self.contact == "incremental":
             return 'algorithm incremental does not follow which points stick: set contact.algorithm = "nested"'
-        least = finest_spacing(problem.specimen.materials[0])
+        least = mesh.finest_spacing(problem.specimen.materials[0])
         if self.layout == "scaled" and self.tolerance is None and self.spacing < least:
             other = " or use method layered" if problem.specimen.radius is None else ""
             return (
@@ -264,10 +254,10 @@ class FEM(FEMOptions):
 
     def reach(self, problem: Problem) -> float:
         """Radius out to which the mesh is fine and nodes are candidates [m]."""
-        return expected_reach(self, problem)
+        return mesh.expected_reach(self, problem)
 
     def _first_layout(self, problem: Problem) -> Layout:
-        return layout_for(first(self, problem), problem, self.reach(problem))
+        return mesh.layout_for(first(self, problem), problem, self.reach(problem))
 
     def mesh(self, problem: Problem) -> Grid:
         """The mesh that a solve would begin with."""
@@ -285,14 +275,14 @@ class FEM(FEMOptions):
         if self.tolerance is None:
             return self.solve(problem)[1]
         self._refuse(problem)
-        require(*self._packages)
+        mesh.require(*self._packages)
         with one_thread():
             return refine_to_tolerance(self, problem, StageClock())
 
     def solve(self, problem: Problem) -> tuple[Run, Solution]:
         """Solve on the mesh of the given sizes; the run holds mesh, factor and contact problem."""
         self._refuse(problem)
-        require(*self._packages)
+        mesh.require(*self._packages)
         from . import model
 
         clock = StageClock()

@@ -6,8 +6,6 @@ That is the nonadhesive field at a and the field of a flat punch of radius a, su
 mesh is graded towards the contact's edge, where the stresses of an adhesive contact go like 1/sqrt(a - r).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The method ``hybrid``: exact half-space, finite elements for the smooth rest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import Any
 

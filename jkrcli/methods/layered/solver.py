@@ -1,7 +1,5 @@
 """The exact method for laterally unbounded layered specimens (named ``layered``), and contact radii for any loading."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Figures in one style, fit for print, and the one door to matplotlib: no pyplot, no global state, no clock."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import os

@@ -2,8 +2,6 @@
 of records fitted together, all of them from their own zeros, each with the curve that they share.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from textwrap import fill

@@ -37,6 +37,7 @@ from .alternatives import (
     amount_of_tension,
     changed_offs,
     neck,
+    prepare,
 )
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .least_squares import (
@@ -193,6 +194,8 @@ def rivals_of_record(record: FittedRecord) -> RecordRivals:
 def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
     """The scores of all rivals of some fits, each by itself."""
     answers: list[RecordRivals | Exception] = []
+    with contextlib.suppress(JkrError, ArithmeticError):  # of one of them, which tells so itself
+        prepare(records)
     for record in records:
         try:
             answers.append(_scored(record))
@@ -202,14 +205,14 @@ def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Ex
 
 
 def _scored(record: FittedRecord) -> RecordRivals:
-    rows = regular_rows(record)
-    weighted = _weighted(record, record.table, rows)
-    linear = Linearised.by(record, rows, weighted)
+    rows, noise, own = regular_rows(record), record.fit.spread.noise, 1 + record.fit.x.size
+    table = _weighted(record, record.table, rows) if noise.slow else record.table
+    linear = Linearised.by(record, rows, table) if noise.slow else Linearised.of(record, rows, rivals=True)
     sizes, along, moves = linear.evidence
     unit = None
-    if record.fit.spread.possible is not None or record.fit.spread.noise.slow:
-        own = 1 + record.fit.x.size
-        unit = (weighted[own:] + moves @ weighted[1:own]) / np.maximum(sizes, TINY)[:, None]  # c'/|c'|
+    if noise.slow or record.fit.spread.possible is not None:
+        scale = np.maximum(sizes, TINY) * (1.0 if noise.slow else math.sqrt(noise.A))
+        unit = (table[own:] + moves @ table[1:own]) / scale[:, None]  # c'/|c'|
     dofs = _noise_dofs(record.fit, unit, sizes.size)
     evidence = zip(sizes.tolist(), along.tolist(), linear.whole.tolist(), dofs,
                    _chances(record, unit, rows, along**2, dofs).tolist(), strict=True)  # fmt: skip
@@ -279,11 +282,15 @@ def _octaves(n: int) -> Array:
 
 def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array, dofs: Sequence[float]) -> Array:
     """The chances that noise makes one number more, along each ``unit`` column, take as much of chi^2: the mean over
-    the spectra that are possible, each of which raises it as much as the column is slow."""
+    the spectra that are possible where white noise is likeliest, each of which raises it as much as the column is
+    slow."""
     possible, noise = record.fit.spread.possible, record.fit.spread.noise
     if possible is None or unit is None:
         return np.array(fdtrc(1, dofs, taken))
-    power = waves(in_time(unit.T, record.model.rows[rows], noise)).T ** 2
+    taken_at = record.model.rows[rows] - record.model.rows[rows].min()  # as white noise of those missing tells nothing
+    series = np.zeros((len(unit), int(taken_at.max()) + 1))
+    series[:, taken_at] = unit[:, rows]
+    power = waves(series.T).T ** 2
     edges, f = _octaves(power.shape[1]), frequencies(power.shape[1])
     energy = np.add.reduceat(power, edges, axis=1)
     centre = np.add.reduceat(f * power, edges, axis=1) / np.maximum(energy, TINY)
@@ -376,24 +383,31 @@ class Linearised:
     def of(cls, record: FittedRecord, rows: Array | None = None, rivals: bool = False) -> Linearised:
         """That of all rows or some, of which the others count as exact; with the columns of ``rivals`` or without."""
         rows = np.ones(record.residuals.size, dtype=bool) if rows is None else rows
-        table = record.table if rivals else np.vstack([record.residuals, record.jacobian.T])
-        return cls.by(record, rows, record.model.whitened((table * rows).T, record.fit.spread.noise).T)
+        noise, table = (
+            record.fit.spread.noise,
+            record.table if rivals else np.vstack([record.residuals, record.jacobian.T]),
+        )
+        if noise.slow:
+            return cls.by(record, rows, record.model.whitened((table * rows).T, noise).T)
+        weighted = (table[: 1 + record.fit.x.size] if rivals else table) * (rows / math.sqrt(noise.A))
+        return cls.by(record, rows, weighted, record.products(rows) / noise.A if rivals else None)
 
     @classmethod
-    def by(cls, record: FittedRecord, rows: Array, weighted: Array, more: Array | float = 0.0) -> Linearised:
-        """That of residuals, derivatives and columns of rivals in units of the noise (columns, rows), and ``more``
-        rows whose products these are. By J^T J, unless that loses too many digits."""
-        gram, p = weighted @ weighted.T + more, record.fit.x.size
-        scale = np.maximum(np.sqrt(np.diag(gram)[1 : p + 1]), TINY)
-        own = weighted[1 : p + 1]
+    def by(cls, record: FittedRecord, rows: Array, weighted: Array, gram: Array | None = None) -> Linearised:
+        """That of residuals, derivatives and columns of rivals in units of the noise (columns, rows), of which the last
+        may be left out where ``gram`` is known. By J^T J, unless that loses too many digits."""
+        gram, own = weighted @ weighted.T if gram is None else gram, weighted[1 : record.fit.x.size + 1]
+        p = slice(1, len(own) + 1)
+        scale = np.maximum(np.sqrt(np.diag(gram)[p]), TINY)
         with contextlib.suppress(np.linalg.LinAlgError):
-            lower = np.linalg.cholesky(gram[1 : p + 1, 1 : p + 1] / np.outer(scale, scale))
+            lower = np.linalg.cholesky(gram[p, p] / np.outer(scale, scale))
             size = np.diag(lower)
             if size.min(initial=1.0) > SEARCH_DIGITS * size.max(initial=1.0):
-                return cls(
-                    record, rows, own, gram, scale, lower.T, np.linalg.solve(lower, gram[1 : p + 1] / scale[:, None])
-                )
+                along = np.linalg.solve(lower, gram[p] / scale[:, None])
+                return cls(record, rows, own, gram, scale, lower.T, along)
         Q, R = np.linalg.qr((own / scale[:, None]).T)
+        if len(weighted) < len(gram):
+            weighted = record.table * (rows / math.sqrt(record.fit.spread.noise.A))
         return cls(record, rows, own, gram, scale, R, Q.T @ weighted.T)
 
     @cached_property
@@ -573,7 +587,7 @@ def bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
         return rivals
-    near, off = (Linearised.of(record, rows, rivals=True) for rows in (None, off_folds(record)))
+    off, near = (Linearised.of(record, rows, rivals=True) for rows in (off_folds(record), None))
     scores = []
     for i, score in enumerate(rivals.scores):
         scores.append((yield from _bounded(off if score.name in (RANGE.name, TENSION.name) else near, score, i)))

@@ -37,10 +37,11 @@ from ..bodies.problem import (
 )
 from ..data.curve import APPROACH
 from ..methods.radii import DENSE
-from .branches import DeviceBranch, Moving, Rest, Resting, rest
+from .branches import Branches, Moving, Rest, Resting, rest
 from .force_curve import (
     SLOW_EDGE_WIDEST,
     DirectionReadings,
+    Edges,
     ForceCurveFit,
     ForceCurveModel,
     Loads,
@@ -155,10 +156,19 @@ def perturbed_logs(family: Family, D: Array, S: Array) -> Array:
     step = float(u[1] - u[0])
     (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
     s, ds = v / t, v / t * (dV / v - dT / t)
-    dS = np.exp(S) * (ds + s * np.gradient(S, step, axis=-1, edge_order=2))
-    rate = s * np.exp(S + D) * (dD + d * np.gradient(D, step, axis=-1, edge_order=2))
+    dS = np.exp(S) * (ds + s * _slope(S, step))
+    rate = s * np.exp(S + D) * (dD + d * _slope(D, step))
     T = np.log(ds / dS) / 2
     return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T], axis=-2)
+
+
+def _slope(rows: Array, step: float) -> Array:
+    """The derivative at even nodes, of second order."""
+    slope = np.empty_like(rows)
+    slope[..., 1:-1] = (rows[..., 2:] - rows[..., :-2]) / (2 * step)
+    for end, near, far, sign in ((0, 1, 2, 1.0), (-1, -2, -3, -1.0)):
+        slope[..., end] = sign * (4 * rows[..., near] - 3 * rows[..., end] - rows[..., far]) / (2 * step)
+    return slope
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -407,6 +417,18 @@ class FittedRecord:
         rows)."""
         return np.vstack([self.residuals, self.jacobian.T, *self.columns.values()])
 
+    def products(self, rows: Array) -> Array:
+        """Products of all columns of the ``table`` over some ``rows`` [N^2]: from those over about the same rows."""
+        before, known = self._products or (np.zeros_like(rows), 0.0)
+        more, less = (self.table[:, np.flatnonzero(some)] for some in (rows & ~before, before & ~rows))
+        self._products[:] = rows, known + more @ more.T - less @ less.T
+        return self._products[1]
+
+    @cached_property
+    def _products(self) -> list[Array]:
+        """The rows of the last of these, and the products; none at first."""
+        return []
+
     def by_unknown(self, name: str) -> Array:
         """The column of the Jacobian that belongs to an unknown."""
         return self.jacobian[:, self.fit.names.index(name)]
@@ -416,7 +438,7 @@ class FittedRecord:
         return next((part for part in self.model.stretches if part.kind != APPROACH), None)
 
     @cached_property
-    def edges(self) -> list[tuple[DeviceBranch, Rest | None, Array, Array, Array]]:
+    def edges(self) -> list[Edges]:
         """The edges of each stretch, as the model gives them."""
         return [self.model.edges(part, self.values) for part in self.model.stretches]
 
@@ -566,6 +588,33 @@ class FittedRecord:
     def timed(self) -> bool:
         """Whether a column tells the time of all rows."""
         return min(float(np.ptp(one.t)) for one in self.model.stretches) > 0
+
+
+def prepare(records: Sequence[FittedRecord]) -> None:
+    """Find the edges and the short rings of attraction of some records together, which each remembers."""
+    new = [record for record in records if "edges" not in vars(record)]
+    each = [(record, part) for record in new for part in record.model.stretches]
+    if not each:
+        return
+    moving = Branches.of([record.model.moving(part, record.values) for record, part in each])
+    asked = [record.model.resting(part, record.values) for record, part in each]
+    at_rest = [one for one in asked if one is not None]
+    resting, places = Rest.of(at_rest) if at_rest else None, iter(range(len(at_rest)))
+    edges = iter([
+        record.model.edges_at(
+            part, record.values, moving.one(i), None if of is None or resting is None else resting.some(next(places))
+        )
+        for i, ((record, part), of) in enumerate(zip(each, asked, strict=True))
+    ])  # fmt: skip
+    for record in new:
+        vars(record)["edges"] = [next(edges) for _ in record.model.stretches]  # remembered as if asked for alone
+    changes = [(record, finite_range(record)) for record in new]
+    rings = [
+        change.rings(record.model.family, {**record.values, AMOUNT: LITTLE})
+        for record, change in changes
+        if change is not None and change.rings is not None
+    ]
+    ring_changes([ring for ring in rings if ring is not None])
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -1404,8 +1453,6 @@ def columns(record: FittedRecord, rivals: Sequence[AlternativeModel] = RIVALS) -
             bodies[rival] = effect
     if bodies:
         by_rival |= dict(zip(bodies, record.by_bodies(record.bodies([*bodies.values()])), strict=True))
-    return {
-        rival: column
-        for rival, column in by_rival.items()
-        if column is not None and np.isfinite(column).all() and column.any()
-    }
+    found = {rival: column for rival, column in by_rival.items() if column is not None}
+    sums = np.array([column @ column for column in found.values()])  # of what is 0 throughout or has no meaning, too
+    return {rival: found[rival] for rival, size in zip(found, sums.tolist(), strict=True) if 0 < size < math.inf}

@@ -138,7 +138,7 @@ class Branches:
     ``fold`` [m]: where each ends, at its ``first`` node; ``u``: log of the contact radius [m] along it, ``zeta``,
     ``P``, all (curves, nodes), at nodes before the first without a meaning; ``slope``: derivative of the load by
     zeta, ``steep``: zeta over the derivative of z by u; ``released`` as of ``Nodes``. ``q``, ``k, s, r`` of the curves;
-    ``stable``: which of them have a stable contact at all.
+    ``at_fold``: D, T, H, V there (curves, 4); ``stable``: which of them have a stable contact at all.
     """
 
     bodies: Bodies
@@ -154,6 +154,7 @@ class Branches:
     k: Array
     s: Array
     r: Array
+    at_fold: Array
     stable: Array
 
     @classmethod
@@ -190,7 +191,7 @@ class Branches:
             last, first[one] = slice(first[one], None), n - np.count_nonzero(keep)
             for column in (u, zeta, P, slope, steep, released):
                 column[one, first[one] :] = column[one, last][keep]
-        return cls(bodies, fold, first, u, zeta, P, slope, steep, released, q, k, s, r, stable)
+        return cls(bodies, fold, first, u, zeta, P, slope, steep, released, q, k, s, r, at_fold[0], stable)
 
     def unstable(self, one: int) -> SolveError:
         """Why a curve has no branch."""
@@ -263,7 +264,8 @@ class Branches:
         some = slice(self.first[curve], None)
         u, zeta, slope = (column[curve, some] for column in (self.u, self.zeta, self.slope))
         fold, k, s, r = (float(column[curve]) for column in (self.fold, self.k, self.s, self.r))
-        return DeviceBranch(fold, u, zeta, slope, k, s, r, self.bodies.nodes[self.bodies.which[curve]])
+        nodes = self.bodies.nodes[self.bodies.which[curve]]
+        return DeviceBranch(fold, u, zeta, slope, k, s, r, self.at_fold[curve], nodes)
 
 
 def _folds(bodies: Bodies, rates: Array, bends: Array) -> tuple[Array, Array]:
@@ -287,7 +289,8 @@ def _folds(bodies: Bodies, rates: Array, bends: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class DeviceBranch:
-    """The branch of one curve, as of ``Branches``, from its fold on, of a body at ``nodes``."""
+    """The branch of one curve, as of ``Branches``, from its fold on, of a body at ``nodes``; ``at_fold``: D, T, H, V
+    there."""
 
     fold: float
     u: Array
@@ -296,6 +299,7 @@ class DeviceBranch:
     k: float
     s: float
     r: float
+    at_fold: Array
     nodes: Nodes
 
     def radii(self, z: Array) -> Array:
@@ -306,13 +310,12 @@ class DeviceBranch:
     def by_body(self, z: Array, blunt: float, changes: Array) -> Array:
         """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
         the logs of D, T, H, V of the body (changes, 4, nodes)."""
-        bodies = Bodies.of([self.nodes.family])
         # between two nodes at the fold, on one of them beyond:
-        place = np.maximum((self.u - self.nodes.u[0]) / bodies.step[0], 0.0)
+        place = np.maximum((self.u - self.nodes.u[0]) / (self.nodes.u[1] - self.nodes.u[0]), 0.0)
         i, first = np.rint(place).astype(int), min(int(place[0]), self.nodes.u.size - 2)
         here, parts = changes[..., i], self.nodes.functions[:, 0, i]
         here[..., 0] = changes[..., first] + (changes[..., first + 1] - changes[..., first]) * (place[0] - first)
-        parts[:, 0] = bodies.at(self.u[:1])[0, 0]
+        parts[:, 0] = self.at_fold
         of_load = self.s * (self.zeta - self.slope / (2 * self.k))
         weights = np.stack([-self.slope / 2, self.r * self.slope / 2, of_load, -self.r * of_load]) * parts
         rate = np.einsum("ijk,jk->ik", here, weights)

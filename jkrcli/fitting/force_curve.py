@@ -300,6 +300,7 @@ FORCE_CURVE_SURELY = 0.9
 FORCE_CURVE_REMEMBERED = 2  # theory: residuals at the same unknowns, with the fold as the search sees it and as it is
 
 
+Edges: TypeAlias = tuple[DeviceBranch, Rest | None, Array, Array, Array]  # with the depth of all rows, and which move
 Loads: TypeAlias = "Callable[[ForceCurveModel, DirectionReadings, Mapping[str, float]], Array]"  # [N], of all rows
 
 
@@ -541,12 +542,16 @@ class ForceCurveModel:
     def _by_position(self) -> dict[bytes, Array]:
         return {}
 
-    def edges(
-        self, part: DirectionReadings, values: Mapping[str, float]
-    ) -> tuple[DeviceBranch, Rest | None, Array, Array, Array]:
+    def edges(self, part: DirectionReadings, values: Mapping[str, float]) -> Edges:
         """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
         the edge moves, and of those at which it rests."""
-        moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+        return self.edges_at(part, values, self.branch(part, values), self.rest(part, values))
+
+    def edges_at(
+        self, part: DirectionReadings, values: Mapping[str, float], moving: DeviceBranch, resting: Rest | None
+    ) -> Edges:
+        """The same on a branch and a resting edge that are known."""
+        depth = self.depth(part, values)
         rows = part.contact if part.jumped else self.touching(part, depth, moving.fold).nonzero()[0]
         if resting is None:
             return moving, None, depth, rows, rows[:0]

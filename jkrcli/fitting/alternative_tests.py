@@ -431,6 +431,9 @@ class Linearised:
     @cached_property
     def inverse(self) -> Array:
         """The unknowns in their lengths by what is along ``Q``: rows that are left out may determine one alone."""
+        sizes = np.abs(np.diag(self.triangle))
+        if sizes.min(initial=1.0) > SEARCH_DIGITS * sizes.max(initial=1.0):
+            return np.asarray(np.linalg.inv(self.triangle))
         inverse: Array = np.linalg.pinv(self.triangle, rcond=len(self.triangle) * np.finfo(float).eps)
         return inverse
 
@@ -440,6 +443,11 @@ class Linearised:
         r = self.record.model.whitened(residuals * self.rows, self.record.fit.spread.noise)
         along = self.Q.T @ r
         return self.inverse @ along / self.scale, float(r @ r - along @ along)
+
+    @cached_property
+    def residuals(self) -> Array:
+        """What the fit leaves of the rows, in units of the noise."""
+        return self.record.model.whitened(self.record.residuals * self.rows, self.record.fit.spread.noise)
 
     @cached_property
     def whole(self) -> Array:
@@ -653,6 +661,7 @@ class _Amounts:
     ahead: Array
     moves: dict[float, Moves | None] = field(default_factory=dict)
     ends: dict[float, Array] = field(default_factory=dict)
+    first: dict[float, Array] = field(default_factory=dict)
 
     @property
     def left(self) -> dict[float, Moves]:
@@ -669,17 +678,38 @@ class _Amounts:
             self.moves[amount], self.ends[amount] = moves, end[1]
         return self.moves[amount]
 
+    def look_ahead(self, amounts: Sequence[float]) -> list[float]:
+        """About by how much chi^2 rises at some amounts, whose moves of the unknowns are known then to first order in
+        the loads."""
+        near = self.near
+        columns = near.record.by_bodies(near.record.bodies_at(self.change, amounts)) * near.rows
+        c = near.record.model.whitened(columns.T, near.record.fit.spread.noise)
+        own, r = near.Q.T @ c, near.residuals
+        self.first.update(zip(amounts, -(near.inverse @ own).T / near.scale, strict=True))
+        rises = (2 * r + c.T) @ c
+        return (np.diag(rises) - np.einsum("ij,ij->j", 2 * (near.Q.T @ r)[:, None] + own, own)).tolist()
+
+    def _first(self, amount: float) -> Array:
+        """Moves of the unknowns to first order, between amounts that were looked at on straight lines."""
+        if amount in self.first or not self.first:
+            return self.first.get(amount, amount * self.ahead)
+        known = [0.0, *sorted(self.first)]
+        rows = np.array([np.zeros_like(self.ahead), *(self.first[one] for one in known[1:])])
+        return np.array([np.interp(amount, known, column) for column in rows.T])
+
     def _begin(self, amount: float) -> Array:
-        """Unknowns at an amount on the straight line through those next to it, or the two below, or as they begin to
-        move; as without, where none is left next to it: another valley may begin there."""
-        if amount < min(self.moves, default=math.inf):
-            return self.near.x + amount * self.ahead
-        points, more = [(0.0, self.near.x)], min((more for more in self.moves if more > amount), default=0.0)
+        """Unknowns at an amount: to first order, and what is missing to those that are left next to it, or at the two
+        below, on the straight line through these; nothing where none is left next to it: another valley may begin
+        there."""
+        missing = {0.0: np.zeros_like(self.near.x)}
+        missing |= {one: x - self.near.x - self._first(one) for one, x in self.ends.items()}
+        points, more = [0.0], min((more for more in self.moves if more > amount), default=0.0)
         for less in sorted(less for less in self.moves if less < amount):
-            points = [*points, (less, self.ends[less])] if less in self.ends else points[:1]
-        points += [(more, self.ends[more])] if more in self.ends else []
-        (first, x), (last, y) = points[-2:][0], points[-1]
-        return y + (y - x) * ((amount - last) / (last - first)) if last > first else y
+            points = [*points, less] if less in missing else points[:1]
+        points += [more] if more in self.ends else []
+        first, last = points[-2:][0], points[-1]
+        share = (amount - last) / (last - first) if last > first else 0.0
+        return self.near.x + self._first(amount) + missing[last] + (missing[last] - missing[first]) * share
 
 
 def _of_ranges(tried: _Amounts, score: Score, certain: float, long: bool) -> Flow[Score]:
@@ -706,7 +736,12 @@ def _of_tension(tried: _Amounts, score: Score) -> Flow[Score]:
     more than can be chance, as one step has it about, too."""
     record, known = tried.near.record, tried.near.record.known.tension
     most, least, leans = amount_of_tension(record, known or GEL_TENSION), 0.0, False
-    for amount in sorted({min(most, FULL_SKINS[0]), *(amount for amount in FULL_SKINS if amount < most)}):
+    amounts = sorted({min(most, FULL_SKINS[0]), *(amount for amount in FULL_SKINS if amount < most)})
+    rises_about = tried.look_ahead(amounts)
+    lowest = int(np.argmin(rises_about))
+    if rises_about[lowest] > -FULL_HARDLY * FULL_LEANING and not known:
+        return score
+    for amount in amounts[max(lowest - 1, 0) :]:
         moves = yield from tried.at(amount)
         rises = moves is not None and moves[0] > least
         least = least if moves is None else min(least, moves[0])

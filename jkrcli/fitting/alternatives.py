@@ -401,12 +401,12 @@ class FittedRecord:
         """All unknowns, by name."""
         return self.model.values(self.fit.x)
 
-    @property
+    @cached_property
     def residuals(self) -> Array:
         """Residuals [N] of all rows."""
         return self.model.residuals(self.fit.x, 0.0)[0]
 
-    @property
+    @cached_property
     def jacobian(self) -> Array:
         """Their derivatives by the unknowns, (rows, unknowns)."""
         return self.model.residuals(self.fit.x, 0.0)[1]
@@ -531,11 +531,22 @@ class FittedRecord:
         for body, change in zip(bodies, changes, strict=True):
             if change.per_amount is not None:
                 body[:] = change.per_amount
-            elif change.shape is None and change.log_changes is not None:
-                values = {**self.values, **dict(zip(change.names, (LITTLE, *change.starts[0][1:]), strict=True))}
-                for one, part in zip(body, parts, strict=True):
-                    changed = change.log_changes(self.model, part, values)
-                    one[:] = 0.0 if changed is None else changed / LITTLE
+            elif change.shape is None:
+                body[:] = self.bodies_at(change, [LITTLE])[0] / LITTLE
+        return bodies
+
+    def bodies_at(self, change: Perturbation, amounts: Sequence[float]) -> Array:
+        """Changes of the logs of the body (amounts, stretches, 4, n) at some amounts of a change, the other unknowns as
+        they are."""
+        family, parts, each = self.model.family, self.model.stretches, [{**self.values, AMOUNT: one} for one in amounts]
+        bodies = np.zeros((len(amounts), len(parts), FUNCTIONS, grid(family).size))
+        if change.rings is not None:
+            rings = [change.rings(family, values) for values in each]
+            ring_changes([ring for ring in rings if ring is not None])
+        for body, values in zip(bodies, each, strict=True):
+            for one, part in zip(body, parts, strict=True):
+                changed = None if change.log_changes is None else change.log_changes(self.model, part, values)
+                one[:] = 0.0 if changed is None else changed
         return bodies
 
     def by_bodies(self, bodies: Array) -> Array:

@@ -50,8 +50,8 @@ def alone(flow: Flow[End]) -> End:
 
 
 def together(flows: Sequence[Flow[End]]) -> list[End | Exception]:
-    """Carry ``flows`` out side by side and return their results in their order, exceptions in place of those that
-    failed.
+    """Carry out ``flows``, as of fits in lockstep, and return their results in their order, exceptions in place of
+    those that failed.
 
     All go on until each waits for an answer; the kernel that most of them wait for answers next.
     """

@@ -22,8 +22,8 @@ from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show, show_within
 from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
-from ..data.curve import ARBITRARY, NOT_SUBTRACTED
-from ..data.segmentation import Direction, ForceCurve, saturation_words, segment_force_curve
+from ..data.curve import ARBITRARY, NOT_SUBTRACTED, Curve
+from ..data.segmentation import Direction, ForceCurve, saturation_words, segment_force_curves
 from ..fitting import alternative_tests, alternatives, range_alternative
 from ..fitting.joint import JointFit
 from ..fitting.parameters import FittedValue
@@ -874,18 +874,23 @@ class Look(Result):
     def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None) -> Look:
         """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
         stands in for them."""
-        records: list[ForceCurve] = []
-        unusable: list[str] = []
+        curves: list[Curve | InputError] = []
         try:
             for curve in measured.each(path, replace(reading, incomplete=True)):
-                try:
-                    if isinstance(curve, InputError):
-                        raise curve
-                    records.append(segment_force_curve(curve))
-                except InputError as error:
-                    unusable += error.lines
+                curves.append(curve)  # those before an error stay
         except InputError as error:
-            unusable += error.lines
+            curves.append(error)
+        taken_apart = iter(segment_force_curves([curve for curve in curves if isinstance(curve, Curve)]))
+        records: list[ForceCurve] = []
+        unusable: list[str] = []
+        for curve in curves:
+            found = next(taken_apart) if isinstance(curve, Curve) else curve
+            if isinstance(found, ForceCurve):
+                records.append(found)
+            elif isinstance(found, InputError):
+                unusable += found.lines
+            else:
+                raise found
         return cls(path, records, unusable, tip)
 
     def summary(self) -> dict[str, Any]:

@@ -1353,7 +1353,7 @@ OF_RIVALS = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AlternativeModel:
     """Name one thing that the fitted model leaves out: an entry of ``RIVALS``.
 

@@ -381,36 +381,57 @@ class Least:
 
 @dataclass(frozen=True, eq=False)
 class _Ball:
-    """Where the squares ``along`` right singular vectors ``V`` of derivatives, of singular ``sizes``, are least."""
+    """Where the squares of a ``state``, linear in the ``inner`` unknowns in ``unit`` s of their own, are least within
+    a radius; ``squares`` J^T J and ``slopes`` J^T r of them."""
 
-    along: Array
-    sizes: Array
-    V: Array
+    state: State
+    inner: Array
+    unit: Array
+    squares: Array
+    slopes: Array
 
     @classmethod
     def of(cls, state: State, inner: Array, length: Array, squares: Array, slopes: Array) -> _Ball:
-        """That of the ``inner`` unknowns in units of their ``length``, by the ``squares`` J^T J and the ``slopes``
-        J^T r of a ``state``; by J itself where squares lose too many digits."""
+        """That of the ``inner`` unknowns in units of their ``length``."""
         unit = 1 / length[inner]
-        each, V = np.linalg.eigh(squares[np.ix_(inner, inner)] * np.outer(unit, unit))
+        return cls(state, inner, unit, squares[np.ix_(inner, inner)] * np.outer(unit, unit), slopes[inner] * unit)
+
+    @cached_property
+    def whole(self) -> Array | None:
+        """The step of Gauss and Newton, None where squares lose too many digits."""
+        with contextlib.suppress(np.linalg.LinAlgError):
+            size = np.linalg.cholesky(self.squares).diagonal()
+            if size.min() > SEARCH_DIGITS * size.max():
+                step: Array = np.linalg.solve(self.squares, self.slopes)
+                return step
+        return None
+
+    @cached_property
+    def directions(self) -> tuple[Array, Array, Array]:
+        """What is left along right singular vectors of the derivatives, their singular values, and they themselves; by
+        J itself where squares lose too many digits."""
+        each, V = np.linalg.eigh(self.squares)
         if each[0] > SEARCH_DIGITS**2 * each[-1]:
             sizes = np.sqrt(each)
-            return cls((slopes[inner] * unit) @ V / sizes, sizes, V.T)
-        Q, triangle = np.linalg.qr(state.jacobian[:, inner] * unit)
+            return self.slopes @ V / sizes, sizes, V.T
+        Q, triangle = np.linalg.qr(self.state.jacobian[:, self.inner] * self.unit)
         U, sizes, rows = np.linalg.svd(triangle)
-        return cls(U.T @ (Q.T @ state.residuals), np.maximum(sizes, SEARCH_SINGULAR * sizes[0]), rows)
+        return U.T @ (Q.T @ self.state.residuals), np.maximum(sizes, SEARCH_SINGULAR * sizes[0]), rows
 
     def step(self, radius: float) -> Array:
         """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
-        more, coordinates = 0.0, self.along / self.sizes
+        if self.whole is not None and math.hypot(*self.whole) <= SEARCH_LONGER * radius:
+            return self.whole
+        along, sizes, rows = self.directions
+        more, coordinates = 0.0, along / sizes
         for _ in range(MOST_STEPS):
             length = math.hypot(*coordinates)
             if length <= SEARCH_LONGER * radius:
                 break
-            rate = float(np.sum(coordinates**2 / (self.sizes**2 + more))) / length
+            rate = float(np.sum(coordinates**2 / (sizes**2 + more))) / length
             more += (length / radius - 1) * length / rate
-            coordinates = self.sizes * self.along / (self.sizes**2 + more)
-        inside: Array = coordinates @ self.V
+            coordinates = sizes * along / (sizes**2 + more)
+        inside: Array = coordinates @ rows
         return inside
 
 

@@ -251,7 +251,7 @@ def forecast(
 ) -> Forecast:  # fmt: skip
     """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without,
     and what is read off for so many ``devices``; ``request``: of finite range."""
-    rows = solution.increments.a.size
+    rows = (solution.raw or solution.series).a.size
     fitted = COST_FIT + COST_FIT_PER_ROW * rows if solution.series.S is None else 0.0
     per_row, mib = COST_PER_ROW + tables * COST_TABLE_PER_ROW, COST_MIB_PER_ROW + tables * COST_TABLE_MIB_PER_ROW
     each = COST_CURVE + per_row * rows + figures * COST_FIGURE + devices * COST_DEVICE

@@ -336,7 +336,7 @@ class Strip:
     """Rows of right-angled triangles below the contact surface: the part that two meshes have in common.
 
     Where a vertex sits relative to the edge of the contact depends on the elements around it. Two meshes with the same
-    strip share that, whatever lies below; so one calibrates the other (``fem.edge``).
+    strip share that, whatever lies below; so one calibrates the other (``fem.model``).
     ``points`` (rows + 1, n, 2): vertices by row from the surface down and by increasing radius.
     """
 

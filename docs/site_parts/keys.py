@@ -161,7 +161,7 @@ def _annotated(kind: Any, notes: Iterable[Any]) -> str:
 
 
 def _ranged(ranged: Ranged) -> str:
-    words, unit, _, _ = DIMENSIONS[ranged.dimension]
+    words, unit, *_ = DIMENSIONS[ranged.dimension]
     return " ".join(filter(None, (words.replace("plain ", ""), unit and f"({unit})", ranged.rule)))
 
 

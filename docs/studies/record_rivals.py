@@ -26,12 +26,12 @@ from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[impo
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.validity import LIMITS
 from jkrcli.base.errors import JkrError
-from jkrcli.base.lockstep import Flow
+from jkrcli.base.lockstep import Flow, alone
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting import force_curve, verdict
-from jkrcli.fitting.alternative_tests import RecordRivals, profile_bounds, relative_errors, rivals_of_records
+from jkrcli.fitting.alternative_tests import RecordRivals, bounds, relative_errors, rivals_of_records
 from jkrcli.fitting.alternatives import AMOUNT, RIVALS, FittedRecord, Perturbation, RivalModel
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.procedure import fit
@@ -92,14 +92,14 @@ def timed_scores() -> None:
             last[:] = [records[0].body, records[0].fit, found[0]]
         return found
 
-    def bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
+    def timed(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
         begin = time.process_time()
-        found = profile_bounds(record, rivals)
+        found = alone(bounds(record, rivals))
         spent[1] += time.process_time() - begin
         yield from ()
         return found
 
-    vars(verdict).update(rivals_of_records=scores, bounds=bounds)
+    vars(verdict).update(rivals_of_records=scores, bounds=timed)
 
 
 def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:

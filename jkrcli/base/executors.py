@@ -119,7 +119,7 @@ def _each(function: Callable[[Item], Result], items: list[Item]) -> Outcomes[Res
 def batches_completed(
     pool: Pool, function: Callable[[list[Item]], Outcomes[Result]], items: Sequence[Item], label: str, chunk: int
 ) -> Iterator[tuple[int, Result | Exception]]:
-    """The same of a ``function`` that works on the items of one task together."""
+    """As ``completed``, of a ``function`` that takes all items of a task and gives their outcomes."""
     tasks = deque(range(start, min(start + chunk, len(items))) for start in range(0, len(items), chunk))
     suspects: deque[int] = deque()
     running: dict[Future[Outcomes[Result]], range] = {}
@@ -174,11 +174,13 @@ def in_order(
 def batches_in_order(
     pool: Pool | None, function: Callable[[list[Item]], Outcomes[Result]], items: Sequence[Item], label: str, chunk: int
 ) -> list[Result]:
-    """The same of a ``function`` that works on the items of one task together."""
+    """As ``in_order``, of a ``function`` that takes all items of a task and gives their outcomes."""
     outcomes: dict[int, Result | Exception] = {}
     if pool is None:
         for first in range(0, len(items), chunk):
             outcomes |= enumerate(function(list(items[first : first + chunk])), first)
+            if any(isinstance(outcome, Exception) for outcome in outcomes.values()):
+                break
     for index, outcome in () if pool is None else batches_completed(pool, function, items, label, chunk):
         outcomes[index] = outcome
         if isinstance(outcome, Exception):

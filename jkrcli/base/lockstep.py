@@ -16,7 +16,11 @@ An answer that is an exception is raised where it was asked for, in that flow on
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
+
+import numpy as np
+
+from .errors import JkrError
 
 Question = TypeVar("Question")
 Answer = TypeVar("Answer")
@@ -83,7 +87,22 @@ def answers(kernel: Kernel[Question, Answer], questions: list[Question]) -> Sequ
     """The answers of a ``kernel``; where it fails as a whole those to each question alone, or the exception."""
     try:
         return kernel(questions)
-    except Exception as error:
+    except (JkrError, ArithmeticError, ValueError, MemoryError, RuntimeWarning) as error:  # others are faults of ours
         if len(questions) == 1:
             return [error]
         return [answer for question in questions for answer in answers(kernel, [question])]
+
+
+def quiet(flow: Flow[End]) -> Flow[End]:
+    """The flow with NumPy's warnings of arithmetic off while it goes on, and on again while it waits."""
+    answer: Any = None
+    while True:
+        with np.errstate(all="ignore"):
+            try:
+                request = flow.throw(answer) if isinstance(answer, Exception) else flow.send(answer)
+            except StopIteration as end:
+                return cast(End, end.value)
+        try:
+            answer = yield request
+        except Exception as error:
+            answer = error

@@ -32,7 +32,7 @@ DRAWN = 4000  # choice: points of curves that a picture tells apart
 # choice: of a direction of a record, a base line and a contact of a few rows each; so many steps beside a jump too
 FEWEST_ROWS = 20
 ROWS = 200  # choice: default number of rows of a curve
-TOGETHER = 20  # choice: items that make one task of another process
+TOGETHER = 20  # choice: items of one kind that are computed side by side, or make one task of another process
 REMEMBERED = 256  # choice: results of one kind that are kept; more only saves time
 SHOWN = 20  # choice: names or rows in a message
 SAME = 1e-6  # choice: relative difference of two values that are one: above round-off, below what anyone measures

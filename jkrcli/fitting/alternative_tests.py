@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ..base.errors import JkrError, SolveError
-from ..base.lockstep import Flow, alone, ask, together
+from ..base.lockstep import Flow, ask, quiet, together
 from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
 from ..bodies.problem import GEL_TENSION
 from .alternatives import (
@@ -181,14 +181,6 @@ class Verdict:
     def families(self) -> tuple[str, ...]:
         """The families that are named: of those that are tied, else of those that one step names."""
         return tuple(dict.fromkeys(one.family for one in self.tied)) or self.rivals.families
-
-
-def rivals_of_record(record: FittedRecord) -> RecordRivals:
-    """The scores of all rivals of a fit."""
-    (found,) = rivals_of_records([record])
-    if isinstance(found, Exception):
-        raise found
-    return found
 
 
 def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
@@ -585,12 +577,12 @@ class RivalFit:
         return self.passes and best.falls > SCORE_TIED and self.falls > best.falls - SCORE_TIED
 
 
-def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
-    """The rivals with their ``bounds``."""
-    return alone(bounds(record, rivals))
-
-
 def bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
+    """The rivals with their ``_bounds``: unknowns that no row determines may go anywhere meanwhile."""
+    return quiet(_bounds(record, rivals))
+
+
+def _bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
     """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
@@ -897,7 +889,11 @@ def _valleys(record: FittedRecord, model: RivalModel, starts: Iterable[tuple[flo
     more than the ones next to them."""
     near, starts = Linearised.of(record, off_folds(record)), sorted(starts)
     flows = [_followed(near, _with_amount(record, model.change, start[0]), still=FULL_ABOUT) for start in starts]
-    ends = [end for end in together(flows) if not isinstance(end, Exception)]
+    ends = []
+    for end in together(flows):
+        if isinstance(end, Exception):
+            raise end
+        ends.append(end)
     left = np.array([math.inf, *(math.inf if end is None else end[0] for end in ends), math.inf])
     lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
     for start, end, low in zip(starts, ends, lowest, strict=True):

@@ -800,13 +800,14 @@ _SOLVED: dict[Ring, Array] = {}
 
 def ring_changes(wanted: Sequence[Ring]) -> list[Array]:
     """Changes of the logs (works, 4, n) of bodies whose w has a range, each by itself, the last ones remembered."""
-    if missing := [one for one in dict.fromkeys(wanted) if one not in _SOLVED]:
+    found = {one: _SOLVED[one] for one in wanted if one in _SOLVED}
+    if missing := [one for one in dict.fromkeys(wanted) if one not in found]:
         if len(_SOLVED) >= REMEMBERED:
             _SOLVED.clear()
         changes, first = _maugis(missing), 0
         for one in missing:
-            _SOLVED[one] = changes[first : (first := first + len(one[2]))]
-    return [_SOLVED[one] for one in wanted]
+            found[one] = _SOLVED[one] = changes[first : (first := first + len(one[2]))]
+    return [found[one] for one in wanted]
 
 
 def _maugis(rings: Sequence[Ring]) -> Array:

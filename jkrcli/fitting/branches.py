@@ -224,7 +224,8 @@ class Branches:
         n = self.zeta.shape[1]
         ends = np.searchsorted(own, np.arange(len(self.zeta) + 1)).tolist()
         i = np.empty(own.size, dtype=np.intp)
-        for one, (first, begin, end) in enumerate(zip(self.first.tolist(), ends[:-1], ends[1:], strict=True)):
+        firsts = np.minimum(self.first, n - 2).tolist()  # of one without a stable contact there is no cell
+        for one, (first, begin, end) in enumerate(zip(firsts, ends[:-1], ends[1:], strict=True)):
             found = self.zeta[one, first + 1 : n - 1].searchsorted(zeta[begin:end])
             np.add(found, one * (n - 1) + first, out=i[begin:end])
         return i
@@ -376,6 +377,7 @@ class Rest:
             if not far.any():
                 break
             u = np.where(far, u + step, u)
+        step[far] = 0.0  # which found no place
         u, rest = u + step, step[:, None]  # of which the derivatives know enough
         at = np.stack([at[0] + rest * (at[1] + rest / 2 * at[2]), at[1] + rest * at[2]])
         rise = (of_four[:, 0] * at[1]).sum(axis=1)

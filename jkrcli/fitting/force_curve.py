@@ -1,6 +1,6 @@
 """One statistical model of a whole force curve: base line, contact point, modulus and work of adhesion together.
 
-The reading at device position z is that of a contact on its path (``device_path``) over a straight base line; all
+The reading at device position z is that of a contact on its path (``branches``) over a straight base line; all
 scatter is in the load:
 
     reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
@@ -39,10 +39,10 @@ from .least_squares import (
     Spectrum,
     Spread,
     State,
+    covariance_coloured,
     in_time,
     influence,
     robust_scale,
-    spreads,
 )
 from .rows import in_contact, noise_from_third_differences
 from .settings import Loss
@@ -634,7 +634,8 @@ def contact_loads(
     for place, (model, part, values, blunt) in enumerate(asked):
         try:
             if (loads := model.in_place_of_path(part)) is not None:
-                answers[place] = np.append(loads(model, part, values)[None], np.zeros((5, part.z.size)), axis=0)
+                rates = np.zeros((5 * slopes, part.z.size))
+                answers[place] = np.append(loads(model, part, values)[None], rates, axis=0)
                 continue
             depth, width = model.depth(part, values), blunt * part.reach if blunt else part.spacing / 2
             each.append((place, part, depth, width, model.moving(part, values), model.resting(part, values)))
@@ -645,9 +646,10 @@ def contact_loads(
     places, parts, depths, widths, edges, at_rest = zip(*each, strict=True)
     moving = Branches.of(edges)
     # Rows in contact, in order of the curves, and the curve of each.
+    models = [asked[place][0] for place in places]
     touching = [
-        part.touching if part.jumped else depth > (0.0 if part.kind == APPROACH else fold)
-        for part, depth, fold in zip(parts, depths, moving.fold.tolist(), strict=True)
+        model.touching(part, depth, fold)
+        for model, part, depth, fold in zip(models, parts, depths, moving.fold.tolist(), strict=True)
     ]
     depth, rows = np.concatenate(depths), np.concatenate(touching).nonzero()[0]
     ends = list(itertools.accumulate((one.size for one in depths), initial=0))
@@ -672,12 +674,12 @@ def contact_loads(
     return answers
 
 
-Question: TypeAlias = tuple[ForceCurveModel, Array, float]  # a model, its unknowns, and how blunt the fold is
+AtUnknowns: TypeAlias = tuple[ForceCurveModel, Array, float]  # a model, its unknowns, and how blunt the fold is
 
 
 @np.errstate(all="ignore")
 def at_rows(
-    asked: Sequence[Question], slopes: bool = True
+    asked: Sequence[AtUnknowns], slopes: bool = True
 ) -> list[tuple[Mapping[str, float], Sequence[Array]] | Exception]:
     """The values of the unknowns of some models, and the ``contact_loads`` of their stretches."""
     each = [(model, model.values(x), blunt) for model, x, blunt in asked]
@@ -690,7 +692,7 @@ def at_rows(
     return answers
 
 
-def offs(asked: Sequence[Question]) -> list[Array | Exception]:
+def offs(asked: Sequence[AtUnknowns]) -> list[Array | Exception]:
     """Model minus reading [N] of all rows of some models."""
     answers: list[Array | Exception] = []
     for (model, _, _), answer in zip(asked, at_rows(asked, slopes=False), strict=True):
@@ -703,7 +705,7 @@ def offs(asked: Sequence[Question]) -> list[Array | Exception]:
     return answers
 
 
-def evaluated(asked: Sequence[Question]) -> list[tuple[Array, Array] | Exception]:
+def evaluated(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exception]:
     """Model minus reading [N] of all rows of some models, and its derivatives by the unknowns, (rows, unknowns)."""
     answers: list[tuple[Array, Array] | Exception] = []
     for (model, x, blunt), answer in zip(asked, at_rows(asked), strict=True):
@@ -720,7 +722,7 @@ def evaluated(asked: Sequence[Question]) -> list[tuple[Array, Array] | Exception
     return answers
 
 
-def residuals_of(asked: Sequence[Question]) -> list[tuple[Array, Array] | Exception]:
+def residuals_of(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exception]:
     """The ``residuals`` of some models, each remembered by its model."""
     new = {place: one for place, one in enumerate(asked) if not one[0].remembers(*one[1:])}
     found = dict(zip(new, evaluated(list(new.values())), strict=True))
@@ -1046,11 +1048,11 @@ def _spread_at_folds(
     residuals, free = model.ordered(pull, weight), model.free(off)
     rounding = max(part.line.rounding for part in model.stretches) ** 2
 
-    def spread_by(J: Array) -> Flow[Spread]:
-        return ask(spreads, (residuals, model.ordered(J, weight), free, weight, rounding))
+    def spread_by(J: Array) -> Spread:
+        return covariance_coloured(residuals, model.ordered(J, weight), free, weight, rounding)
 
     J = model.residuals(x, 0.0)[1]
-    spread, first = (yield from spread_by(J)), 0
+    spread, first = spread_by(J), 0
     for part in model.stretches if weight.slow and "z0" in model.names else ():
         rows = slice(first, first := first + part.z.size)
         lost, width = rows.start + int(np.argmax(part.touching)), FIT_UNSURE * part.reach
@@ -1059,7 +1061,7 @@ def _spread_at_folds(
         J = J.copy()
         for _ in range(MOST_SOLVES):
             J[rows] = (yield from ask(evaluated, (model, x, width / part.reach)))[1][rows]
-            spread = yield from spread_by(J)
+            spread = spread_by(J)
             error = max(_place_error(model, J[lost], spread), part.spacing / 2)
             if FIT_NARROWER * error > width:
                 break

@@ -244,7 +244,7 @@ class LeastSquares:
         return alone(self.searching(start))
 
     def searching(self, start: Array) -> Flow[Least]:
-        """The same, beside other searches."""
+        """The least from the unknowns ``start`` on, as a flow: side by side with other searches."""
         start = np.clip(start, *self.bounds)
         state = yield from ask(states, (self.model, start))
         if not np.isfinite(state.residuals).all():
@@ -381,8 +381,8 @@ class Least:
 
 @dataclass(frozen=True, eq=False)
 class _Ball:
-    """Where the squares of a ``state``, linear in the ``inner`` unknowns in ``unit`` s of their own, are least within
-    a radius; ``squares`` J^T J and ``slopes`` J^T r of them."""
+    """Where the squares of a ``state``, linear in the ``inner`` unknowns, are least within a radius; ``squares`` J^T J
+    and ``slopes`` J^T r of them, scaled by ``unit``."""
 
     state: State
     inner: Array
@@ -849,11 +849,6 @@ def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
 def frequencies(rows: int) -> Array:
     """Those of the cosine transform, per row."""
     return np.arange(rows) / (2 * rows)
-
-
-def spreads(asked: Sequence[tuple[Array, Array, Sequence[Array], Spectrum, float]]) -> list[Spread | Exception]:
-    """The ``covariance_coloured`` of some fits."""
-    return [covariance_coloured(*one) for one in asked]
 
 
 def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from jkrcli.base.errors import SolveError
-from jkrcli.base.lockstep import Flow, alone, ask, together
+from jkrcli.base.lockstep import Flow, alone, ask, quiet, together
 
 
 def squares(asked: list[float]) -> list[float | Exception]:
@@ -56,3 +57,32 @@ def test_a_kernel_that_fails_as_a_whole_answers_each_question_alone() -> None:
     good, bad = together([inverse(4.0), inverse(0.0)])
     assert good == 0.25
     assert isinstance(bad, ZeroDivisionError)
+
+
+def test_warnings_of_arithmetic_are_off_while_a_quiet_flow_goes_on_and_on_while_it_waits() -> None:
+    def steps() -> Flow[float]:
+        lost = float(np.log(np.zeros(1))[0])
+        x = yield from ask(watched, lost)
+        return float(x / np.zeros(1)[0])
+
+    def watched(asked: list[float]) -> list[float]:
+        heard.append(np.geterr()["divide"])
+        return [2.0] * len(asked)
+
+    heard: list[str] = []
+    with np.errstate(all="raise"):
+        assert alone(quiet(steps())) == np.inf
+        with pytest.raises(FloatingPointError):
+            alone(steps())
+    assert heard == ["raise"]
+
+
+def test_a_fault_of_a_kernel_shows_itself() -> None:
+    def faulty(asked: list[float]) -> list[float]:
+        return [{}[x] for x in asked]
+
+    def flow() -> Flow[float]:
+        return (yield from ask(faulty, 1.0))
+
+    with pytest.raises(KeyError):
+        together([flow(), flow()])

@@ -25,10 +25,11 @@ from jkrcli.fitting.alternative_tests import (
     EXCLUDED,
     UNDECIDED,
     Linearised,
+    RecordRivals,
     _Amounts,
     _of_amounts,
-    profile_bounds,
-    rivals_of_record,
+    bounds,
+    rivals_of_records,
 )
 from jkrcli.fitting.alternatives import (
     AMOUNT,
@@ -65,6 +66,12 @@ def curve(made: Wrong) -> Curve:
 
 
 @lru_cache
+def rivals_of_record(record: FittedRecord) -> RecordRivals:
+    (found,) = rivals_of_records([record])
+    assert not isinstance(found, Exception)
+    return found
+
+
 def still_record() -> FittedRecord:
     """A fit of a right record without noise and without rest."""
     made = Wrong(record(STILL.E, R, STILL.w, STILL.w, STILL.device, 1), STILL.k, STILL.truth)
@@ -383,7 +390,7 @@ def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str,
 def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) -> None:
     """Of a range below all that the body suggests, which these data exclude."""
     at = of_record(right(drawn), usual())
-    rivals = profile_bounds(at, rivals_of_record(at))
+    rivals = alone(bounds(at, rivals_of_record(at)))
     score = next(one for one in rivals.scores if one.name == name)
     effect = named(score.name).effect(at)
     assert isinstance(effect, Perturbation)

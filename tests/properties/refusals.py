@@ -211,7 +211,7 @@ KINDS = {
     "fem: tolerance with radii of vertices": kind(UNREACHED, {"method": "fem", "specimen": HALF_SPACE,
         "mesh": {"tolerance": 1e-3}, "contact": {"algorithm": "incremental"}},
         lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, LAYERED,
-        jkrcli__methods__fem__method__REFINEMENT_FINEST=0.02),
+        jkrcli__methods__fem__REFINEMENT_FINEST=0.02),
     # ------------------------------------------------------------ hybrid
     "hybrid: half-space": kind(
         "method hybrid: a homogeneous half-space needs no correction: use method closed-form or layered",
@@ -264,12 +264,12 @@ KINDS = {
         "the last up to {}: prescribe loading.radius, or use method fem",
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}},
         {"loading": {"load": None, "radius": "5 um"}}, fem(), near=None,
-        jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__REACH_ROOM=0.8),
+        jkrcli__methods__hybrid__MOST_SOLVES=1, jkrcli__methods__hybrid__REACH_ROOM=0.8),
     "hybrid: no radius found under an elastic indenter": kind("hybrid: the largest contact radius was not found "
         "within {} solves, the last up to {}: prescribe loading.radius, or use method " + FEM_RIGID,
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}, "indenter": ELASTIC},
         {"loading": {"load": None, "radius": "5 um"}}, fem(**RIGID), near=None,
-        jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__REACH_ROOM=0.8),
+        jkrcli__methods__hybrid__MOST_SOLVES=1, jkrcli__methods__hybrid__REACH_ROOM=0.8),
     "hybrid: beyond a sphere": kind("{}" + BEYOND, {**HYBRID, "indenter": SPHERE},
         {"loading": {"radius": "5 um"}}, {"indenter": {"radius": "1 mm"}}),
     "hybrid: a plate on its rim": kind(FALLS, {**HYBRID, **STIFF}, {"loading": {"radius": 0.99}}),

@@ -205,7 +205,7 @@ Equal: TypeAlias = Literal["load", "area"]
 
 # theory: of a rigid pyramid of so many faces on a frictionless half-space, at the angle t of a face to the axis, load P
 # over E* tan(t) delta^2 and contact area over (tan(t) delta)^2: boundary elements, extrapolated from grids up to 384^2
-# (tests/bodies/test_pyramids.py); of a cone 2/pi and 4/pi
+# (tests/bodies/test_tips.py); of a cone 2/pi and 4/pi
 LOADS = {3: 0.8824, 4: 0.7376}
 CONTACTS = {3: 1.77, 4: 1.48}
 SECTIONS = {3: 3 * math.sqrt(3), 4: 4.0}  # theory: area of the section of a pyramid over the square of its inner radius

@@ -64,6 +64,7 @@ SCORE_NORMAL = 1.96  # theory: 95 % of a normal value
 SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from which they are named together
 # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
 SCORE_BESIDE = 1.5
+SCORE_SEEN = 1e-7  # theory: of a column, what is left of it that differences of squares tell
 SCORE_TAIL = 0.125  # theory: of Student's t: cubics of logs of its tail between are good to 1e-7
 SCORE_FARTHEST = 1e3  # choice: of the same, beyond which a tail is as there
 
@@ -203,8 +204,8 @@ def _scored(record: FittedRecord) -> RecordRivals:
     sizes, along, moves = linear.evidence
     unit = None
     if noise.slow or record.fit.spread.possible is not None:
-        scale = np.maximum(sizes, TINY) * (1.0 if noise.slow else math.sqrt(noise.A))
-        unit = (table[own:] + moves @ table[1:own]) / scale[:, None]  # c'/|c'|
+        scale = np.where(sizes > 0, sizes, np.inf) * (1.0 if noise.slow else math.sqrt(noise.A))
+        unit = (table[own:] + moves @ table[1:own]) / scale[:, None]  # c'/|c'|, 0 where there is none
     dofs = _noise_dofs(record.fit, unit, sizes.size)
     evidence = zip(sizes.tolist(), along.tolist(), linear.whole.tolist(), dofs,
                    _chances(record, unit, rows, along**2, dofs).tolist(), strict=True)  # fmt: skip
@@ -293,8 +294,8 @@ def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array
 
 def _tails(taken: Array, dof: float) -> Array:
     """The chances that the square of Student's t of ``dof`` degrees of freedom is above each of ``taken``: between even
-    t by cubics of their logs through values and slopes, good to 1e-7."""
-    t = np.sqrt(taken)
+    t by cubics of their logs through values and slopes, good to 1e-7; nan where nothing is known."""
+    t = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf))
     nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max()), SCORE_FARTHEST) / SCORE_TAIL) + 2)
     tail = np.maximum(fdtrc(1, dof, nodes**2), TINY)
     peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
@@ -306,7 +307,7 @@ def _tails(taken: Array, dof: float) -> Array:
     i = np.minimum(place.astype(int), nodes.size - 2)
     x, (c0, c1, c2, c3) = place - i, cubics.take(i, axis=1)
     chances: Array = np.exp(c0 + x * (c1 + x * (c2 + x * c3)))
-    return np.where(c0 > math.log(TINY), chances, 0.0)
+    return np.where(np.isnan(taken), math.nan, np.where(c0 > math.log(TINY), chances, 0.0))
 
 
 def chance_of(fit: ForceCurveFit, taken: float) -> float:
@@ -453,14 +454,17 @@ class Linearised:
         it, and by how much the unknowns move per amount (rivals, unknowns)."""
         c = self.along[:, 1 + len(self.scale) :]
         sizes = np.sqrt(np.maximum(self.whole**2 - np.einsum("ij,ij->j", c, c), 0.0))
+        seen = sizes > SCORE_SEEN * self.whole
         shared = self.gram[0, 1 + len(self.scale) :] - self.along[:, 0] @ c
-        return sizes, shared / np.maximum(sizes, TINY), -(self.inverse @ c).T / self.scale
+        along = np.where(seen, shared, 0.0) / np.where(seen, sizes, 1.0)
+        return np.where(seen, sizes, 0.0), along, -(self.inverse @ c).T / self.scale
 
     def alike(self, which: int) -> Array:
         """The correlations of what is left of the columns of rivals with that of one."""
         c, first, sizes = self.along[:, 1 + len(self.scale) :], 1 + len(self.scale), self.evidence[0]
         shared = self.gram[first:, first + which] - c.T @ c[:, which]
-        correlations: Array = shared / np.maximum(sizes * sizes[which], TINY)
+        both = sizes * sizes[which]
+        correlations: Array = np.where(both > 0, shared, 0.0) / np.where(both > 0, both, 1.0)
         return correlations
 
     def size(self, step: Array) -> float:

@@ -14,6 +14,7 @@ import pytest
 import wrong_records
 from conftest import Outcome
 from force_curves import record
+from scipy.special import fdtrc
 from test_fit_record import BODY, R, usual
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right
 
@@ -28,6 +29,7 @@ from jkrcli.fitting.alternative_tests import (
     RecordRivals,
     _Amounts,
     _of_amounts,
+    _tails,
     bounds,
     rivals_of_records,
 )
@@ -460,3 +462,20 @@ def test_a_bound_of_surface_tension_is_for_raw_records(jkr: Callable) -> None:
     done = jkr("fit", "--radius", "5 um", "--nu", "0.5", "table.csv", "--bound", "surface_tension=..30 mN/m")
     assert done.code == 2
     assert "--bound surface_tension is for raw force curves, it has no effect here" in done.err
+
+
+def test_a_column_that_the_model_itself_makes_has_no_chance_and_warns_of_nothing() -> None:
+    """The Jacobian's own first column among those of rivals: nothing of it is left, and no arithmetic overflows."""
+    near = Linearised.of(still_record(), rivals=True)
+    first = 1 + len(near.scale)
+    gram = near.gram.copy()
+    gram[first], gram[:, first] = gram[1], gram[:, 1]
+    gram[first, first] = gram[1, 1]
+    along = near.along.copy()
+    along[:, first] = along[:, 1]
+    with np.errstate(all="raise"):
+        held = replace(near, gram=gram, along=along)
+        sizes, taken, _ = held.evidence
+        assert (sizes[0], taken[0], held.alike(0)[0]) == (0.0, 0.0, 0.0)
+        assert np.isnan(_tails(np.array([[np.nan, 1.0, 0.0]]), 50.0)).tolist() == [[True, False, False]]
+    assert _tails(np.array([[4.0, 0.0]]), 50.0)[0] == pytest.approx([fdtrc(1, 50.0, 4.0), 1.0], rel=1e-6)

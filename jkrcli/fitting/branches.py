@@ -95,7 +95,7 @@ class Bodies:
 
     @cached_property
     def step(self) -> Array:
-        """Of the nodes of each curve."""
+        """The distance of neighbouring nodes of each curve."""
         steps: Array = (self.u[:, -1] - self.u[:, 0])[self.which] / (self.u.shape[1] - 1)
         return steps
 

@@ -8,8 +8,8 @@ scatter is in the load:
 P is 0 where a row is free. On approach the edge advances with its own w; from the turning point on it rests, then
 recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
 ``turn`` of its own. Each direction has its own base line (drag, drift of the load), on request with a wave c cos + s
-sin of 2 pi (z - at)/period (``interference``). On request positions err by a drift, hysteresis or creep, 0 at the
-turning point (``positions``): in one direction alone they cannot be separated from another modulus.
+sin of 2 pi (z - at)/period (interference). On request positions err by a drift, hysteresis or creep, 0 at the turning
+point: in one direction alone they cannot be separated from another modulus.
 """
 
 from __future__ import annotations

@@ -18,11 +18,9 @@ from functools import cache, cached_property
 from typing import Annotated, Any, Protocol, TypeAlias
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from ..base.errors import Estimate, InputError, SolveError, Unknown, did_you_mean, positive
-from ..base.numerics import LOOKED_AT, MOST_STEPS, Array
+from ..base.numerics import LOOKED_AT, MOST_STEPS, Array, zeros_between
 from ..base.registry import Registry
 from ..base.units import Ranged, check_ranges, show
 from . import device_path
@@ -208,7 +206,11 @@ class Motion(device_path.Piece):
         until = tau[-1] - MOTION_INSTANT * (tau[-1] - tau[0])
         i = min(int(np.searchsorted(tau, until)), tau.size - 1)
         low = float(self.nodes[max(i - 1, 0)])
-        return low if tau[0] == until else float(brentq(lambda s: self.path(s)[0] - until, low, self.nodes[i]))
+        return (
+            low
+            if tau[0] == until
+            else float(zeros_between(lambda s: self.path(s)[0] - until, np.array([low]), self.nodes[[i]], 0.0)[0])
+        )
 
     def at(self, t: Array) -> Array:
         """Radii [m] at the times ``t`` [s] of the motion: s by Newton's method, from the nodes."""
@@ -229,12 +231,9 @@ class Motion(device_path.Piece):
         if self.rule.stiffness == LOAD_CONTROL:
             return self.last if self.ramp.rate < 0 else self.first
 
-        def slope(s: float) -> float:
-            return float(self._load_rate(np.array([s]))[0])
-
         signs = np.sign(self._load_rate(self.nodes))
-        inner = [brentq(slope, self.nodes[i], self.nodes[i + 1], xtol=1e-12, rtol=1e-12)
-                 for i in np.flatnonzero((signs[:-1] < 0) & (signs[1:] > 0))]  # fmt: skip
+        turns = np.flatnonzero((signs[:-1] < 0) & (signs[1:] > 0))
+        inner = zeros_between(self._load_rate, self.nodes[turns], self.nodes[turns + 1], 1e-12)
         times, radii = self._states(np.array([self.nodes[0], *inner, self.nodes[-1]]))
         i = int(np.argmin(self.rule.edge.state(radii, self.ramp.at(times)).P))
         return float(times[i]), float(radii[i])
@@ -319,6 +318,8 @@ class ByLaw(device_path.EdgeRule):
 def move(rule: ByLaw, ramp: device_path.Ramp, t: float, a: float) -> Motion:
     """The motion of the edge from radius ``a`` [m] at the time ``t`` [s] of a ``ramp`` on. SolveError where the
     integrator gives up, or takes too many evaluations."""
+    from scipy.integrate import solve_ivp
+
     # T [s]: in which the device moves by the lag at G = w, or where it stands the edge by its radius
     if ramp.rate != 0:
         adhesive = rule.edge.position_at(np.array(a), rule.w) - rule.edge.position_at(np.array(a), 0.0)
@@ -581,17 +582,17 @@ class History(device_path.Path):
     def position_where(self, quantity: str, value: float) -> float | None:
         """The device's position where "P" [N] or "delta" [m] first rises to ``value``; None: it never does."""
 
-        def excess(piece: device_path.Piece, t: Array) -> Array:
-            _, delta, P, _ = self.states(piece, t, piece.at(t))
-            return (P if quantity == "P" else delta) - value
-
         for piece in self.pieces:
+
+            def excess(t: Array, piece: device_path.Piece = piece) -> Array:
+                _, delta, P, _ = self.states(piece, t, piece.at(t))
+                return (P if quantity == "P" else delta) - value
+
             t = piece.rows(LOOKED_AT)[0]
-            met = np.flatnonzero(np.diff(np.sign(excess(piece, t))) > 0)
+            met = np.flatnonzero(np.diff(np.sign(excess(t))) > 0)
             if met.size and piece.phase == device_path.ADVANCE:
-                i = int(met[0])
-                when = brentq(lambda x, piece=piece: excess(piece, np.array([x]))[0], t[i], t[i + 1], rtol=1e-14)
-                return float(piece.ramp.at(when))
+                when = zeros_between(excess, t[met[:1]], t[met[:1] + 1], 0.0)
+                return float(piece.ramp.at(when)[0])
         return None
 
     @property

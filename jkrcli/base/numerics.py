@@ -1,14 +1,13 @@
-"""Arrays, piecewise polynomials, quadrature, iteration and random draws of all rooms."""
+"""Arrays, piecewise polynomials, quadrature and iteration of all rooms."""
+
+from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 import numpy as np
-
-from .errors import InputError
 
 Array: TypeAlias = np.ndarray[Any, np.dtype[Any]]
 
@@ -88,12 +87,20 @@ class PiecewisePolynomial:
     def __call__(self, x: Array, order: int = 0) -> Array:
         """Value (``order`` 0) or derivative of that order at ``x`` of any shape."""
         x = np.asarray(x, dtype=float)
-        at = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
-        s = (x - self.x[at]).reshape((*x.shape, *[1] * (self.c.ndim - 2)))
-        degree, value = self.c.shape[0] - 1, np.zeros(())
-        for i, c in enumerate(self.c[: degree + 1 - order]):
-            value = value * s + math.perm(degree - i, order) * c[at]
+        at = np.searchsorted(self.x[1:-1], x, side="right")
+        s = (x - self.x.take(at)).reshape((*x.shape, *[1] * (self.c.ndim - 2)))
+        highest, *others = self.derivative(order).c if order else self.c
+        value = highest.take(at, axis=0)
+        for c in others:
+            value = value * s
+            value += c.take(at, axis=0)
         return value
+
+    def derivative(self, order: int) -> PiecewisePolynomial:
+        """Its derivative of an ``order`` up to its degree."""
+        degree = len(self.c) - 1
+        factors = np.array([math.perm(degree - i, order) for i in range(degree + 1 - order)])
+        return PiecewisePolynomial(self.x, (factors * self.c[: factors.size].T).T)
 
 
 class PiecewiseCubic(PiecewisePolynomial):
@@ -145,10 +152,13 @@ class PiecewiseQuintic(PiecewisePolynomial):
 
 
 def spline_slopes(x: Array, y: Array) -> Array:
-    """Slopes (n,) at its knots of the cubic spline through ``y`` (n,) at increasing ``x``, not-a-knot at both ends.
+    """Slopes (n, ...) at its knots of the cubic splines through ``y`` (n, ...) at increasing ``x``, not-a-knot at both
+    ends.
 
     Three points give a parabola, two a straight line.
     """
+    if y.ndim > 1:
+        return np.stack([spline_slopes(x, one) for one in y.reshape(len(y), -1).T], axis=1).reshape(y.shape)
     h, secant = np.diff(x), np.diff(y) / np.diff(x)
     if x.size == 2:
         return np.repeat(secant, 2)
@@ -168,9 +178,46 @@ def spline_slopes(x: Array, y: Array) -> Array:
 
 
 def cubic_spline(x: Array, y: Array) -> PiecewiseCubic:
-    """The cubic spline through ``y`` (n,) at increasing ``x``, not-a-knot at both ends: SciPy's, whose import takes
-    longer than most of what is computed with it."""
+    """The cubic splines through ``y`` (n, ...) at increasing ``x``, not-a-knot at both ends: SciPy's, whose import
+    takes longer than most of what is computed with it."""
     return PiecewiseCubic(x, y, spline_slopes(x, y))
+
+
+def pchip(x: Array, y: Array) -> PiecewiseCubic:
+    """The cubics through ``y`` (n,) at increasing ``x`` that rise and fall where the points do, and no further: at a
+    knot the harmonic mean of the secants beside it, weighted by the lengths (Fritsch and Butland, SIAM J. Sci. Stat.
+    Comput. 5 (1984) 300), 0 where they differ in sign."""
+    h, secant = np.diff(x), np.diff(y) / np.diff(x)
+    if x.size == 2:
+        return PiecewiseCubic(x, y, np.repeat(secant, 2))
+
+    # (w1 + w2)/d = w1/s1 + w2/s2 between the secants s1, s2, with w1 = 2 h2 + h1 and w2 = h2 + 2 h1
+    left, right, rises = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1], secant[:-1] * secant[1:] > 0
+    s1, s2 = np.where(rises, secant[:-1], 1.0), np.where(rises, secant[1:], 1.0)
+    middle = np.where(rises, (left + right) / (left / s1 + right / s2), 0.0)
+
+    def end(h1: float, h2: float, s1: float, s2: float) -> float:
+        """The slope of the parabola through three points at the first, as far as it goes the way of the secants."""
+        slope = ((2 * h1 + h2) * s1 - h1 * s2) / (h1 + h2)
+        if slope * s1 <= 0:
+            return 0.0
+        return 3 * s1 if s1 * s2 <= 0 and abs(slope) > abs(3 * s1) else slope
+
+    first, last = end(*h[:2], *secant[:2]), end(*h[:-3:-1], *secant[:-3:-1])
+    return PiecewiseCubic(x, y, np.concatenate([[first], middle, [last]]))
+
+
+def cosine_transform(columns: Array) -> Array:
+    """The orthonormal cosine transform (DCT-II) of ``columns`` (n, ...) of real numbers, along the first axis."""
+    n = len(columns)
+    # even rows, then odd ones backwards: the transform is the real part of the turned Fourier transform (Makhoul, IEEE
+    # Trans. ASSP 28 (1980) 27), whose upper half is minus the imaginary part of the lower, in reverse
+    order = np.concatenate([np.arange(0, n, 2), np.arange(1, n, 2)[::-1]])
+    waves = (np.fft.rfft(columns[order], axis=0).T * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))).T
+    transform = np.concatenate([waves.real, -waves.imag[1 : n - n // 2][::-1]])
+    transform *= math.sqrt(2 / n)
+    transform[0] *= math.sqrt(0.5)
+    return transform
 
 
 def rising_slopes(x: Array, y: Array, slopes: Array) -> Array:
@@ -231,88 +278,3 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, t
             inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
         part = np.where(monotone & np.isfinite(inverse), inverse, 0.5)
     return best
-
-
-# --------------------------------------------------------------------------------------------------
-# Distributions of uncertain numbers, and draws: inverse distribution functions of points in the unit cube.
-
-LIMITS = {"least": -math.inf, "most": math.inf}  # of what is cut off
-
-
-class Kind(NamedTuple):
-    """A kind of distribution: the parameters that it needs, the values ``at`` fractions of all draws (n,) by these and
-    its ``limits``, and the parameter that must be ``positive``."""
-
-    needed: tuple[str, ...]
-    at: Callable[..., Array]
-    positive: str = ""
-    limits: Mapping[str, float] = {}
-
-
-def _normal(u: Array, mean: float, sd: float, least: float, most: float) -> Array:
-    from scipy.special import ndtr, ndtri
-
-    low, high = ndtr((least - mean) / sd), ndtr((most - mean) / sd)
-    return np.clip(mean + sd * ndtri(low + (high - low) * u), least, most)
-
-
-DISTRIBUTIONS = {
-    "uniform": Kind(("from", "to"), lambda u, start, end: start + (end - start) * u),
-    "loguniform": Kind(("from", "to"), lambda u, start, end: start * (end / start) ** u, "from"),
-    "normal": Kind(("mean", "sd"), _normal, "sd", LIMITS),
-    "lognormal": Kind(
-        ("median", "factor"),
-        lambda u, median, factor, *limits: np.exp(
-            _normal(u, math.log(median), math.log(factor), *(math.log(x) if x > 0 else -math.inf for x in limits))
-        ),
-        "median",
-        LIMITS,
-    ),
-    "integer": Kind(("from", "to"), lambda u, start, end: (start + np.floor((end - start + 1) * u)).astype(int)),
-    "choice": Kind(("values",), lambda u, values: np.fromiter(values, object)[(len(values) * u).astype(int)]),
-}
-
-
-@dataclass(frozen=True)
-class Distribution:
-    """A ``kind`` with the parameters in SI; InputError where they describe none."""
-
-    kind: str
-    parameters: Mapping[str, Any]
-
-    def __post_init__(self) -> None:
-        name = DISTRIBUTIONS[self.kind].positive
-        self._check_rise("from", "to")
-        if name and self.parameters[name] <= 0:
-            raise InputError(f"{self.kind}: {name} must be > 0, got {self.parameters[name]:g}")
-        self._check_rise("least", "most")
-
-    def _check_rise(self, low: str, high: str) -> None:
-        start, end = self.parameters.get(low, -math.inf), self.parameters.get(high, math.inf)
-        if not start < end:
-            raise InputError(f"{self.kind}: {low} must be below {high}, got {start:g} and {end:g}")
-
-    def at(self, u: Array) -> tuple[Any, ...]:
-        """The values below which the fractions ``u`` of all draws lie."""
-        needed, at, _, limits = DISTRIBUTIONS[self.kind]
-        values = {**limits, **self.parameters}
-        return tuple(at(u, *(values[name] for name in (*needed, *limits))).tolist())
-
-
-METHODS = ("random", "sobol", "latin-hypercube")
-
-
-def draw(distributions: list[Distribution], count: int, method: str, seed: int) -> list[tuple[Any, ...]]:
-    """``count`` draws of all distributions together, a tuple per draw."""
-    rng, size = np.random.default_rng(seed), len(distributions)
-    if method == "random":
-        points = rng.random((count, size))
-    else:
-        from scipy.stats import qmc
-
-        if method == "sobol":
-            points = qmc.Sobol(size, scramble=True, rng=rng).random_base2(max(count - 1, 0).bit_length())[:count]
-        else:
-            points = qmc.LatinHypercube(size, rng=rng).random(count)
-    points = np.clip(points, 1e-12, 1 - 1e-12)  # the normal distribution has no ends
-    return list(zip(*(item.at(u) for item, u in zip(distributions, points.T, strict=True)), strict=True))

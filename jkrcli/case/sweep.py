@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from ..base.distributions import DISTRIBUTIONS
 from ..base.files import read_bytes
-from ..base.numerics import DISTRIBUTIONS
 from .models import Length, RootTable, Table, as_tuple, one_or_more, parse_toml, quantity, validated, wrong
 
 MOST_CASES = 2_000_000  # of one sweep, about 2 kB of memory each in the process that collects their rows

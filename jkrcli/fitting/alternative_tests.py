@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.special import fdtrc
 
+from ..base.distributions import f_tail
 from ..base.errors import JkrError, SolveError
 from ..base.lockstep import Flow, ask, quiet, together
 from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
@@ -279,7 +279,7 @@ def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array
     slow."""
     possible, noise = record.fit.spread.possible, record.fit.spread.noise
     if possible is None or unit is None:
-        return np.array(fdtrc(1, dofs, taken))
+        return f_tail(1, np.array(dofs), taken)
     taken_at = record.model.rows[rows] - record.model.rows[rows].min()  # as white noise of those missing tells nothing
     series = np.zeros((len(unit), int(taken_at.max()) + 1))
     series[:, taken_at] = unit[:, rows]
@@ -297,7 +297,7 @@ def _tails(taken: Array, dof: float) -> Array:
     t by cubics of their logs through values and slopes, good to 1e-7; nan where nothing is known."""
     t = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf))
     nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max()), SCORE_FARTHEST) / SCORE_TAIL) + 2)
-    tail = np.maximum(fdtrc(1, dof, nodes**2), TINY)
+    tail = np.maximum(f_tail(1, dof, nodes**2), TINY)
     peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
     slope = -SCORE_TAIL * peak * (1 + nodes**2 / dof) ** (-(dof + 1) / 2) / tail
     log = np.log(tail)
@@ -312,7 +312,7 @@ def _tails(taken: Array, dof: float) -> Array:
 
 def chance_of(fit: ForceCurveFit, taken: float) -> float:
     """The chance that noise makes one number more take as much of chi^2."""
-    return float(fdtrc(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0)))
+    return float(f_tail(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0)))
 
 
 def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
@@ -932,7 +932,7 @@ def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) ->
         full = fit(without, full.x, near=True)
     here = FittedRecord(record.body, reconverge(full))
     misfit, dof, loose = misfit_left(here, regular_rows(here))
-    chance = float(fdtrc(dof, max(loose, 1), misfit / dof))
+    chance = float(f_tail(dof, max(loose, 1), misfit / dof))
     noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
     plain = misfit_of(record, common_rows(record, here), noise)
     falls = plain - misfit_of(here, common_rows(here, record), noise)

@@ -12,18 +12,17 @@ import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache, partial
+from statistics import NormalDist
 from typing import Any, TypeAlias, cast
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.special import ndtri
 
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
 from ..adhesion.relaxation import RelaxingContact
 from ..adhesion.validity import EXCESS, LIMITS, STRAINED
 from ..base.errors import InputError, JkrError, SolveError
-from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array
+from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, PiecewiseCubic, cubic_spline
 from ..bodies.problem import (
     HalfSpace,
     Layer,
@@ -90,9 +89,9 @@ class ChangedFamily(Family):
     changes: Array = field(default_factory=lambda: np.empty(0))
 
     @cached_property
-    def spline(self) -> CubicSpline:
+    def spline(self) -> PiecewiseCubic:
         assert self.body is not None
-        return CubicSpline(grid(self.body), self.changes.T)
+        return cubic_spline(grid(self.body), self.changes.T)
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
         near = np.clip(u, self.spline.x[0], self.spline.x[-1])
@@ -381,7 +380,7 @@ class Known:
     @property
     def quantile(self) -> float:
         """Half-width of intervals, in standard errors."""
-        return float(ndtri((1 + self.level) / 2))
+        return NormalDist().inv_cdf((1 + self.level) / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -834,7 +833,7 @@ def _splines(size: int) -> Array:
     the others of these, (some, size)."""
     nodes = np.arange(size)
     some = nodes[::ADHESION_EVERY]
-    splines: Array = CubicSpline(some, np.eye(some.size))(nodes).T
+    splines: Array = cubic_spline(some, np.eye(some.size))(nodes).T
     return splines
 
 
@@ -925,11 +924,11 @@ def _on_base(body: FittedBody, a_max: float, h: float) -> Perturbation:
     tip's shape, so that the change is made anew about what it leads to."""
 
     @lru_cache(maxsize=1)
-    def ratios(family: Family) -> CubicSpline:
+    def ratios(family: Family) -> PiecewiseCubic:
         """Logs of D, T, H, V over those of the half-space, over ln(a/h)."""
         layer = _on_rigid(body, h, BODY_THIN)
         u = np.linspace(layer.low, layer.high, DENSE)
-        return CubicSpline(u - math.log(h), np.log(layer.at(u)[0] / family.at(u)[0]).T)
+        return cubic_spline(u - math.log(h), np.log(layer.at(u)[0] / family.at(u)[0]).T)
 
     def changes(family: Family, amount: float) -> Array:
         spline = ratios(family)
@@ -1293,7 +1292,7 @@ def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation])
     nonadhesive = Nonadhesive(body.series, body.slopes)
 
     @lru_cache(maxsize=REMEMBERED)
-    def history(z0: float, moduli: Hashable) -> Sequence[CubicSpline]:
+    def history(z0: float, moduli: Hashable) -> Sequence[PiecewiseCubic]:
         contact = RelaxingContact(
             nonadhesive, cast(Relaxation, moduli), coarser=RELAXATION_COARSER, grows=RELAXATION_GROWS
         )
@@ -1301,9 +1300,9 @@ def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation])
             path = contact.history(Program(t, x - z0)).path
             lost = min(path.lost, float(t.max()))
             times = [_dense_at_ends(*ends) for ends in ((path.begin, path.turn), (path.turn, lost))]
-            return [CubicSpline(one, path.states(one)[2] ** RELAXATION_SMOOTH) for one in times]
+            return [cubic_spline(one, path.states(one)[2] ** RELAXATION_SMOOTH) for one in times]
         except InputError:  # there is no such history
-            return [CubicSpline([t.min(), t.max()], [0.0, 0.0])] * 2
+            return [cubic_spline(np.array([t.min(), t.max()]), np.zeros(2))] * 2
 
     def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
         spline = history(values["z0"], cast(Hashable, law(values)))[int(part.kind != APPROACH)]

@@ -23,11 +23,10 @@ from functools import cached_property, lru_cache, partial
 from typing import TypeAlias
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ..base.errors import SolveError, known
 from ..base.lockstep import Flow, alone, ask
-from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median, pchip
 from ..data.curve import APPROACH, Curve
 from ..data.segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
 from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
@@ -1267,6 +1266,6 @@ def load_at(path: Array, resting: Rest, turn: float, z: Array) -> Array:
     """Loads [N] at positions ``z`` [m]: at rest down to where the edge begins, 0 where contact is lost."""
     positions, P = path
     rising = np.append(True, np.diff(np.maximum.accumulate(positions)) > 0)
-    moving = PchipInterpolator(positions[rising], P[rising])(np.clip(z, positions[0], positions[-1]))
+    moving = pchip(positions[rising], P[rising])(np.clip(z, positions[0], positions[-1]))
     loads: Array = np.where(z > min(resting.end, turn), resting.at(z)[0], np.where(z < positions[0], 0.0, moving))
     return loads

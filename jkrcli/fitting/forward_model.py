@@ -17,13 +17,23 @@ from pathlib import Path
 from typing import Any, Protocol, cast
 
 import numpy as np
-from scipy.interpolate import BSpline, CubicHermiteSpline, PPoly, make_interp_spline
 
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.finite_range import AttractedBody, Broken, FiniteRangeBody, RangeRequest, leaps_of
 from ..adhesion.slopes import Slopes, slopes
 from ..base.errors import InputError, JkrError, Refusal, SolveError
-from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SAME, UNSEEN, Array
+from ..base.numerics import (
+    LOOKED_AT,
+    MOST_STEPS,
+    REMEMBERED,
+    ROUNDED,
+    ROWS,
+    SAME,
+    UNSEEN,
+    Array,
+    PiecewiseCubic,
+    PiecewisePolynomial,
+)
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, without_side_walls
@@ -77,10 +87,10 @@ class Family:
     logs by those of the body's own parameters that vary, by name.
     """
 
-    logs: PPoly
+    logs: PiecewisePolynomial
     low: float
     high: float
-    rates: Mapping[str, PPoly] | None = None
+    rates: Mapping[str, PiecewisePolynomial] | None = None
 
     @classmethod
     def of(cls, series: Series, slopes: Slopes) -> Family:
@@ -91,7 +101,7 @@ class Family:
         here, rate = body.with_rates(a)
         values = np.stack([here.delta_H, here.t, here.P_H, here.S * here.t], axis=1)
         rates = np.stack([rate.delta_H, rate.t, rate.P_H, rate.S * here.t + here.S * rate.t], axis=1)
-        logs = CubicHermiteSpline(u, np.log(values), a[:, None] * rates / values)
+        logs = PiecewiseCubic(u, np.log(values), a[:, None] * rates / values)
         return cls(_with_derivatives(_extended(logs)), float(u[0]), float(u[-1]))
 
     @property
@@ -112,9 +122,9 @@ class Family:
         D, T, _, _ = self.at(np.array([self.high - np.log(2)]))[0][:, 0]
         return float((D / T) ** 2)
 
-    def rate_to(self, moved: Family, step: float) -> PPoly:
+    def rate_to(self, moved: Family, step: float) -> PiecewisePolynomial:
         """The change of the four logs towards a ``moved`` family, per ``step`` of a parameter."""
-        return PPoly((moved.logs.c - self.logs.c)[..., :FUNCTIONS] / step, self.logs.x)
+        return PiecewisePolynomial(self.logs.x, (moved.logs.c - self.logs.c)[..., :FUNCTIONS] / step)
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
         """(D, T, H, V) and their first and second derivatives by u, each of shape (4, n)."""
@@ -128,8 +138,8 @@ class Family:
         return np.exp(self._values(u).T)
 
     @cached_property
-    def _values(self) -> PPoly:
-        return PPoly(np.ascontiguousarray(self.logs.c[..., :FUNCTIONS]), self.logs.x)
+    def _values(self) -> PiecewisePolynomial:
+        return PiecewisePolynomial(self.logs.x, np.ascontiguousarray(self.logs.c[..., :FUNCTIONS]))
 
     def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
         """The same as ``at`` at evenly spaced nodes."""
@@ -264,22 +274,22 @@ class RestingMember:
         return rates | {"a_turn": states(self.turn, by_turn, self.s, self.unit * u)}
 
 
-def _extended(logs: CubicHermiteSpline) -> PPoly:
+def _extended(logs: PiecewiseCubic) -> PiecewisePolynomial:
     """The cubics with a straight line added at each end, far enough for any foot point."""
     ends, width = logs.x[[0, -1]], logs.x[-1] - logs.x[0] + 1
     before, after = np.zeros((2, *logs.c.shape[::2]))
     before[2:] = logs(ends[0], 1), logs(ends[0]) - width * logs(ends[0], 1)
     after[2:] = logs(ends[1], 1), logs(ends[1])
     c = np.concatenate([before[:, None], logs.c, after[:, None]], axis=1)
-    return PPoly(c, np.concatenate([[ends[0] - width], logs.x, [ends[1] + width]]))
+    return PiecewisePolynomial(np.concatenate([[ends[0] - width], logs.x, [ends[1] + width]]), c)
 
 
-def _with_derivatives(logs: PPoly) -> PPoly:
+def _with_derivatives(logs: PiecewisePolynomial) -> PiecewisePolynomial:
     """One piecewise cubic that gives values, first and second derivatives in one evaluation."""
     zero = np.zeros_like(logs.c[:1])
     first, second = logs.derivative(1).c, logs.derivative(2).c
-    return PPoly(
-        np.concatenate([logs.c, np.concatenate([zero, first]), np.concatenate([zero, zero, second])], 2), logs.x
+    return PiecewisePolynomial(
+        logs.x, np.concatenate([logs.c, np.concatenate([zero, first]), np.concatenate([zero, zero, second])], 2)
     )
 
 
@@ -413,11 +423,13 @@ class DugdaleModel:
         near = np.abs(a[1:-1, None] / np.array(self.problem.indenter.bends) - 1) < ROUNDED
         return np.flatnonzero(near.any(axis=1)) + 1
 
-    def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> BSpline:
+    def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> Callable[..., Array]:
         """delta without contact, and its part by the tension, over log c."""
         c = np.append(rims.c[0] * np.geomspace(FAMILY_FIRST, 1, FAMILY_APART)[:-1], rims.c[0])
         delta = np.append(attraction.apart(c[:-1], s, gap).delta, rims.delta[0])
         pulled = delta + gap - self.problem.indenter.f(c)
+        from scipy.interpolate import make_interp_spline
+
         return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), FAMILY_DEGREE)
 
 
@@ -455,7 +467,7 @@ class States:
     touching: Broken
     pull: float
     gap: float
-    apart: BSpline | None
+    apart: Callable[..., Array] | None
     make_rates: Callable[[], Broken]
 
     @cached_property

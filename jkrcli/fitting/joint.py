@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.special import chdtrc
 
 from ..base.errors import InputError, did_you_mean
 from ..base.numerics import MOST_STEPS, ROUNDED, Array
@@ -226,6 +225,8 @@ def joint_fit(
         replace(one, estimates=tuple(shared_by_name.get(item.name, item) for item in one.estimates))
         for one in (fit(body, curve, sharing) for body, curve in zip(bodies, curves, strict=True))
     )
+    from scipy.special import chdtrc
+
     rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
     alone = tuple(_alone(part, shared, E_star) for part in parts)

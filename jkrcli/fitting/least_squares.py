@@ -15,18 +15,17 @@ from functools import cached_property, lru_cache, partial
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy import optimize, special
-from scipy.fft import dct, idct
 
+from ..base.distributions import f_quantile
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.executors import Pool, batches_in_order
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, median
+from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, cosine_transform, median
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
 
 # --------------------------------------------------------------------------------------------------
-# Statistics of residuals: scatter, covariance, structure. Formulae of nonlinear regression, SciPy's quantiles.
+# Statistics of residuals: scatter, covariance, structure. Formulae of nonlinear regression.
 
 # Theory: turns of the losses at 95 % efficiency for normal noise (Holland and Welsch 1977).
 TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}
@@ -110,12 +109,12 @@ def larger(one: Array | None, other: Array | None) -> Array | None:
 @lru_cache(maxsize=REMEMBERED)
 def t_quantile(level: float, dof: int) -> float:
     """Half-width of a two-sided interval in standard errors."""
-    return float(special.stdtrit(dof, (1 + level) / 2))
+    return math.sqrt(f_quantile(1, dof, level))
 
 
 def chi2_increase(level: float, dof: int, parameters: int = 1) -> float:
     """Relative rise of the sum of squares on the border of a joint confidence region (F test)."""
-    return float(parameters / dof * special.fdtri(parameters, dof, level))
+    return parameters / dof * f_quantile(parameters, dof, level)
 
 
 @dataclass(frozen=True)
@@ -145,8 +144,8 @@ def structure(residuals: Array) -> Structure:
     runs = 1 + int(np.sum(above[1:] != above[:-1]))
     expected = 1 + 2 * k * m / n
     variance = max((expected - 1) * (expected - 2) / (n - 1), 1e-12)
-    chances = special.ndtr([-lag1 * math.sqrt(n), (runs - expected) / math.sqrt(variance)])
-    return Structure(lag1, runs, float(expected), float(min(1.0, 2 * min(chances))))
+    normal = min(-lag1 * math.sqrt(n), (runs - expected) / math.sqrt(variance))
+    return Structure(lag1, runs, float(expected), min(1.0, math.erfc(-normal / math.sqrt(2))))
 
 
 # Steps of a search, ends of profiles, and what laws of records over time have in common.
@@ -251,6 +250,8 @@ class LeastSquares:
             raise SolveError("no curve of this body resembles the force curve")
         if self.loss == "linear":
             return (yield from self._of_squares(start, state))
+        from scipy.optimize import least_squares
+
         remembered = [(start, state)]
 
         def at(x: Array) -> State:
@@ -258,7 +259,7 @@ class LeastSquares:
                 remembered[:] = [(x.copy(), self.model(x))]
             return remembered[0][1]
 
-        solution = optimize.least_squares(
+        solution = least_squares(
             lambda x: at(x).residuals, start, lambda x: at(x).jacobian, bounds=self.bounds,
             method="trf", x_scale="jac", loss=self.loss, f_scale=self.width, max_nfev=self.evaluations,
             ftol=max(self.cost, self.converged), xtol=self.converged, gtol=self.converged,
@@ -356,6 +357,8 @@ class Least:
 
         One more row pulls at the constrained value: what it comes to, and what that costs, lie on the profile.
         """
+        from scipy.optimize import brentq
+
         here, loss, width = outcome(self.x)[0], self.problem.loss, self.problem.width
         weight = SEARCH_PULL * math.sqrt(2 * limit) / abs(step)
         near, known = [self.x], {0.0: (-math.sqrt(limit), self.x)}  # a search from elsewhere may end elsewhere
@@ -371,7 +374,7 @@ class Least:
         with contextlib.suppress(JkrError):
             for k in 2.0 ** np.arange(SEARCH_DOUBLINGS):
                 if excess(k) >= 0:
-                    excess(optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=NOTICEABLE, rtol=NOTICEABLE))
+                    excess(brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=NOTICEABLE, rtol=NOTICEABLE))
                     return outcome(near[0])[0]
                 reached = outcome(near[0])[0]
                 if abs(reached - here) < k * abs(step) / 2:  # a bound holds it
@@ -777,6 +780,8 @@ class Spectrum:
 
     def drawn(self, rng: np.random.Generator, rows: int) -> Array:
         """A series of so many ``rows`` of this noise."""
+        from scipy.fft import idct
+
         series: Array = idct(np.sqrt(self(frequencies(rows))) * rng.normal(size=rows), norm="ortho")
         return series
 
@@ -825,8 +830,7 @@ def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
 
 def waves(columns: Array) -> Array:
     """The orthonormal cosine transform of columns of rows."""
-    transform: Array = dct(columns, axis=0, norm="ortho")
-    return transform
+    return cosine_transform(columns)
 
 
 def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-from scipy.special import fdtrc
 
+from ..base.distributions import f_tail
 from ..base.errors import JkrError, SolveError
 from ..base.numerics import MOST_SOLVES, NOTICEABLE, TINY, Array
 from ..base.units import show
@@ -220,7 +220,7 @@ def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRiva
         ends = {key: abs(move + part * (beyond.moves[key] - move)) for key, move in last.moves.items()}
         moves = {key: max(move, ends[key]) for key, move in moves.items()}
     n = minimum.distances.residuals.size - minimum.objective.free.size
-    return RangeRival(best.length, most, moves, float(fdtrc(1, max(n - 1, 1), max(-best.excess, 0.0))))
+    return RangeRival(best.length, most, moves, float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0))))
 
 
 # --------------------------------------------------------------------------------------------------
@@ -410,4 +410,4 @@ def _chance(alone: Array, residuals: Array, variance: float, dof: int) -> float:
     """Chance of what the rivals together take from the squares of the residuals (F test)."""
     taken = residuals @ alone @ np.linalg.lstsq(alone, residuals, rcond=None)[0]
     k = alone.shape[1]
-    return float(fdtrc(k, max(dof - k, 1), max(taken, 0.0) / k / variance))
+    return float(f_tail(k, max(dof - k, 1), max(taken, 0.0) / k / variance))

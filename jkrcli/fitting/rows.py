@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..base.errors import InputError, JkrError
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, NOTICEABLE, ROUNDED, SAME, SETTLED, TINY, UNSEEN, Array, evenly
@@ -501,6 +500,8 @@ class Distances:
 
 def foot_points(readings: Readings, points: Array, places: Array) -> FootPoints:
     """Nearest points of the curve to the scaled measured ``points`` (columns, all) of the ``places``."""
+    from scipy.spatial import cKDTree
+
     points = points[:, places]
     radii = points[readings.columns.index("a")] * readings.scales[0] if "a" in readings.columns else None
     u = arc(readings, None if radii is None else float(radii.min()))

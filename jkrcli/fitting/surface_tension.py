@@ -8,12 +8,11 @@ the contact radius; residuals are those of the load at the displacement that was
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
 
 from ..adhesion.validity import LIMITS
 from ..base.errors import InputError, SolveError
@@ -75,7 +74,7 @@ class TenseFamily:
     moduli of ``problem``."""
 
     problem: Problem
-    splines: tuple[RectBivariateSpline, ...]
+    splines: tuple[Callable[..., Array], ...]
     lengths: tuple[float, float]
     radii: tuple[float, float]
 
@@ -114,6 +113,8 @@ def _tabulated(problem: Problem) -> TenseFamily:
         series = Layered(SAME)(replace(at_radii, specimen=specimen)).series  # far below the noise of any record
         assert series.S is not None and series.dS is not None  # noqa: PT018 - of the method layered
         columns.append(np.log([series.delta, shift(1.0, series.a, series.dS), series.P, series.S]))
+    from scipy.interpolate import RectBivariateSpline
+
     table = np.array(columns).transpose(1, 0, 2)
     splines = tuple(RectBivariateSpline(np.log(lengths), np.log(radii), values, s=0) for values in table)
     return TenseFamily(problem, splines, (lengths[0], lengths[-1]), (radii[0], radii[-1]))

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..base.lockstep import Flow, ask
 from ..base.numerics import ROUNDED, UNSEEN
@@ -171,6 +170,8 @@ def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
     def excess(a: float) -> float:
         E = modulus(a)
         return 4 * E * a**3 / (3 * R) - math.sqrt(8 * math.pi * w * E * a**3) - P
+
+    from scipy.optimize import brentq
 
     # From the contact radius without adhesion, to where the depth is nothing beside a^2/R:
     touching = math.sqrt(R * delta)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.slopes import TWO_SIDED_90
@@ -340,6 +339,8 @@ def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
     of what it changed, as what it leaves is less. (Savitzky and Golay's first derivative, Anal. Chem. 36 (1964) 1627,
     for any spacing.)
     """
+    from scipy.special import stdtrit
+
     starts = np.clip(np.arange(t.size) - window // 2, 0, t.size - window)
     times, values = (np.lib.stride_tricks.sliding_window_view(column, window)[starts] for column in (t, y))
     half = (times[:, -1] - times[:, 0]) / 2

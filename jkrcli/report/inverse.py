@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtri
 
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.validity import NEGLECTED
@@ -347,7 +347,7 @@ def _parts(item: FittedValue, level: float) -> dict[str, float]:
     """The half-widths [SI] of the parts of the error by their kinds, those that are noticeable."""
     if item.error is None or item.low is item.high is None:
         return {}
-    half = item.error * float(ndtri((1 + level) / 2))
+    half = item.error * NormalDist().inv_cdf((1 + level) / 2)
     if item.low is not None and item.high is not None:
         half = (item.high - item.low) / 2
     calibration = half * min(math.hypot(*(item.systematic or {}).values()) / (item.error or 1.0), 1.0)

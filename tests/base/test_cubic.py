@@ -1,4 +1,4 @@
-"""Piecewise cubics and bracketed zeros against SciPy's."""
+"""Piecewise cubics, bracketed zeros and the cosine transform against SciPy's."""
 
 from __future__ import annotations
 
@@ -9,10 +9,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
+from scipy.fft import dct
+from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PchipInterpolator
 from scipy.optimize import brentq
 
-from jkrcli.base.numerics import Array, PiecewiseCubic, PiecewiseQuintic, cubic_spline, spline_slopes, zeros_between
+from jkrcli.base.numerics import (
+    Array,
+    PiecewiseCubic,
+    PiecewiseQuintic,
+    cosine_transform,
+    cubic_spline,
+    pchip,
+    spline_slopes,
+    zeros_between,
+)
 
 steps = st.lists(st.floats(0.02, 50.0), min_size=1, max_size=30)
 
@@ -33,6 +43,32 @@ def test_the_cubic_spline_is_that_of_scipy(step: list[float], seed: int) -> None
     ours = cubic_spline(x, y)
     assert ours(at) == pytest.approx(theirs(at), rel=1e-9, abs=1e-9 * np.max(np.abs(theirs(at))))
     assert float(ours(at[3])) == ours(at)[3]  # at one place, too
+
+
+def test_splines_side_by_side_are_those_of_each_column() -> None:
+    x, y = np.cumsum([0.0, 1.0, 0.2, 3.0, 0.5]), np.random.default_rng(1).normal(size=(5, 2, 3))
+    ours, at = cubic_spline(x, y), np.linspace(-0.1, 5.0, 9)
+    for order in range(3):
+        assert ours(at, order) == pytest.approx(CubicSpline(x, y)(at, order), rel=1e-12, abs=1e-12)
+        assert ours.derivative(order)(at) == pytest.approx(ours(at, order), rel=1e-15)
+
+
+@given(steps, st.integers(0, 2**32 - 1), st.sampled_from([np.array, np.sort, np.round, np.exp]))
+def test_monotone_cubics_are_those_of_scipy(step: list[float], seed: int, shape: Callable[[Array], Array]) -> None:
+    x = np.cumsum([0.0, *step])
+    y = shape(np.random.default_rng(seed).normal(size=x.size))
+    at = np.linspace(x[0] - 0.01, x[-1] + 0.01, 17)
+    for order in range(3):
+        expected = PchipInterpolator(x, y)(at, order)
+        assert pchip(x, y)(at, order) == pytest.approx(expected, rel=1e-9, abs=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 4, 5, 64, 1979])
+def test_the_cosine_transform_is_that_of_scipy(rows: int) -> None:
+    columns = np.random.default_rng(rows).normal(size=(rows, 3))
+    expected = dct(columns, axis=0, norm="ortho")
+    assert cosine_transform(columns) == pytest.approx(expected, rel=1e-12, abs=1e-14)
+    assert cosine_transform(columns[:, 0]) == pytest.approx(expected[:, 0], rel=1e-12, abs=1e-14)
 
 
 def test_a_cubic_is_reproduced() -> None:

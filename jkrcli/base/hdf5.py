@@ -243,22 +243,27 @@ class _Check:
         """One member, itself checked, of a group not yet what it holds."""
         if isinstance(name, bytes):  # which is no UTF-8
             raise InputError(f"{self.path}: the HDF5 file is damaged: it has a member whose name is no text")
-        where = f"{group.name.strip('/')}/{name}".strip("/")
-        link = group.id.links.get_info(name.encode("utf-8", "surrogateescape"))
+        where, stored = f"{group.name.strip('/')}/{name}".strip("/"), name.encode("utf-8", "surrogateescape")
+        link = group.id.links.get_info(stored)
         if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:  # so a small file becomes a huge tree
             raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
         self.seen.add(link.u)
-        item = group[name]
-        if isinstance(item, h5py.Dataset):
-            self.dataset(where, item)
+        opened = h5py.h5o.open(group.id, stored)
+        if not isinstance(opened, h5py.h5d.DatasetID):
+            return group[name]
+        item = h5py.Dataset(opened, readonly=True)
+        self.dataset(where, item)
         return item
 
     def dataset(self, where: str, data: h5py.Dataset) -> None:
-        if data.external or data.is_virtual:
+        stored, shape = data.id.get_create_plist(), data.id.shape  # None: without a value
+        layout = stored.get_layout()
+        if stored.get_external_count() or layout == h5py.h5d.VIRTUAL:
             raise InputError(f'{self.path}: "{where}" lies in another file')
-        chunks = data.chunks or data.shape or ()
-        pieces = math.prod(-(-size // of) for size, of in zip(data.shape or (), chunks, strict=True) if of)
-        self.values(where, data.id.get_type(), max(data.size or 0, math.prod(chunks)), pieces)
+        chunks = stored.get_chunk() if layout == h5py.h5d.CHUNKED else shape or ()
+        pieces = math.prod(-(-size // of) for size, of in zip(shape or (), chunks, strict=True) if of)
+        count = 0 if shape is None else math.prod(shape)
+        self.values(where, data.id.get_type(), max(count, math.prod(chunks)), pieces)
         self.attributes(data)
 
     def attributes(self, item: h5py.Group | h5py.Dataset) -> None:
@@ -303,13 +308,29 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
     """
     found = {}
     for name in names:
-        if name in item.attrs:
-            stored = item.attrs.get_id(name)
-            kind, count = stored.get_type(), stored.get_space().get_simple_extent_npoints()
-            is_text = kind.get_class() == h5py.h5t.STRING
+        if h5py.h5a.exists(item.id, name.encode()):
+            stored = h5py.h5a.open(item.id, name.encode())
+            kind, space = stored.get_type(), stored.get_space()
+            sort, count = kind.get_class(), space.get_simple_extent_npoints()
+            is_text = sort == h5py.h5t.STRING
             each = REFERENCE if is_text and kind.is_variable_str() else kind.get_size()
             fits = each <= (process.TEXT if is_text else WIDEST) and 0 < count <= MOST_VALUES
-            if kind.get_class() not in KINDS or not fits or stored.get_storage_size() != count * each:
+            if sort not in KINDS or not fits or stored.get_storage_size() != count * each:
                 raise ValueError(f"the attribute {name} is damaged")
-            found[name] = _plain(item.attrs[name])
+            if is_text:
+                found[name] = _plain(item.attrs[name])
+            else:
+                numbers = np.empty(space.get_simple_extent_dims(), kind.dtype)
+                stored.read(numbers, kind)
+                found[name] = _plain(numbers[()])
     return found
+
+
+def values_of(data: h5py.Dataset) -> Any:
+    """What a dataset holds: the same as ``data[()]``, by one call of the library where there are values."""
+    if not data.size:
+        return data[()]
+    kind = data.id.get_type()
+    values = np.empty(data.shape, kind.dtype)
+    data.id.read(h5py.h5s.ALL, h5py.h5s.ALL, values, kind)
+    return values

@@ -563,8 +563,11 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
                 f"{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid"
             )
         reading.check_known_columns(path)
-        for data in data_sets:
-            name = path.stem if len(data_sets) == 1 else str(data.enum)
+        is_alone = len(data_sets) == 1
+        data_sets.reverse()
+        while data_sets:  # what was read of one goes with it
+            data = data_sets.pop()
+            name = path.stem if is_alone else str(data.enum)
             if not reading.wants(name):
                 yield name, None
                 continue
@@ -584,7 +587,7 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
 
 
 @contextlib.contextmanager
-def _opened_sets(path: Path, reading: Reading) -> Iterator[tuple[Sequence[Any], str]]:
+def _opened_sets(path: Path, reading: Reading) -> Iterator[tuple[list[Any], str]]:
     """The data sets of a file, whose columns are read at their first use; what 1 stands in for, if anything."""
     if path.suffix.lower() != ".h5":
         yield _load(path, reading)
@@ -633,7 +636,7 @@ class _Exported:
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._raw_data:
-            self._raw_data[name] = self.member(self.group, name)[()]
+            self._raw_data[name] = hdf5.values_of(self.member(self.group, name))
         return self._raw_data[name]
 
 
@@ -733,8 +736,10 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
         t, flags = None, (*flags, "its time runs back and was left out")
     segment = None
     if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion divides them
-        numbers, of_rows = np.unique(np.asarray(data["segment"]).astype(int), return_inverse=True)
-        segment = np.array([SEGMENTS.get(int(one), f"segment {one}") for one in numbers])[of_rows]
+        numbers = np.asarray(data["segment"]).astype(int)
+        starts = np.flatnonzero(np.diff(numbers, prepend=numbers[:1] - 1))
+        words = [SEGMENTS.get(one, f"segment {one}") for one in numbers[starts].tolist()]
+        segment = np.repeat(words, np.diff(starts, append=numbers.size))
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
 
 

@@ -126,7 +126,7 @@ class Curve:
     def multiplied(self, factors: Mapping[str, float]) -> Curve:
         """The curve with its quantities multiplied; InputError names one that was not measured."""
         columns: dict[str, Any] = {key: self.column(key, " to multiply") * number for key, number in factors.items()}
-        return replace(self, **columns)
+        return replace(self, **columns) if columns else self
 
     def only(self, segment: str) -> Curve:
         """The rows of one segment; InputError names the segments there are, where this is none of them."""

@@ -193,7 +193,7 @@ def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> C
     for name in {*reading.flip, *reading.zero}:
         sign, read = -1.0 if name in reading.flip else 1.0, curve.column(name, " to flip or to set to zero")
         columns[name] = sign * read - reading.zero.get(name, 0.0)
-    converted = replace(curve, **columns)
+    converted = replace(curve, **columns) if columns else curve
     if reading.contact == "estimate":
         from .segmentation import with_zero_points
 

@@ -1039,7 +1039,7 @@ def stiffness_of_noise(delta: Array, P: Array) -> float | None:
     if delta.size < TIP_POSITION_FEWEST:
         return None
     x, y = np.diff(delta, 3), np.diff(P, 3)
-    usual = np.all([np.abs(column) <= TIP_POSITION_USUAL * np.median(np.abs(column)) for column in (x, y)], axis=0)
+    usual = np.all([size <= TIP_POSITION_USUAL * median(size) for size in (np.abs(x), np.abs(y))], axis=0)
     x, y = x * usual, y * usual
     xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
     smooth = float(y[1:] @ y[:-1]) > 0  # neighbours correlate by 1 on a smooth curve, by -0.75 in white noise

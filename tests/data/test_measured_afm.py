@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError, installs
 from jkrcli.data import measured
 from jkrcli.data.curve import Curve, Reading
@@ -58,10 +59,9 @@ def test_indentation_is_minus_height_minus_deflection(tmp_path: Path) -> None:
 @pytest.fixture
 def columns_read(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the columns whose values are read from HDF5 files, in their order."""
-    h5py = pytest.importorskip("h5py")
     loaded: list[str] = []
-    whole = h5py.Dataset.__getitem__
-    monkeypatch.setattr(h5py.Dataset, "__getitem__", lambda self, key: loaded.append(self.name) or whole(self, key))
+    whole = hdf5.values_of
+    monkeypatch.setattr(hdf5, "values_of", lambda dataset: loaded.append(dataset.name) or whole(dataset))
     return loaded
 
 

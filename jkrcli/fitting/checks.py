@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,16 +17,9 @@ from .range_alternative import Rivals, missed_pull_off
 from .result import Fit
 from .settings import RANGES
 
-
-@dataclass(frozen=True)
-class WarningThresholds:
-    """Limits beyond which a reader is warned; nothing else depends on them."""
-
-    scatter: float = 2.0  # choice: factor from the user's noise to the residuals, either way
-    far_from_case: float = 30.0  # choice: factor of the case's moduli that makes wrong units likelier than the case
-
-
-THRESHOLDS = WarningThresholds()
+# Limits beyond which a reader is warned; nothing else depends on them.
+CHECKS_SCATTER = 2.0  # choice: factor from the user's noise to the residuals, either way
+CHECKS_FAR = 30.0  # choice: factor of the case's moduli that makes wrong units likelier than the case
 
 
 def warnings_of(
@@ -37,30 +29,20 @@ def warnings_of(
     """Sentences on all that stands against the fit or limits it; ``body`` and its ``family`` with the fitted values,
     ``at_bound``: parameters that end on a bound; ``rivals``: the nearest other models; ``ended``: the search."""
     return [
-        *(() if ended else _given_up(fit)),
-        *(_separation(fit, at_bound) if ended else ()),
-        *_beside_jkr(fit),
-        *_structured(fit),
-        *(rivals.warnings() if rivals is not None and _is_resolved(fit) else ()),
-        *_scatter(fit),
-        *_far_from_case(fit, body),
-        *_doubtful_work(fit),
-        *_bounds(fit, at_bound),
-        *_pull_off(fit, rivals),
-        *_elastic_indenter(fit, body),
-        *_validity(fit, body, family),
-    ]
+        *_of_search(fit, at_bound, ended), *_of_model(fit, rivals), *_of_values(fit, body, at_bound, rivals),
+        *_of_validity(fit, body, family),
+    ]  # fmt: skip
 
 
-def _given_up(fit: Fit) -> Iterator[str]:
-    names = ", ".join(word(name) for name in fit.free)
-    yield (
-        f"the search stopped after {fit.evaluations} steps, the data do not determine {names}: give starting "
-        "values (--start), or fix one of them (--fix)"
-    )
-
-
-def _separation(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
+def _of_search(fit: Fit, at_bound: Sequence[str], ended: bool) -> Iterator[str]:
+    """What the data do not determine, or not apart."""
+    if not ended:
+        names = ", ".join(word(name) for name in fit.free)
+        yield (
+            f"the search stopped after {fit.evaluations} steps, the data do not determine {names}: give starting "
+            "values (--start), or fix one of them (--fix)"
+        )
+        return
     if fit.covariance is None:
         if len(fit.free) > 1 and not at_bound:
             yield f"the data do not determine {', '.join(fit.free)} together: fix one of them (--fix)"
@@ -71,96 +53,73 @@ def _separation(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
             profile = "; --confidence profile follows how unevenly they trade, in ten times the time"
             more = profile if pair & set(RANGES) else ""
             yield f"{sentence}: fix one, or measure up to pull-off and to larger loads{more}"
-    for name in fit.free:
-        item = fit.estimate(name)
-        if name in RANGES and item.error is None:
-            continue  # ``_beside_jkr`` has it
+    for item in map(fit.estimate, fit.free):
+        if item.name in RANGES and item.error is None:
+            continue  # ``_of_model`` has it
         if item.low == 0 and item.high is not None:
-            yield f"{word(name)} is not significantly above 0: it is at most {show(item.high, item.dimension)}"
-        elif item.dimension in ("work", "modulus") or name in ("modulus", "range"):
-            yield from fit.vague([name])
+            yield f"{word(item.name)} is not significantly above 0: it is at most {show(item.high, item.dimension)}"
+        elif item.dimension in ("work", "modulus") or item.name in ("modulus", "range"):
+            yield from fit.vague([item.name])
 
 
-def _beside_jkr(fit: Fit) -> Iterator[str]:
-    """Whether a range is significant, and how far JKR misses the rows."""
+def _of_model(fit: Fit, rivals: Rivals | None) -> Iterator[str]:
+    """What the residuals say of the model: JKR beside a range, structure, rivals, a scatter unlike the noise."""
     jkr, law = fit.jkr, fit.settings.range
-    if jkr is None or law is None:
-        return
     if isinstance(jkr, Unknown):
         yield f"no JKR curve resembles the data: {jkr}"
-        return
-    misfit = (
-        f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, has "
-        f"{jkr.rms / jkr.rms_of_range:.4g} times the misfit"
-    )
-    if not law.free or fit.estimate(law.name).error is not None:
-        yield misfit
-        return
-    item = fit.estimate("range")
-    most = "" if item.high is None else f" (it is at most {show(item.high, 'length')})"
-    yield f"a range is not significant{most}: {misfit}"
-
-
-def _far_from_case(fit: Fit, body: FittedBody) -> Iterator[str]:
-    factor, far = fit.value("modulus"), THRESHOLDS.far_from_case
-    if body.moduli_known and "modulus" in fit.free and not 1 / far <= factor <= far:
-        yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
-
-
-def _doubtful_work(fit: Fit) -> Iterator[str]:
-    if "w" not in fit.free or fit.estimate("w").low == 0:  # not significantly above 0: of no adhesion
-        return
-    if doubt := implausible_work(fit.value("w"), fit.value("E_star")):
-        yield doubt
-
-
-def _structured(fit: Fit) -> Iterator[str]:
-    structure = fit.structure
-    if fit.quality is None and structure.suspicious and _is_resolved(fit):
-        yield (
-            f"the residuals are structured (lag-1 autocorrelation {structure.lag1:.2f}, {structure.runs} runs where "
-            f"{structure.expected:.0f} are expected): check body, indenter and rows; intervals are too narrow"
+    elif jkr is not None and law is not None:
+        misfit = (
+            f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, has "
+            f"{jkr.rms / jkr.rms_of_range:.4g} times the misfit"
         )
+        if law.free and fit.estimate(law.name).error is None:
+            item = fit.estimate("range")
+            most = "" if item.high is None else f" (it is at most {show(item.high, 'length')})"
+            misfit = f"a range is not significant{most}: {misfit}"
+        yield misfit
 
-
-def _is_resolved(fit: Fit) -> bool:
-    """Whether the residuals are larger than errors of the series' interpolation, in units of the curve's own size."""
-    size = min(np.ptp(fit.line[name]) / scale for name, scale in fit.scales.items())
-    return float(np.sqrt(np.mean(fit.residuals**2)) / size) > SAME
-
-
-def _scatter(fit: Fit) -> Iterator[str]:
-    if fit.settings.noise and not 1 / THRESHOLDS.scatter <= fit.scatter <= THRESHOLDS.scatter:
+    structured = fit.quality is None and fit.structure.suspicious
+    if structured or rivals is not None:
+        # Residuals larger than errors of the series' interpolation, in units of the curve's own size
+        size = min(np.ptp(fit.line[name]) / scale for name, scale in fit.scales.items())
+        resolved, order = float(np.sqrt(np.mean(fit.residuals**2)) / size) > SAME, fit.structure
+        if structured and resolved:
+            yield (
+                f"the residuals are structured (lag-1 autocorrelation {order.lag1:.2f}, {order.runs} runs where "
+                f"{order.expected:.0f} are expected): check body, indenter and rows; intervals are too narrow"
+            )
+        if rivals is not None and resolved:
+            yield from rivals.warnings()
+    if fit.settings.noise and not 1 / CHECKS_SCATTER <= fit.scatter <= CHECKS_SCATTER:
         more = "more" if fit.scatter > 1 else "less"
         yield f"the data scatter {fit.scatter:.2g} times as much as the given noise, {more} than it explains"
 
 
-def _bounds(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
+def _of_values(fit: Fit, body: FittedBody, at_bound: Sequence[str], rivals: Rivals | None) -> Iterator[str]:
+    """What is odd about the values, and what of the data would have to tell them."""
+    factor = fit.value("modulus")
+    if body.moduli_known and "modulus" in fit.free and not 1 / CHECKS_FAR <= factor <= CHECKS_FAR:
+        yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
+    significant = "w" in fit.free and fit.estimate("w").low != 0  # above 0
+    if significant and (doubt := implausible_work(fit.value("w"), fit.value("E_star"))):
+        yield doubt
     for item in map(fit.estimate, at_bound):
         has_its_own = item.name in RANGES and item.error is None
         if (item.low != 0 or item.value > 0) and not has_its_own:
             yield f"{word(item.name)} ends on its bound {show(item.value, item.dimension)}"
-
-
-def _pull_off(fit: Fit, rivals: Rivals | None) -> Iterator[str]:
-    """A sentence where the data do not reach the least load of their curve."""
-    if "P" not in fit.scales or not _adhesion(fit):
-        return
-    if (missed := missed_pull_off(fit.a, fit.line)) is not None:
+    missed = missed_pull_off(fit.a, fit.line) if "P" in fit.scales and _adhesion(fit) else None
+    if missed is not None:
         yield (
             f"no pull-off in the data: they end at a = {show(missed[0], 'length')}, contact is lost at "
             f"{show(missed[1], 'length')}; w comes from the shape of the curve alone"
             + (f"; not tested, and not in the errors: {rivals.sensitivity}" if rivals and rivals.sensitivity else "")
         )
-
-
-def _elastic_indenter(fit: Fit, body: FittedBody) -> Iterator[str]:
-    modulus, problem = fit.settings.known("modulus"), body.problem
-    if modulus.free and problem.indenter.material is not None and problem.layers:
+    problem = body.problem
+    if fit.settings.known("modulus").free and problem.indenter.material is not None and problem.layers:
         yield "the indenter is elastic: its modulus was scaled together with those of the layers"
 
 
-def _validity(fit: Fit, body: FittedBody, family: Family) -> list[str]:
+def _of_validity(fit: Fit, body: FittedBody, family: Family) -> list[str]:
     """Sentences on a/R, delta/h and the Tabor number at the largest radius of the data."""
     specimen, indenter, a = body.problem.specimen, body.problem.indenter, float(np.max(fit.a))
     free = (item.value for item in fit.estimates if item.name.startswith("h:") and item.free)

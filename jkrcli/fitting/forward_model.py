@@ -57,9 +57,6 @@ class Member(Protocol):
         """u between which measured points are sought, so far beyond the fold and the end of the series, and down to
         the ``least`` radius that was measured [m], if any."""
 
-    def refuse_beyond(self, a: float) -> None:
-        """Refusal where the curve does not reach the contact radius ``a`` [m]."""
-
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         """The states and their first and second derivatives by u, each of shape (3, n)."""
 
@@ -94,15 +91,23 @@ class Family:
 
     @classmethod
     def of(cls, series: Series, slopes: Slopes) -> Family:
-        """The family of a series, at the nodes of its own evaluator."""
+        """The family of a series, at the nodes of its own evaluator: cubics with a straight line added at each end, far
+        enough for any foot point, which give values, first and second derivatives in one evaluation."""
         body = Nonadhesive(series, slopes)
         u = body.logs.slopes.x
         a = np.clip(np.exp(u), series.a[0], series.a[-1])
         here, rate = body.with_rates(a)
         values = np.stack([here.delta_H, here.t, here.P_H, here.S * here.t], axis=1)
         rates = np.stack([rate.delta_H, rate.t, rate.P_H, rate.S * here.t + here.S * rate.t], axis=1)
-        logs = PiecewiseCubic(u, np.log(values), a[:, None] * rates / values)
-        return cls(_with_derivatives(_extended(logs)), float(u[0]), float(u[-1]))
+        inner = PiecewiseCubic(u, np.log(values), a[:, None] * rates / values)
+        ends, width = u[[0, -1]], u[-1] - u[0] + 1
+        before, after = np.zeros((2, *inner.c.shape[::2]))
+        before[2:] = inner(ends[0], 1), inner(ends[0]) - width * inner(ends[0], 1)
+        after[2:] = inner(ends[1], 1), inner(ends[1])
+        c = np.concatenate([before[:, None], inner.c, after[:, None]], axis=1)
+        x, zero = np.concatenate([[ends[0] - width], u, [ends[1] + width]]), np.zeros_like(c[:1])
+        first, second = (np.concatenate([*[zero] * n, PiecewisePolynomial(x, c).derivative(n).c]) for n in (1, 2))
+        return cls(PiecewisePolynomial(x, np.concatenate([c, first, second], 2)), float(u[0]), float(u[-1]))
 
     @property
     def plain(self) -> Family:
@@ -121,10 +126,6 @@ class Family:
         """The w [J/m^2] that shifts the body at half of its largest radius by its own displacement."""
         D, T, _, _ = self.at(np.array([self.high - np.log(2)]))[0][:, 0]
         return float((D / T) ** 2)
-
-    def rate_to(self, moved: Family, step: float) -> PiecewisePolynomial:
-        """The change of the four logs towards a ``moved`` family, per ``step`` of a parameter."""
-        return PiecewisePolynomial(self.logs.x, (moved.logs.c - self.logs.c)[..., :FUNCTIONS] / step)
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
         """(D, T, H, V) and their first and second derivatives by u, each of shape (4, n)."""
@@ -220,9 +221,6 @@ class JKRMember:
         functions = self.family.at(u)
         return functions if self.drift is None else self.drift.applied(functions, u)
 
-    def refuse_beyond(self, a: float) -> None:
-        """Nothing is refused: beyond the series power laws go on, and the search itself looks at where it ends."""
-
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         first, second, third = (states(np.exp(u), functions, self.s, self.v) for functions in self.functions(u))
         return first, second, third
@@ -258,9 +256,6 @@ class RestingMember:
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
         return -1.0, 3.0  # several times what a stable edge holds
 
-    def refuse_beyond(self, a: float) -> None:
-        """Nothing is refused."""
-
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         here = states(self.turn, self.functions[0], self.s, self.unit * u)
         return here, np.broadcast_to(of_v(self.functions[0], self.s, self.unit), here.shape), np.zeros_like(here)
@@ -272,25 +267,6 @@ class RestingMember:
             name: states(0.0, by, self.s, self.unit * u) for name, by in (changes | {"modulus": here * LOADS}).items()
         }
         return rates | {"a_turn": states(self.turn, by_turn, self.s, self.unit * u)}
-
-
-def _extended(logs: PiecewiseCubic) -> PiecewisePolynomial:
-    """The cubics with a straight line added at each end, far enough for any foot point."""
-    ends, width = logs.x[[0, -1]], logs.x[-1] - logs.x[0] + 1
-    before, after = np.zeros((2, *logs.c.shape[::2]))
-    before[2:] = logs(ends[0], 1), logs(ends[0]) - width * logs(ends[0], 1)
-    after[2:] = logs(ends[1], 1), logs(ends[1])
-    c = np.concatenate([before[:, None], logs.c, after[:, None]], axis=1)
-    return PiecewisePolynomial(np.concatenate([[ends[0] - width], logs.x, [ends[1] + width]]), c)
-
-
-def _with_derivatives(logs: PiecewisePolynomial) -> PiecewisePolynomial:
-    """One piecewise cubic that gives values, first and second derivatives in one evaluation."""
-    zero = np.zeros_like(logs.c[:1])
-    first, second = logs.derivative(1).c, logs.derivative(2).c
-    return PiecewisePolynomial(
-        logs.x, np.concatenate([logs.c, np.concatenate([zero, first]), np.concatenate([zero, zero, second])], 2)
-    )
 
 
 # --------------------------------------------------------------------------------------------------
@@ -367,19 +343,16 @@ class DugdaleModel:
             a = np.concatenate([a[np.abs(a / bend - 1) > FAMILY_AROUND], around[around < most]])
         return np.unique(a)
 
-    def _discs(self, reach: float) -> tuple[Attraction, Discs]:
-        if reach not in self._ready:
-            attraction = self.body.attraction(reach)
-            self._ready[reach] = attraction, attraction.discs(self.radii)
-        return self._ready[reach]
-
     def _reaching(self, s: float, gap: float) -> tuple[Attraction, Discs]:
         """Discs on a body known so far that the tension s = 2 sigma/E* opens the separation ``gap`` [m] at its end, or
         up to where it ends."""
         reach = FAMILY_REACH * float(self.radii[-1])
         for _ in range(MOST_STEPS):
             reach = min(reach, self.body.limit)
-            attraction, discs = self._discs(reach)
+            if reach not in self._ready:
+                attraction = self.body.attraction(reach)
+                self._ready[reach] = attraction, attraction.discs(self.radii)
+            attraction, discs = self._ready[reach]
             if reach == self.body.limit or (discs.rims(reach - self.radii, s).gap > gap).all():
                 break
             reach *= FAMILY_REACH
@@ -694,10 +667,12 @@ class FittedBody:
 
         They are taken at rounded values, so that steps near the solution need no more solves for them.
         """
-        body, near = self.with_values(values), {name: _nearby(value) for name, value in values.items()}
-        base = self._solved(changed(self.problem, near))
-        moved = {name: changed(self.problem, near | {name: near[name] * math.exp(RESOLVING_STEP)}) for name in varied}
-        rates = {name: base.rate_to(self._solved(problem), RESOLVING_STEP) for name, problem in moved.items()}
+        logs = {name: RESOLVING_ROUNDED * round(math.log(value) / RESOLVING_ROUNDED) for name, value in values.items()}
+        body, near = self.with_values(values), {name: math.exp(log) for name, log in logs.items()}
+        base, rates = self._solved(changed(self.problem, near)).logs, {}
+        for name in varied:
+            moved = self._solved(changed(self.problem, near | {name: near[name] * math.exp(RESOLVING_STEP)})).logs
+            rates[name] = PiecewisePolynomial(base.x, (moved.c - base.c)[..., :FUNCTIONS] / RESOLVING_STEP)
         return replace(body, family=replace(body.family, rates=rates))
 
     def on_surface(self, surface: str) -> FittedBody:
@@ -775,10 +750,6 @@ def _reached(body: FittedBody, a: float, changes: frozenset[tuple[str, Any]]) ->
 def _exact(problem: Problem, tolerance: float) -> FittedBody:
     series = Layered(tolerance)(problem).series
     return FittedBody.of(problem, series, slopes(series, "exact"), True)
-
-
-def _nearby(value: float) -> float:
-    return math.exp(RESOLVING_ROUNDED * round(math.log(value) / RESOLVING_ROUNDED))
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -21,8 +21,7 @@ from ..data.free_rows import FreeRows
 from ..data.segmentation import ForceCurve
 from .force_curve import ForceCurveFit
 from .forward_model import FittedBody
-from .least_squares import t_quantile
-from .parameters import FittedValue
+from .least_squares import t_quantile, wider
 from .record import outcome_of, whole_fit
 from .result import Fit
 from .settings import Settings
@@ -31,6 +30,9 @@ NUISANCE_FARTHEST = 10.0  # choice: standard errors of the free rows, which the 
 NUISANCE_ROUNDS = 3  # choice: parabolas through sizes
 NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which another law is none of these data
 OTHER_LAW = "the law of the attraction"
+
+
+Outcome: TypeAlias = tuple[float, Mapping[str, float], ForceCurveFit]  # cost, values, and the fit itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
     if held is None:
         return None
 
-    def of(other: ForceCurve) -> tuple[float, Mapping[str, float], ForceCurveFit]:
+    def of(other: ForceCurve) -> Outcome:
         best = whole_fit(body, other, settings)
         return float(best.off @ best.off), outcome_of(best, best.x, body), best
 
@@ -71,10 +73,19 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
             changes.append(_between(here, of(record.holding(moved))[1]))
     except JkrError:  # a size that no curve resembles tells nothing
         unknown = ("how well its size is known is not in the errors: no curve fits at other sizes",)
-    return Nuisance(record, tuple(changes), laws, (*held.words, *_left_in(body, record, settings), *unknown))
 
-
-Outcome: TypeAlias = tuple[float, Mapping[str, float], ForceCurveFit]
+    # E* and w where it is left in the loads
+    left_in = tuple[str, ...]()
+    if record.plain is not None and record.held is not None and (record.held.levels or record.held.attraction):
+        try:
+            _, outcome, best = of(record.plain)
+            E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
+            work = "w" if "w" in outcome else "w_approach"
+            sizes = f"E* = {show(E_star, 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}"
+            left_in = (f"left in the loads {sizes}",)
+        except JkrError:
+            left_in = ("left in the loads no fit converges",)
+    return Nuisance(record, tuple(changes), laws, (*held.words, *left_in, *unknown))
 
 
 def _of_law(
@@ -109,37 +120,17 @@ def _least(cost_of: Callable[[float], tuple[float, ForceCurveFit]]) -> tuple[flo
     return float(least), float(1 / math.sqrt(bend))
 
 
-def _left_in(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[str, ...]:
-    """A sentence on what E* and w are where it is left in the loads."""
-    if record.plain is None or record.held is None or not (record.held.levels or record.held.attraction):
-        return ()
-    try:
-        best = whole_fit(body, record.plain, settings)
-    except JkrError:
-        return ("left in the loads no fit converges",)
-    outcome = outcome_of(best, best.x, body)
-    E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
-    work = "w" if "w" in outcome else "w_approach"
-    sizes = f"E* = {show(E_star, 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}"
-    return (f"left in the loads {sizes}",)
-
-
 def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:
     """The fit of a settled record with what is not known of its free rows in the errors."""
     if nuisance is None:
         return fitted
     t = t_quantile(fitted.settings.level, fitted.dof)
-    estimates = tuple(_widened(item, nuisance, t) for item in fitted.estimates)
-    return replace(fitted, estimates=estimates, held=nuisance.words)
-
-
-def _widened(item: FittedValue, nuisance: Nuisance, t: float) -> FittedValue:
-    total = math.hypot(*(change.get(item.name, 0.0) for change in nuisance.changes))
-    law = abs(nuisance.laws.get(item.name, 0.0))
-    if item.error is None or not item.free:
-        return item
-    low = None if item.low is None else item.value - math.hypot(item.value - item.low, t * total)
-    high = None if item.high is None else item.value + math.hypot(item.high - item.value, t * total)
-    low = max(low, 0.0) if low is not None and item.dimension in ("modulus", "work") else low
-    model = {**(item.model or {}), OTHER_LAW: law} if law and item.dimension in ("modulus", "work") else item.model
-    return replace(item, error=math.hypot(item.error, total), low=low, high=high, model=model)
+    estimates = []
+    for item in fitted.estimates:
+        if item.error is not None and item.free:
+            total = math.hypot(*(change.get(item.name, 0.0) for change in nuisance.changes))
+            law = abs(nuisance.laws.get(item.name, 0.0)) if item.dimension in ("modulus", "work") else 0.0
+            model = {**(item.model or {}), OTHER_LAW: law} if law else item.model
+            item = replace(wider(item, {"free rows": total}, t), systematic=item.systematic, model=model)
+        estimates.append(item)
+    return replace(fitted, estimates=tuple(estimates), held=nuisance.words)

@@ -27,7 +27,7 @@ from ..data.tables import NO_UNIT
 from ..methods.radii import ROOM
 from ..resolve.resolve import sticking_effect, sticking_warnings
 from .checks import warnings_of
-from .forward_model import ADVANCING, RECEDING, RESTING, FittedBody, RestingMember, check_parameters
+from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember, check_parameters
 from .least_squares import (
     Intervals,
     State,
@@ -530,7 +530,8 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     undetermined = any(item.name in free and item.low is None and item.high is None for item in estimates)
     distances = minimum.distances
     readings, a = distances.readings, distances.a
-    readings.member.refuse_beyond(float(a.max()))
+    if isinstance(readings.member, DugdaleCurve):
+        readings.member.refuse_beyond(float(a.max()))
     result = Fit(
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -97,7 +97,18 @@ def points_of(
     """
     of = partial(_rows_of, curve, branch=branch, unknowns=unknowns, zero=zero)
     points = _of_a_cycle(curve, segment, of) if EDGES.keys() & curve.segments() else of(segment)
-    _check_signs(curve, points.values)
+
+    # Columns that do not vary, or that fall where others rise
+    for name, column in points.values.items():
+        if not np.ptp(column) > 0:
+            raise InputError(f"{curve.where}: {name} has the same value {column[0]:g} in all rows")
+    for one, two in itertools.combinations(points.values, 2):
+        together = float(np.corrcoef(points.values[one], points.values[two])[0, 1])
+        if together < ROWS_OPPOSITE:
+            raise InputError(
+                f"{curve.where}: {two} falls as {one} rises (correlation {together:.2f}): one of them has the wrong "
+                "sign; displacement into the specimen and compression are positive (--flip delta, --flip P)"
+            )
     return points
 
 
@@ -105,7 +116,14 @@ def _rows_of(
     curve: Curve, segment: SegmentName | None, branch: BranchName, unknowns: int, zero: float | None
 ) -> Points:
     """As ``points_of``, whatever the signs."""
-    chosen = _of_segment(curve, segment)
+    if curve.segment is None and segment in EDGES:
+        curve.only(segment)  # which refuses
+    chosen = np.ones(len(curve), dtype=bool)
+    if curve.segment is not None:
+        chosen = np.isin(curve.segment, list(EDGES) if segment == "both" else [segment or "retract"])
+        if segment is not None and not chosen.any():
+            raise InputError(f'{curve.where}: segment "{segment}" is empty (segments: {", ".join(curve.segments())})')
+        chosen = chosen if chosen.any() else ~chosen
     values = {name: column[chosen] for name in COLUMNS if (column := getattr(curve, name)) is not None}
     if len(values) < 2:
         raise InputError(f"{curve.where}: a fit needs two of a, delta, P, got {', '.join(values) or 'none'}")
@@ -114,12 +132,11 @@ def _rows_of(
     baseline = None
     if "P" in values and not touching.all():
         level = baseline = float(np.median(values["P"][~touching]))
-    taken = touching & _of_branch(curve, values, branch, level)
-    words = _left_out({
-        "of other segments": chosen.size - chosen.sum(),
-        "out of contact": (~touching).sum(),
-        "of the adhesive part": (touching & ~taken).sum(),
-    })  # fmt: skip
+    if branch == "compressive" and "P" not in values:
+        raise InputError(f"{curve.where}: the compressive branch cannot be selected without the load")
+    taken = touching & (values["P"] > level) if branch == "compressive" else touching
+    counts = {"of other segments": ~chosen, "out of contact": ~touching, "of the adhesive part": touching & ~taken}
+    words = tuple(f"{n} row{'s' if n > 1 else ''} {why}" for why, rows in counts.items() if (n := int(rows.sum())))
     least = max(ROWS_LEAST, 2 * unknowns)
     if taken.sum() < least:
         out = f" ({', '.join(words)} left out)" if words else ""
@@ -210,34 +227,13 @@ def _rising(column: Array) -> float:
     return float(np.corrcoef(np.argsort(np.argsort(column)), np.arange(column.size))[0, 1])
 
 
-def _left_out(counts: Mapping[str, int]) -> tuple[str, ...]:
-    return tuple(f"{count} row{'s' if count > 1 else ''} {why}" for why, count in counts.items() if count)
-
-
-def _of_branch(curve: Curve, values: Mapping[str, Array], branch: BranchName, level: float) -> Array:
-    if branch == "compressive" and "P" not in values:
-        raise InputError(f"{curve.where}: the compressive branch cannot be selected without the load")
-    size = next(iter(values.values())).size
-    return values["P"] > level if branch == "compressive" else np.ones(size, dtype=bool)
-
-
-def _of_segment(curve: Curve, segment: SegmentName | None) -> Array:
-    if curve.segment is None:
-        if segment in EDGES:
-            curve.only(segment)  # which refuses
-        return np.ones(len(curve), dtype=bool)
-    words = list(EDGES) if segment == "both" else [segment or "retract"]
-    chosen = np.isin(curve.segment, words)
-    if segment is not None and not chosen.any():
-        raise InputError(f'{curve.where}: segment "{segment}" is empty (segments: {", ".join(curve.segments())})')
-    return chosen if chosen.any() else ~chosen
-
-
 def in_contact(values: Mapping[str, Array], level: float) -> Array:
     """Mask of the rows in contact: not of a base line at the load reading ``level`` [N]; of radius > 0 where read.
 
-    The base line lies at displacements below that of the least load (see ``_lost``); where no adhesion stands out of
-    the noise, below the displacement from which on all loads do.
+    The base line lies at displacements below that of the least load. Contact is lost in a jump, on whose way lie few
+    readings. Many of them there are a curve that a stiff device follows further, as on thin layers: then only what
+    stands near the base line is out of contact. Where no adhesion stands out of the noise, the base line lies below the
+    displacement from which on all loads do.
     """
     size = next(iter(values.values())).size
     if "a" in values:
@@ -249,7 +245,10 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
     lowest = int(np.argmin(P))
     force = level - P[lowest]
     if force > ROWS_ADHESION * noise or noise > ROWS_LARGEST_NOISE * np.ptp(P):
-        return ~_lost(delta < delta[lowest], (P - level) / force, ROWS_NOISE * noise / force)
+        beyond, load = delta < delta[lowest], (P - level) / force
+        risen, standing = load > -ROWS_LOST, load > -max(ROWS_NOISE * noise / force, ROWS_LEVEL)
+        jump = (beyond & risen & ~standing).sum() < ROWS_SEVERAL
+        return ~(beyond & (risen if jump else standing))
     quiet = np.abs(P - level) <= ROWS_NOISE * noise
     # a base line is half of a direction or more, or stands longer than any curve that begins there
     line = quiet.sum() > FEWEST_ROWS // 2 or _stands(delta, quiet, ROWS_NOISE * noise / max(float(np.ptp(P)), TINY))
@@ -268,17 +267,6 @@ def _stands(delta: Array, quiet: Array, near: float) -> bool:
     return reach > ROWS_LONGER * near ** (1 / 3) * float(np.ptp(delta))
 
 
-def _lost(beyond: Array, P: Array, near: float) -> Array:
-    """Mask of those rows ``beyond`` the least load that have lost contact; ``P`` in units of the pull-off force.
-
-    Contact is lost in a jump, on whose way lie few readings. Many of them there are a curve that a stiff device follows
-    further, as on thin layers: then only what stands ``near`` the base line is out of contact.
-    """
-    risen, standing = P > -ROWS_LOST, P > -max(near, ROWS_LEVEL)
-    jump = (beyond & risen & ~standing).sum() < ROWS_SEVERAL
-    return beyond & (risen if jump else standing)
-
-
 def _level(values: Mapping[str, Array]) -> float:
     """The load reading at the smallest displacements, where it stands still as out of contact; else 0.
 
@@ -292,20 +280,6 @@ def _level(values: Mapping[str, Array]) -> float:
     before = delta < delta[int(np.argmin(P))]
     between = before & (P < level - 0.1 * (level - least)) & (P > level - 0.5 * (level - least))
     return level if np.ptp(far) < ROWS_FLAT * (level - least) and between.sum() < 3 else 0.0
-
-
-def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
-    """Refuse columns that do not vary, or that fall where others rise."""
-    for name, column in values.items():
-        if not np.ptp(column) > 0:
-            raise InputError(f"{curve.where}: {name} has the same value {column[0]:g} in all rows")
-    for one, two in itertools.combinations(values, 2):
-        together = float(np.corrcoef(values[one], values[two])[0, 1])
-        if together < ROWS_OPPOSITE:
-            raise InputError(
-                f"{curve.where}: {two} falls as {one} rises (correlation {together:.2f}): one of them has the wrong "
-                "sign; displacement into the specimen and compression are positive (--flip delta, --flip P)"
-            )
 
 
 def noise_estimate(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str, float]:
@@ -708,20 +682,20 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     splines = objective.ranged or any(parameter.of_body for parameter in objective.unknowns.free)
     close = ROUNDED if splines else SETTLED  # curves of layers and ranges are good to 1e-8 themselves
     close = close if loss == "linear" else max(close, SEARCH_CONVERGED_ROUGH)
-    model, bounds = partial(_scaled, objective, begin), _bounds(objective, y)
-    problem = LeastSquares(model, bounds, close, 0.0, SEARCH_EVALUATIONS, loss, width)
-    least = problem.least(_inside(y, *bounds))
+    low, high = _bounds(objective, y)
+    room = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(y), 1.0))  # the trust region wants some
+    problem = LeastSquares(partial(_scaled, objective, begin), (low, high), close, 0.0, SEARCH_EVALUATIONS, loss, width)
+    least = problem.least(np.clip(y, low + 1e-8 * room, high - 1e-8 * room))
     return Minimum(objective, objective.at(begin, least.x), least)
 
 
-def _if_any(objective: Objective, start: Array) -> Minimum | None:
-    """The same; None where a range takes the surfaces beyond the body."""
-    try:
-        return minimise(objective, start)
-    except JkrError:
-        if not objective.ranged:
-            raise
-    return None
+def _minima(objective: Objective, unknowns: Iterable[Array]) -> list[Minimum]:
+    """The same from each of these ``unknowns``, but where a range takes the surfaces beyond the body."""
+    minima = []
+    for x in unknowns:
+        with contextlib.suppress(*[JkrError] * objective.ranged):
+            minima.append(minimise(objective, x))
+    return minima
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:
@@ -746,12 +720,6 @@ def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
     return np.maximum(low, np.minimum(faint, high / 2)), high
 
 
-def _inside(y: Array, low: Array, high: Array) -> Array:
-    """Unknowns strictly between the bounds, as the trust region wants it."""
-    room = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(y), 1.0))
-    return np.clip(y, low + 1e-8 * room, high - 1e-8 * room)
-
-
 # ---------------------------------------------------------------------- starts
 @dataclass(frozen=True)
 class Start:
@@ -770,92 +738,72 @@ def starts(family: Family, points: Points, known: Mapping[str, float], beyond: b
     """
     if "a" in points.columns:
         return [_with_radii(family, points, known)]
-    delta, P = _stable_rows(points.values["delta"], points.values["P"])
+    delta, P = points.values["delta"], points.values["P"]
+    zeros: Sequence[float] = [part * float(np.ptp(P)) for part in SEARCH_LOAD_ZEROS]
+    if "P0" in known or points.baseline is not None:
+        zeros = [known.get("P0", points.baseline or 0.0)]
+
+    # A few readings spread over those that are stable under load control: not beyond the least load, if enough
+    rows = np.flatnonzero(delta >= delta[int(np.argmin(P))])
+    rows = rows if rows.size >= ROWS_LEAST else np.arange(P.size)
+    some = rows[evenly(rows.size, SEARCH_READINGS)]
+
+    # sqrt(w/s) of curves that are pulled off at radii across the series, and of almost no adhesion
     u = np.linspace(family.low, family.high + (SEARCH_BEYOND if beyond else SEARCH_SLIGHTLY), SEARCH_NODES)
     (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
-    candidates = []
-    for P0, shape in itertools.product(_load_zeros(points, known), _shapes(dH / dV)):
+    shapes = np.unique((dH / dV)[dH / dV > 0])
+    shapes = np.append(0.0, shapes[np.linspace(0, shapes.size - 1, min(SEARCH_SHAPES, shapes.size)).astype(int)])
+    candidates = list[Start]()
+    for P0, shape in itertools.product(zeros, shapes):
         stable = slice(int(np.argmin(H - shape * V)), None)
-        delta_P_and_rates = [(X - shape * Y)[stable] for X, Y in ((D, T), (H, V), (dD, dT), (dH, dV))]
-        curve = StableBranch(shape, u[stable], *delta_P_and_rates)
-        candidates += curve.match(delta, P - P0, {**known, "P0": P0})
+        branch = u[stable], *((X - shape * Y)[stable] for X, Y in ((D, T), (H, V), (dD, dT), (dH, dV)))
+        candidates += _of_shape(float(shape), branch, delta[some], P[some] - P0, {**known, "P0": P0})
     candidates.sort(key=lambda start: start.cost)
     if not candidates:
         raise InputError("no curve of the solution resembles the data: check signs, units and the indenter")
     return candidates[:SEARCH_ALTERNATIVES]
 
 
-def _stable_rows(delta: Array, P: Array) -> tuple[Array, Array]:
-    """A few readings spread over those that are stable under load control: not beyond the least load, if enough."""
-    rows = np.flatnonzero(delta >= delta[int(np.argmin(P))])
-    rows = rows if rows.size >= ROWS_LEAST else np.arange(P.size)
-    some = rows[evenly(rows.size, SEARCH_READINGS)]
-    return delta[some], P[some]
+def _of_shape(
+    shape: float, branch: tuple[Array, ...], delta: Array, P: Array, known: Mapping[str, float]
+) -> Iterator[Start]:
+    """The best start for the few factors s of all moduli that are possible with sqrt(w/s) = ``shape``, if any.
 
-
-@dataclass(frozen=True, eq=False)
-class StableBranch:
-    """The branch of one curve at s = 1 that is stable under load control, by increasing load."""
-
-    shape: float
-    u: Array
-    delta: Array
-    P: Array
-    ddelta: Array
-    dP: Array
-
-    def match(self, delta: Array, P: Array, known: Mapping[str, float]) -> list[Start]:
-        """Starts with this shape, for the few factors that are possible, the best only."""
-        if self.P.size < 4:
-            return []
-        factors = np.array([f for f in self._factors(P, known) if np.isfinite(f) and f > 0])
-        if factors.size == 0:
-            return []
-        compliance = known.get("compliance") or 0.0
-        load = P / factors[:, None]
-        model = np.interp(load, self.P, self.delta)
-        slope = np.interp(load, self.P, self.ddelta / np.maximum(self.dP, 1e-30 * self.dP.max()))
-        force, length = np.ptp(P), np.ptp(delta)
-        weight = 1 / (length**2 + (slope / factors[:, None] * force) ** 2)
-        gap = delta - compliance * P - model
-        zero = np.sum(weight * gap, axis=1) / np.sum(weight, axis=1)
-        zero = np.full(factors.size, known["delta0"]) if "delta0" in known else zero
-        beyond = (load - np.clip(load, self.P[0], self.P[-1])) * factors[:, None] / force
-        cost = np.mean(weight * (gap - zero[:, None]) ** 2 + beyond**2, axis=1)
-        best = int(np.argmin(cost))
-        s = float(factors[best])
-        reach = float(np.exp(np.interp(load[best].max(), self.P, self.u)))
-        return [Start(_values(s, self.shape**2 * s, zero[best], known["P0"], compliance), reach, float(cost[best]))]
-
-    def _factors(self, P: Array, known: Mapping[str, float]) -> Iterator[float]:
-        if "modulus" in known:
-            yield known["modulus"]
-        elif "w" in known and self.shape > 0:
-            yield known["w"] / self.shape**2
-        else:
-            end = P.max() if P.max() >= -P.min() else P.min()
-            loads = self.P[np.linspace(0, self.P.size - 1, SEARCH_FACTORS).astype(int)]
-            yield from (end / load for load in loads if load * end > 0)
+    ``branch``: that of the curve at s = 1 which is stable under load control, by increasing load: log a, displacement
+    and load, and their derivatives by log a.
+    """
+    u, depth, loads, by_depth, by_loads = branch
+    if "modulus" in known:
+        factors = np.array([known["modulus"]])
+    elif "w" in known and shape > 0:
+        factors = np.array([known["w"] / shape**2])
+    else:
+        end = P.max() if P.max() >= -P.min() else P.min()
+        some = loads[np.linspace(0, loads.size - 1, SEARCH_FACTORS).astype(int)]
+        factors = end / some[some * end > 0]
+    factors = factors[np.isfinite(factors) & (factors > 0)]
+    if loads.size < 4 or factors.size == 0:
+        return
+    compliance = known.get("compliance") or 0.0
+    load = P / factors[:, None]
+    model = np.interp(load, loads, depth)
+    slope = np.interp(load, loads, by_depth / np.maximum(by_loads, 1e-30 * by_loads.max()))
+    force, length = np.ptp(P), np.ptp(delta)
+    weight = 1 / (length**2 + (slope / factors[:, None] * force) ** 2)
+    gap = delta - compliance * P - model
+    zero = np.sum(weight * gap, axis=1) / np.sum(weight, axis=1)
+    zero = np.full(factors.size, known["delta0"]) if "delta0" in known else zero
+    beyond = (load - np.clip(load, loads[0], loads[-1])) * factors[:, None] / force
+    cost = np.mean(weight * (gap - zero[:, None]) ** 2 + beyond**2, axis=1)
+    best = int(np.argmin(cost))
+    s = float(factors[best])
+    reach = float(np.exp(np.interp(load[best].max(), loads, u)))
+    yield Start(_values(s, shape**2 * s, zero[best], known["P0"], compliance), reach, float(cost[best]))
 
 
 def _values(modulus: float, w: float, delta0: float, P0: float, compliance: float) -> dict[str, float]:
     named = {"modulus": modulus, "w": w, "delta0": delta0, "P0": P0, "compliance": compliance}
     return {name: float(value) for name, value in named.items()}
-
-
-def _shapes(stationary: Array) -> Array:
-    """sqrt(w/s) of curves that are pulled off at radii across the series, and of almost no adhesion."""
-    shapes = np.unique(stationary[stationary > 0])
-    some = shapes[np.linspace(0, shapes.size - 1, min(SEARCH_SHAPES, shapes.size)).astype(int)]
-    return np.concatenate([[0.0], some])
-
-
-def _load_zeros(points: Points, known: Mapping[str, float]) -> tuple[float, ...]:
-    if "P0" in known:
-        return (known["P0"],)
-    if points.baseline is not None:
-        return (points.baseline,)
-    return tuple(part * float(np.ptp(points.values["P"])) for part in SEARCH_LOAD_ZEROS)
 
 
 def _with_radii(family: Family, points: Points, known: Mapping[str, float]) -> Start:
@@ -962,11 +910,14 @@ def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
 
 
 def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
-    """The minimum from ``values`` on at which each row lies on the edge that it was fitted with."""
+    """The minimum from ``values`` on at which each row lies on the edge that it was fitted with; w is fixed where no
+    row of a cycle recedes, the turn where none rests."""
     parameters = objective.parameters
     _, points, x = _assigned(objective, values)
     for _ in range(MOST_SOLVES):
-        objective = _without_idle(replace(objective, parameters=parameters, points=points))
+        assert points.edges is not None
+        idle = [name for edge, name in ((RECEDING, "w"), (RESTING, "a_turn")) if edge not in points.edges]
+        objective = replace(objective, parameters=parameters, points=points).holding(*idle)
         minimum = minimise(objective, x)
         before = points
         _, points, x = _assigned(objective, objective.values(minimum.x))
@@ -993,13 +944,6 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
     edges[back] = np.where(rests, RESTING, RECEDING)
     cost = float(np.sum(each[0].residuals ** 2) - np.sum(off) + np.sum(np.where(rests, off, moving)))
     return cost, replace(points, edges=edges), x
-
-
-def _without_idle(objective: Objective) -> Objective:
-    """The objective with w fixed where no row of a cycle recedes, the turn where none rests."""
-    edges = set(objective.points.edges if objective.points.edges is not None else ())
-    idle = [name for edge, name in ((RECEDING, "w"), (RESTING, "a_turn")) if edge not in edges]
-    return objective.holding(*idle)
 
 
 # ---------------------------------------------------------------------- bodies and radii
@@ -1114,7 +1058,11 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
 
     Starts are those from the data and, if any, the user's. InputError where all stay far.
     """
-    unknowns = [_unknowns(settings, start) for start in tried[:SEARCH_LOOKED_AT]]
+    known = {p.name: p.value for p in settings.parameters if not p.free and p.value is not None}
+    unknowns = [
+        np.array([p.inner({**start.values, **known}[p.name]) for p in settings.parameters])
+        for start in tried[:SEARCH_LOOKED_AT]
+    ]
     objective = Objective(body, settings.parameters, points, np.ones(len(points.columns)))
     sizes = _sizes(objective.readings(unknowns[0], rated=False), points)
     scales = noise_estimate(points.values, sizes) | dict(settings.noise)
@@ -1133,7 +1081,11 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
                 raise
             failed = error
             continue
-        if not objective.ranged and _is_good(minima[-1], far):  # good without its range is not yet the best with it
+        distance = robust_scale(minima[-1].distances.residuals)
+        good = distance * far < SEARCH_NEAR or (
+            distance < SEARCH_NOISE and far < SEARCH_FAR
+        )  # noise, or next to nothing
+        if good and not objective.ranged:  # good without its range is not yet the best with it
             break
     if failed is not None and not minima:
         raise failed
@@ -1147,22 +1099,13 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     return minimum
 
 
-def _is_good(minimum: Minimum, far: float) -> bool:
-    """Whether the residuals are those of the noise, where that is known, or next to nothing; else others are tried.
-
-    ``far``: the scales in sizes of the curve, 1 where the record did not show the noise.
-    """
-    distance = robust_scale(minimum.distances.residuals)
-    return distance * far < SEARCH_NEAR or (distance < SEARCH_NOISE and far < SEARCH_FAR)
-
-
 def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
     """Starts sorted by their cost; where layers or a range vary, after a fit of the other parameters alone."""
     own = [p.name for p in objective.parameters if (p.of_body or p.name in RANGES) and p.free]
     others = objective.holding(*own)
     if not own or others.free.size == 0:
         return sorted(unknowns, key=lambda x: _cost(objective, x))
-    minima = [minimum for x in unknowns if (minimum := _if_any(others, x)) is not None]
+    minima = _minima(others, unknowns)
     for _ in range(SEARCH_HALVINGS if objective.ranged and minima else 0):
         minima += _between(others, minima, next(i for i, p in enumerate(objective.parameters) if p.name in RANGES))
     return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else unknowns
@@ -1177,22 +1120,14 @@ def _between(objective: Objective, minima: Sequence[Minimum], place: int) -> lis
     for other in (*ordered[max(best - 1, 0) : best], *ordered[best + 1 : best + 2]):
         tried.append(x := ordered[best].x.copy())
         x[place] = (x[place] + other.x[place]) / 2
-    return [minimum for x in tried if (minimum := _if_any(objective, x)) is not None]
+    return _minima(objective, tried)
 
 
 def _cost(objective: Objective, x: Array) -> float:
     """The sum of squares; infinite where a range takes the surfaces beyond the body."""
-    try:
+    with contextlib.suppress(*[JkrError] * objective.ranged):
         return float(np.sum(objective.distances(x, rated=False).residuals ** 2))
-    except JkrError:
-        if not objective.ranged:
-            raise
-        return math.inf
-
-
-def _unknowns(settings: Settings, start: Start) -> Array:
-    values = (start.values[p.name] if p.free or p.value is None else p.value for p in settings.parameters)
-    return np.array([p.inner(value) for p, value in zip(settings.parameters, values, strict=True)])
+    return math.inf
 
 
 def _sizes(readings: Readings, points: Points) -> dict[str, float]:

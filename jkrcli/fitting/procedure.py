@@ -99,26 +99,21 @@ def confidence_of(
     if settings.confidence == "bootstrap":
         change = partial(_redrawn, minimum.distances.residuals.shape)
         samples = bootstrap(minimum.least, change, SEARCH_CONVERGED_ROUGH, settings.samples, settings.seed, pool)
+    follow = _follows(objective, minimum.x)
+    dimensions = {name: dimension_of(name) if name in RANGES else "modulus" for name in follow}
+    following = (Parameter(name, True, scale=LOG, quantity=kind, follows=True) for name, kind in dimensions.items())
     intervals = Intervals(
-        minimum.least, _quantities(minimum), partial(_meaning, minimum), inner, t, settings.level,
+        minimum.least, [*objective.parameters, *following], partial(_meaning, minimum), inner, t, settings.level,
         settings.confidence == "profile", factor, samples,
     )  # fmt: skip
     estimates = intervals.estimates()
     if isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor:
         here = objective.values(minimum.x)
-        estimates = tuple(_and_none(_one_sided(item, intervals), jkr.values, here) for item in estimates)
+        estimates = tuple(_without_range(item, intervals, jkr.values, here) for item in estimates)
     changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
     estimates = tuple(wider(item, {name: by[item.name] for name, by in changes.items()}, t) for item in estimates)
     free = objective.unknowns.names
     return Confidence(estimates, intervals.covariance_of(free), intervals.sampled(free), math.sqrt(factor), dof)
-
-
-def _quantities(minimum: Minimum) -> list[Parameter]:
-    """The parameters, and what follows from them."""
-    follow = _follows(minimum.objective, minimum.x)
-    dimensions = {name: dimension_of(name) if name in RANGES else "modulus" for name in follow}
-    following = (Parameter(name, True, scale=LOG, quantity=kind, follows=True) for name, kind in dimensions.items())
-    return [*minimum.objective.parameters, *following]
 
 
 def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
@@ -128,27 +123,25 @@ def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
     return own | {name: math.log(value) if value > 0 else -math.inf for name, value in _follows(objective, x).items()}
 
 
-def _one_sided(item: FittedValue, intervals: Intervals) -> FittedValue:
-    """A range that is not significantly above 0, by the largest that it may have, or a tension by the least."""
-    if item.name not in RANGES or not item.free:
-        return item
-    quantity = next(one for one in intervals.quantities if one.name == item.name)
-    if quantity.follows:
-        return replace(item, error=None, low=None, high=None)
-    end = intervals.end(quantity, intervals.t if item.name == "range" else -intervals.t)
-    low, high = (0.0, end) if item.name == "range" else (end, None)
-    return replace(item, error=None, low=low, high=high)
-
-
-def _and_none(item: FittedValue, jkr: Mapping[str, float], here: Mapping[str, float]) -> FittedValue:
-    """The estimate where a range is not significant: its interval holds that of JKR as well."""
+def _without_range(
+    item: FittedValue, intervals: Intervals, jkr: Mapping[str, float], here: Mapping[str, float]
+) -> FittedValue:
+    """The estimate where a range is not significantly above 0: of a range the largest that it may have, of a tension
+    the least; of others the interval holds that of JKR as well."""
+    if item.name in RANGES:
+        quantity = next(one for one in intervals.quantities if one.name == item.name)
+        if quantity.follows or not item.free:
+            return replace(item, error=None, low=None, high=None)
+        end = intervals.end(quantity, intervals.t if item.name == "range" else -intervals.t)
+        low, high = (0.0, end) if item.name == "range" else (end, None)
+        return replace(item, error=None, low=low, high=high)
     name = "modulus" if item.dimension == "modulus" and item.name not in jkr else item.name
-    if item.name in RANGES or name not in jkr or item.error is None or item.low is None or item.high is None:
+    if name not in jkr or item.error is None or item.low is None or item.high is None:
         return item
     shift = jkr[name] - here[name] if name == item.name else item.value * (jkr[name] / here[name] - 1)
-    low, high = min(item.low, item.low + shift), max(item.high, item.high + shift)
-    low = max(low, 0.0) if item.dimension == "work" else low
-    return replace(item, error=math.hypot(item.error, shift), low=low, high=high)
+    least, most = min(item.low, item.low + shift), max(item.high, item.high + shift)
+    least = max(least, 0.0) if item.dimension == "work" else least
+    return replace(item, error=math.hypot(item.error, shift), low=least, high=most)
 
 
 def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float, int]:
@@ -533,36 +526,25 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     if isinstance(readings.member, DugdaleCurve):
         readings.member.refuse_beyond(float(a.max()))
     result = Fit(
-        name=curve.name,
-        file="" if curve.origin is None else str(curve.origin),
-        where=curve.where,
-        estimates=estimates,
-        free=free,
-        covariance=confidence.covariance,
-        samples=confidence.samples,
-        data=points.values,
-        rows=points.rows,
-        left_out=points.left_out,
-        a=a,
-        residuals=distances.residuals,
-        scales=dict(zip(points.columns, map(float, readings.scales), strict=True)),
-        scatter=confidence.scatter,
-        dof=confidence.dof,
-        structure=structure(distances.residuals[-1][distances.along]),
-        line=distances.line(),
-        evaluations=minimum.least.steps,
-        settings=settings,
-        flags=(*flags, *["not determined"] * undetermined),
-        jkr=sharp,
-        range_left=None if rivals.range is None else rivals.range.most,
-    )
+        name=curve.name, file="" if curve.origin is None else str(curve.origin), where=curve.where,
+        estimates=estimates, free=free, covariance=confidence.covariance, samples=confidence.samples,
+        data=points.values, rows=points.rows, left_out=points.left_out, a=a, residuals=distances.residuals,
+        scales=dict(zip(points.columns, map(float, readings.scales), strict=True)), scatter=confidence.scatter,
+        dof=confidence.dof, structure=structure(distances.residuals[-1][distances.along]), line=distances.line(),
+        evaluations=minimum.least.steps, settings=settings, flags=(*flags, *["not determined"] * undetermined),
+        jkr=sharp, range_left=None if rivals.range is None else rivals.range.most,
+    )  # fmt: skip
     checks = warnings_of(
         result, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.least.ended
     )
+    on_record = [f"{name}: {sentence}" for name, sentence in flags.items()]
+    if "no base line" in flags and not zero.free and not zero.value:
+        on_record.append("no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)")
     words = (*words, *[RESTS] * (ADVANCING in edges and "w" not in free))
-    result = replace(result, warnings=(*_on_record(flags, zero), *words, *checks))
-    if edges == {ADVANCING}:
-        return _of_an_approach(result)
+    result = replace(result, warnings=(*on_record, *words, *checks))
+    if edges == {ADVANCING}:  # alone, whose w is called w_approach: w is that of a retraction
+        estimates = tuple(replace(item, name=OWN.get(item.name, item.name)) for item in result.estimates)
+        return replace(result, estimates=estimates, free=tuple(OWN.get(name, name) for name in result.free))
     if ADVANCING not in edges or not _apart(minimum, confidence.scatter):
         return result
     into, back = (alone(_fit(body, curve, replace(ready.requested, segment=kind), pool)) for kind in EDGES)
@@ -587,12 +569,6 @@ def _apart(minimum: Minimum, scatter: float) -> bool:
     return spread is not None and differ(1.0, 1 + float(step[-1]), math.sqrt(spread[-1, -1]))
 
 
-def _of_an_approach(result: Fit) -> Fit:
-    """The fit of an approach alone, whose w is called w_approach: w is that of a retraction."""
-    estimates = tuple(replace(item, name=OWN.get(item.name, item.name)) for item in result.estimates)
-    return replace(result, estimates=estimates, free=tuple(OWN.get(name, name) for name in result.free))
-
-
 def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[FittedValue, ...]:
     """The estimates; w of an edge that rests in all rows of the way back is at least what the last of them holds."""
     edges = minimum.objective.points.edges
@@ -603,13 +579,6 @@ def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[Fitt
     assert isinstance(member, RestingMember)
     least = modulus * (member.unit * float(part.u.max())) ** 2
     return tuple(FittedValue("w", least, True, "work", None, least) if item.name == "w" else item for item in estimates)
-
-
-def _on_record(flags: Mapping[str, str], zero: Parameter) -> Iterator[str]:
-    """Sentences on what is wrong with the record of a device whose readings were fitted as they are."""
-    yield from (f"{name}: {sentence}" for name, sentence in flags.items())
-    if "no base line" in flags and not zero.free and not zero.value:
-        yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
 
 
 def _determined_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:
@@ -642,19 +611,19 @@ def preferences(results: Sequence[Fit | Failure]) -> Iterator[str]:
     for one in fits:
         other = sticking.get((one.file, one.name))
         if one.surface == "sliding" and other is not None:
-            yield f"{_verdict(one, other)}; {_values(one)}; {_values(other)}: {one.where}"
+            each = (
+                f"{NAMES_OF_SURFACES[item.surface]}: E* = {show(item.value('E_star'), 'modulus')}, "
+                f"w = {show(item.value('w'), 'work')}"
+                for item in (one, other)
+            )
+            yield f"{_preferred(one, other)}; {'; '.join(each)}: {one.where}"
 
 
-def _values(item: Fit) -> str:
-    values = f"E* = {show(item.value('E_star'), 'modulus')}, w = {show(item.value('w'), 'work')}"
-    return f"{NAMES_OF_SURFACES[item.surface]}: {values}"
-
-
-def _verdict(sliding: Fit, sticking: Fit) -> str:
+def _preferred(sliding: Fit, sticking: Fit) -> str:
     """Which assumption residuals of the same rows prefer; those of the better fit count as fewer where they are
     autocorrelated."""
-    first, second = (_spread(item) for item in (sliding, sticking))
-    name = list(sliding.scales)[-1]
+    both, name = (sliding, sticking), list(sliding.scales)[-1]
+    first, second = (item.scatter * float(list(item.scales.values())[-1]) for item in both)  # in the same unit
     spreads = (show(spread, "load" if name == "P" else "length", 3) for spread in (first, second))
     scatter = f"scatter {' and '.join(spreads)} in {name}"
     if sliding.rows.size != sticking.rows.size or not (first > 0 and second > 0):
@@ -666,11 +635,6 @@ def _verdict(sliding: Fit, sticking: Fit) -> str:
         return f"the data do not decide ({scatter})"
     name = NAMES_OF_SURFACES[better.surface]
     return f"the data favour {name} ({scatter}; Akaike's criterion lower by {abs(difference):.0f})"
-
-
-def _spread(item: Fit) -> float:
-    """Standard deviation of the residuals in a unit that is the same for both."""
-    return item.scatter * float(list(item.scales.values())[-1])
 
 
 def friction_warnings(body: FittedBody, results: Sequence[Fit | Failure]) -> Iterator[str]:
@@ -761,8 +725,19 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     names, values = [*WANTED, *own, *["w_approach", "a_turn"] * both], {"compliance": 0.0} | values
     parts = [(Readings(body.family, names, values, columns, np.ones(len(columns)), None, edge), u)
              for edge, u in ways.items()]  # fmt: skip
-    scales = _noise(fit, [part.along(u)[0] for part, u in parts], columns)
-    feet = [_on_curve(replace(part, scales=scales), u) for part, u in parts]
+    # Standard deviations of the readings [SI]; of positions without scatter next to none
+    noise = {name: scale * fit.scatter for name, scale in fit.scales.items()}
+    spans = dict(zip(columns, np.ptp(np.hstack([part.along(u)[0] for part, u in parts]), axis=1), strict=True))
+    least = UNSEEN * max(noise.get(name, 0.0) / spans[name] for name in columns)
+    scales = np.array([noise.get(name, least * spans[name]) for name in columns])
+
+    # Rows that lie on the curve
+    feet = []
+    for part, u in ((replace(part, scales=scales), u) for part, u in parts):
+        first = part.along(u)[1]
+        feet.append(
+            FootPoints(part, np.arange(u.size), u, np.zeros((1, u.size)), first / np.linalg.norm(first, axis=0))
+        )
     J = np.concatenate([Distances((part,)).jacobian(np.arange(len(names))) for part in feet])
     J[:, 0] /= values["modulus"]  # from its log
     size = np.linalg.norm(J, axis=0)
@@ -770,20 +745,6 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     cross = whole[:2, 2:]
     left: Array = (whole[:2, :2] - cross @ np.linalg.pinv(whole[2:, 2:]) @ cross.T) * np.outer(size[:2], size[:2])
     return left
-
-
-def _noise(fit: Fit, rows: list[Array], columns: tuple[str, ...]) -> Array:
-    """Standard deviations of the readings [SI]; of positions without scatter next to none."""
-    noise = {name: scale * fit.scatter for name, scale in fit.scales.items()}
-    spans = dict(zip(columns, np.ptp(np.concatenate(rows, axis=1), axis=1), strict=True))
-    least = UNSEEN * max(noise.get(name, 0.0) / spans[name] for name in columns)
-    return np.array([noise.get(name, least * spans[name]) for name in columns])
-
-
-def _on_curve(readings: Readings, u: Array) -> FootPoints:
-    """Rows that lie on the curve."""
-    first = readings.along(u)[1]
-    return FootPoints(readings, np.arange(u.size), u, np.zeros((1, u.size)), first / np.linalg.norm(first, axis=0))
 
 
 def _ways(

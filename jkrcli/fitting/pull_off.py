@@ -190,22 +190,19 @@ def _whole(solution: Solution, name: str) -> str:
 def _change(inverse: _Inverse, name: str, sigma: float) -> float:
     """Change of w [J/m^2] by a change of the input ``name`` by ``sigma``, from a step to either side; a negative
     ``sigma`` is relative."""
-    centre = _nominal(inverse, name)
+    problem = inverse.solution.problem
+    if name == FORCE:
+        centre = inverse.load
+    elif name == TIP:
+        centre = float(cast(Any, problem.indenter).R)
+    else:
+        centre = problem.E_star if name == MODULI else nominal(problem.specimen, name)
     size = -sigma * abs(centre) if sigma < 0 else sigma
 
     def outcome(value: float) -> dict[str, float]:
         return {"w": _moved(inverse, name, value).work().w}
 
     return changes_by(name, centre, size, {"w": inverse.work().w}, outcome)["w"]
-
-
-def _nominal(inverse: _Inverse, name: str) -> float:
-    problem = inverse.solution.problem
-    if name == FORCE:
-        return inverse.load
-    if name == TIP:
-        return float(cast(Any, problem.indenter).R)
-    return problem.E_star if name == MODULI else nominal(problem.specimen, name)
 
 
 def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:

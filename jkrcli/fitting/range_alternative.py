@@ -50,13 +50,9 @@ class RangeRival:
     moves: Mapping[str, float]
     chance: float
 
-    @property
-    def significant(self) -> bool:
-        return self.best > 0 and self.chance < RANGE_CHANCE
-
     def warnings(self) -> Iterator[str]:
         """A sentence where a range is significant."""
-        if self.significant:
+        if self.best > 0 and self.chance < RANGE_CHANCE:
             yield (
                 f"model rejected, p = {self.chance:.1g}, in favour of adhesion with a range of "
                 f"about {show(self.best, 'length', 2)}: fit with --free range"
@@ -154,7 +150,8 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
     ranged = (*plain.parameters, Parameter("range", False, length))
     objective = replace(plain, body=plain.body.coarse, parameters=ranged)
     free, before = plain.free, minimum.distances.residuals.ravel()
-    jacobian, weights = minimum.distances.jacobian(free), _weights(minimum, loss)
+    jacobian, z = minimum.distances.jacobian(free), before / minimum.width
+    weights = np.divide(influence(z, loss)[0], z, out=np.ones_like(z), where=z != 0)  # 1 in least squares
     least, x = float(np.sum(weights * before**2)), minimum.x.copy()
     for _ in range(MOST_SOLVES):
         if min(works := _works(plain.values(x))) <= 0:
@@ -163,19 +160,16 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
         there = objective.distances(np.append(x, math.log(length)), rated=False).residuals.ravel()
         step = np.linalg.lstsq(jacobian, there - before, rcond=None)[0]
         x[free] -= step
-        if not _near(plain, x, minimum.x):
+        logs = [i for i, parameter in enumerate(plain.parameters) if parameter.kind == "log"]
+        if not (np.isfinite(x).all() and (np.abs(x - minimum.x)[logs] <= SEARCH_REACH).all()):
             raise SolveError(f"a step with a range of {show(length, 'length')} led nowhere")
         excess = (float(np.sum(weights * (there - jacobian @ step) ** 2)) - least) / variance
         moved = abs(_works(plain.values(x))[0] / works[0] - 1)
         if not (math.isfinite(excess) and excess < RANGE_HOPELESS * limit) or moved < RANGE_SHORT:
             break
-    return _Rung(length, excess if math.isfinite(excess) else math.inf, _moves(plain, minimum.x, x))
-
-
-def _near(objective: Objective, x: Array, start: Array) -> bool:
-    """Whether all unknowns are numbers and their logs are within reach of where they started."""
-    logs = [i for i, parameter in enumerate(objective.parameters) if parameter.kind == "log"]
-    return bool(np.isfinite(x).all() and (np.abs(x - start)[logs] <= SEARCH_REACH).all())
+    here, there_values = plain.values(minimum.x), plain.values(x)
+    moves = {name: there_values[name] - value for name, value in here.items()}
+    return _Rung(length, excess if math.isfinite(excess) else math.inf, moves)
 
 
 def _rounded(objective: Objective, x: Array) -> Array:
@@ -191,18 +185,6 @@ def _rounded(objective: Objective, x: Array) -> Array:
 def _works(values: Mapping[str, float]) -> list[float]:
     """The works of adhesion among ``values`` [J/m^2], that of the retraction first."""
     return [values[name] for name in WORKS if name in values]
-
-
-def _weights(minimum: Minimum, loss: Loss) -> Array:
-    """What each residual counts for in the loss, 1 in least squares."""
-    z = minimum.distances.residuals.ravel() / minimum.width
-    psi, _ = influence(z, loss)
-    return np.divide(psi, z, out=np.ones_like(z), where=z != 0)
-
-
-def _moves(objective: Objective, before: Array, after: Array) -> dict[str, float]:
-    one, other = objective.values(before), objective.values(after)
-    return {name: other[name] - value for name, value in one.items()}
 
 
 def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRival:
@@ -351,7 +333,10 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
             centre = change * (spread / t) ** 2 * precision
             changes = (-ALTERNATIVE_UNIT, ALTERNATIVE_UNIT) if untested else (centre - spread, centre + spread)
             rivals.append(AddedTerm(name, change, _shifts(minimum, name, changes, close)))
-    return Rivals(tuple(rivals), _chance(alone, residuals, variance, dof), ranged, untested, values)
+    taken = residuals @ alone @ np.linalg.lstsq(alone, residuals, rcond=None)[0]  # of the squares by all together
+    k = alone.shape[1]
+    chance = float(f_tail(k, max(dof - k, 1), max(taken, 0.0) / k / variance))  # F test
+    return Rivals(tuple(rivals), chance, ranged, untested, values)
 
 
 def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:
@@ -404,10 +389,3 @@ def _direction(minimum: Minimum, name: str) -> Array:
     a = minimum.distances.a
     place = (a - a.min()) / max(float(np.ptp(a)), TINY) - RIVALS[parameter.name][1]
     return by_log * np.tile(place, by_log.size // place.size)
-
-
-def _chance(alone: Array, residuals: Array, variance: float, dof: int) -> float:
-    """Chance of what the rivals together take from the squares of the residuals (F test)."""
-    taken = residuals @ alone @ np.linalg.lstsq(alone, residuals, rcond=None)[0]
-    k = alone.shape[1]
-    return float(f_tail(k, max(dof - k, 1), max(taken, 0.0) / k / variance))

@@ -145,15 +145,10 @@ def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     begin = 0
     if rate < 0 and level + rate * (t[0] - t[last]) > top + RECORD_STILL * noise:
         begin = int(np.searchsorted(t, t[last] + (top - RECORD_HIGHEST * noise - level) / rate))
-    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + FEWEST_ROWS)
-    return np.arange(begin, min(over, t.size))
-
-
-def _over(P: Array, lowest: int) -> int:
-    """The row that shows contact to be lost."""
     free = float(np.median(P[-max(5, P.size // 50) :]))
-    level = free if abs(free) < 0.3 * (np.max(P) - np.min(P)) else 0.0
-    return recovered(P - level, lowest)
+    level = free if abs(free) < 0.3 * (np.max(P) - np.min(P)) else 0.0  # of the load out of contact
+    over = recovered(P - level, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + FEWEST_ROWS)
+    return np.arange(begin, min(over, t.size))
 
 
 def recovered(P: Array, lowest: int) -> int:
@@ -166,20 +161,15 @@ def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, 
     """The device's motion as points (t, x), and standard deviations of its shift and tilt, from noise alone: that of
     the readings about the motion."""
     middle, half = (t[0] + t[-1]) / 2, (t[-1] - t[0]) / 2
-    z, least = (t - middle) / half, SAME * float(np.ptp(device))
+    z = (t - middle) / half
     line = np.polynomial.Polynomial(np.polynomial.polynomial.polyfit(z, device, 1))
-    base, noise = (t[[0, -1]], line(np.array([-1.0, 1.0]))), _rms(device - line(z), 2)
-    if noise > RECORD_STRAIGHT * noise_from_third_differences(device) + least:
+    base, squares = (t[[0, -1]], line(np.array([-1.0, 1.0]))), float(np.sum((device - line(z)) ** 2))
+    noise = noise_about(squares, t.size - 2, device)
+    if noise > RECORD_STRAIGHT * noise_from_third_differences(device) + SAME * float(np.ptp(device)):
         knots = np.linspace(t[0], t[-1], min(RECORD_KNOTS, t.size // 4) + 1)
         places, pieces = through(t, device, knots)
-        base, noise = (knots, places), _rms(device - pieces, knots.size)
-    noise = max(noise, least)
+        base, noise = (knots, places), noise_about(float(np.sum((device - pieces) ** 2)), t.size - knots.size, device)
     return base, (noise / np.sqrt(t.size), noise / np.sqrt(np.sum((z - z.mean()) ** 2)))
-
-
-def _rms(residuals: Array, parameters: int) -> float:
-    """Standard deviation of the readings that ``residuals`` are left of."""
-    return float(np.sqrt(np.sum(residuals**2) / (residuals.size - parameters)))
 
 
 # --------------------------------------------------------------------------------------------------
@@ -573,7 +563,8 @@ def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) 
     InputError where the records do not allow it, SolveError where no search converges.
     """
     problem = _Problem(body, tuple(rate_record(curve, settings.segment) for curve in curves), settings)
-    coarse, best = problem.thinned(), list[Least]()
+    few = tuple(record.thinned(FIT_ROWS) for record in problem.records)  # to find where to start
+    coarse, best = replace(problem, records=few), list[Least]()
     usual = 1 + FIT_GOOD / math.sqrt(2 * coarse.size)
     for start in coarse.starts():
         with contextlib.suppress(SolveError):
@@ -595,10 +586,6 @@ class _Problem:
     body: FittedBody
     records: tuple[RateRecord, ...]
     settings: RateSettings
-
-    def thinned(self) -> _Problem:
-        """The problem with a few rows of each record only, to find where to start."""
-        return replace(self, records=tuple(record.thinned(FIT_ROWS) for record in self.records))
 
     @property
     def unknowns(self) -> Unknowns:
@@ -669,7 +656,8 @@ class _Problem:
         parts = self.differences(least.x, self.predictions(least.x))
         for i, (record, part) in enumerate(zip(self.records, parts, strict=True)):
             again = rate_record(record.curve, self.settings.segment, self._lost(least.x, i))
-            sigma = {name: noise_about(off, getattr(record, name), taken) for name, off in part.items()}
+            squares = {name: float(np.mean(off**2)) for name, off in part.items()}
+            sigma = {name: noise_about(mean, 1 - taken, getattr(record, name)) for name, mean in squares.items()}
             records.append(replace(again, sigma=sigma))
         return replace(self, records=tuple(records))
 

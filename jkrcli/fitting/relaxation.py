@@ -48,10 +48,10 @@ def noise_of(column: Array) -> float:
     return max(noise_from_third_differences(column), SAME * float(np.ptp(column)))
 
 
-def noise_about(off: Array, column: Array, taken: float, unit: float = 1.0) -> float:
-    """That of the readings of a column which are so many units ``off`` a model; unknowns have ``taken`` a share of
-    their squares."""
-    return max(math.sqrt(float(np.mean(off**2)) / (1 - taken)) * unit, SAME * float(np.ptp(column)))
+def noise_about(squares: float, left: float, column: Array) -> float:
+    """That of the readings of a ``column`` by the sum of ``squares``, or its mean, of what they are off a model, of
+    which so many, or such a part, are ``left`` by its unknowns."""
+    return max(math.sqrt(squares / left), SAME * float(np.ptp(column)))
 
 
 def check_over_time(curve: Curve, what: str) -> None:
@@ -787,7 +787,9 @@ class _Problem:
         left = 1 - np.sum(np.linalg.qr(least.state.jacobian)[0] ** 2, axis=1)  # of each square, by its leverage
         left = left[: n if self.still else 2 * n]  # without those of jumps
         shared = record.shared if record.shared == 0 else float(off[0] @ off[1]) / max(float(off[0] @ off[0]), TINY)
-        first = record.sigma[0] if self.still else _scatter(off[0], left[:n], record.imposed)
+        first = record.sigma[0]
+        if not self.still:
+            first = noise_about(float(off[0] @ off[0]), float(left[:n].sum()), record.imposed)
         alone, second = off[1] - shared * off[0], np.empty(n)
         used = np.full(n, True) if record.left_out is None else ~record.left_out
         parts = [touches & used, ~touches & used]
@@ -795,21 +797,30 @@ class _Problem:
             parts = [used]
         second[:] = record.sigma[1]
         for part in parts:
-            second[part] = _scatter(alone[part], left[-n:][part], record.response)
+            squares = float(alone[part] @ alone[part])
+            second[part] = noise_about(squares, float(left[-n:][part].sum()), record.response)
         return replace(record, sigma=(first, second), shared=shared)
 
     def minimise(self, start: Array, cost: float = 0.0, evaluations: int | None = None) -> Least:
-        return LeastSquares(self.state, self._bounds(start), FIT_CONVERGED, cost, evaluations).least(start)
+        """The least sum of squares from ``start`` on: logs stay near it, shares within 0 and 1, corners between their
+        neighbours."""
+        low, high = self.unknowns.bounds(start, SEARCH_REACH)
+        t, k = self.record.knots[0] / np.ptp(self.record.knots[0]), self.moving
+        first = start.size - k.size
+        low[first:], high[first:] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
+        return LeastSquares(self.state, (low, high), FIT_CONVERGED, cost, evaluations).least(start)
 
     def cost(self, theta: Array) -> float:
         """The sum of squares; infinite where there is no history."""
         with contextlib.suppress(SolveError):
-            return float(np.sum(self._with(theta, self.columns(theta)).residuals ** 2))
+            return float(np.sum(self.state(theta).residuals ** 2))
         return math.inf
 
-    def _with(self, theta: Array, here: Array) -> State:
-        """The residuals of ``columns`` that are ``here``, with derivatives by secants."""
-        record = self.record
+    def state(self, theta: Array) -> State:
+        """The residuals in standard deviations with their derivatives; of marches by secants."""
+        if self.march is None:
+            return by_differences(self.residuals, theta, self.steps(theta))
+        record, here = self.record, self.columns(theta)
         units = np.concatenate([np.repeat(record.noise, record.t.size), np.full(len(record.jumps), record.spacing)])
 
         def rates() -> Array:
@@ -820,13 +831,17 @@ class _Problem:
         return State(self.weighed(units * here - readings), rates)
 
     def steps(self, theta: Array) -> Array:
-        """Of the unknowns, for differences of marches: logs, and shares of 1 or of ranges, towards the middle."""
-        steps = np.full(theta.size, FIT_MARCHED_SHARE)
+        """Of the unknowns, for differences: of histories, or of marches, whose logs, and shares of 1 or of ranges, take
+        others; of shares towards the middle."""
+        log, other, least = FIT_STEP, FIT_STEP, FIT_STEP
+        if self.march is not None:
+            log, other, least = FIT_MARCHED, FIT_MARCHED_SHARE, FIT_SHARES[-1]
+        steps = np.full(theta.size, other)
         for i, parameter in enumerate(self.unknowns.free):
             if parameter.kind == "log":
-                steps[i] = FIT_MARCHED
-            elif parameter.high < 1 and theta[i] > FIT_SHARES[-1]:
-                steps[i] = -FIT_MARCHED_SHARE
+                steps[i] = log
+            elif parameter.high < 1 and theta[i] > least:
+                steps[i] = -other
         return steps
 
     def extended(self, own: Array) -> Array:
@@ -859,23 +874,6 @@ class _Problem:
         )
         return replace(fit, estimates=tuple(estimates), warnings=(*fit.warnings, warning))
 
-    def state(self, theta: Array) -> State:
-        """The residuals with their derivatives, backwards where an unknown is a share."""
-        if self.march is not None:
-            return self._with(theta, self.columns(theta))
-        shares = np.array([parameter.high < 1 for parameter in self.unknowns.free], dtype=bool)
-        steps = np.full(theta.size, FIT_STEP)
-        steps[: len(shares)] *= np.where(shares & (theta[: len(shares)] > FIT_STEP), -1.0, 1.0)
-        return by_differences(self.residuals, theta, steps)
-
-    def _bounds(self, start: Array) -> tuple[Array, Array]:
-        """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
-        low, high = self.unknowns.bounds(start, SEARCH_REACH)
-        t, k = self.record.knots[0] / np.ptp(self.record.knots[0]), self.moving
-        first = start.size - k.size
-        low[first:], high[first:] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
-        return low, high
-
     # ------------------------------------------------------------------ where to begin
     def start(self) -> Array:
         """The best of some values, the modulus by the loads in proportion."""
@@ -887,14 +885,13 @@ class _Problem:
             except FAILURES as error:
                 reason = f" ({error})"
                 continue
-            candidates.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
+            candidates.append((thin.cost(theta), theta[: len(self.unknowns.free)]))
         if not candidates:
             raise InputError(
                 f"{self.record.curve.where}: no history of this specimen resembles the force curve{reason}: it must "
                 "approach, hold and retract once; check the units and the tip's radius, or fix delta0"
             )
-        _, own, values = min(candidates, key=lambda item: item[0])
-        return np.append(own, self._from(values)[own.size :])
+        return self.extended(min(candidates, key=lambda item: item[0])[1])
 
     def _tried(self) -> list[dict[str, float]]:
         """Values of the parameters to begin with, those that are fixed among them."""
@@ -909,43 +906,30 @@ class _Problem:
         else:
             laws = [{"ratio": r, "time": time} for r in FIT_SHARES for time in times]
         own = {parameter.name: 1.0 for parameter in self.settings.parameters if parameter.name not in ZEROS}
-        base = 0.0 if self.record.loaded else float(np.median(self.record.response[:3]))
-        zeros = [{"delta0": zero, "P0": base, "tilt": 0.0} for zero in self._zeros()]
-        return [own | law | zero | fixed for law in laws for zero in zeros]
-
-    def _zeros(self) -> list[float]:
-        """Displacements at which contact may begin."""
         record = self.record
+        base, places = float(np.median(record.response[:3])), [-share * record.unseen for share in FIT_DEPTHS]
+        begins = [float(record.imposed[record.shows]) + place for place in places]  # where contact may
         if record.loaded:
-            return [float(record.response[max(record.shows - 1, 0)])]
-        return [float(record.imposed[record.shows]) - share * record.unseen for share in FIT_DEPTHS]
-
-    def _from(self, values: Mapping[str, float]) -> Array:
-        x = self.record.knots[1] if not self.still else np.array([])
-        places = x / np.ptp(self.record.knots[1])
-        return np.concatenate([self.unknowns.at(values), places, np.zeros(self.moving.size)])
+            base, begins = 0.0, [float(record.response[max(record.shows - 1, 0)])]
+        zeros = [{"delta0": zero, "P0": base, "tilt": 0.0} for zero in begins]
+        return [own | law | zero | fixed for law in laws for zero in zeros]
 
     def _from_loads(self, values: Mapping[str, float]) -> Array:
         """The same with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
-        theta, record = self._from(values), self.record
+        theta, record = self.extended(self.unknowns.at(values)), self.record
         if "modulus" in self.unknowns.fixed:
             return theta
-        if record.loaded:
-            modulus = self._creep_modulus(values)
+        if record.loaded:  # with which the largest load would make the depth that was read then
+            law, row = self.settings.relaxation(values), int(np.argmax(record.imposed))
+            depths, lasting = self._contact(law, math.inf).depths, float(np.ptp(record.t))
+            depth = min(max(float(record.response[row]) - values["delta0"], depths.most * SAME), depths.most)
+            left = float(law.modes(lasting)(max(record.t[row] - record.t[0], SAME * lasting)))
+            modulus = float(record.imposed[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
         else:
             response, rest = self.model(theta)[1] - values["P0"], record.response - values["P0"]
             modulus = max(float(np.sum(response * rest) / np.sum(response**2)), 1e-12)
         theta[self.unknowns.names.index("modulus")] = math.log(modulus)
         return theta
-
-    def _creep_modulus(self, values: Mapping[str, float]) -> float:
-        """The modulus with which the largest load would make the depth that was read then."""
-        record, law = self.record, self.settings.relaxation(values)
-        row, depths = int(np.argmax(record.imposed)), self._contact(law, math.inf).depths
-        depth = min(max(float(record.response[row]) - values["delta0"], depths.most * SAME), depths.most)
-        lasting = float(np.ptp(record.t))
-        left = float(law.modes(lasting)(max(record.t[row] - record.t[0], SAME * lasting)))
-        return float(record.imposed[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
 
     # ------------------------------------------------------------------ the answer
     def result(self, least: Least, E_star: float) -> RelaxationFit:
@@ -962,12 +946,6 @@ class _Problem:
             scatter=math.sqrt(float(off @ off) / max(off.size - len(unknowns.free), 1)),
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit, self.program(least.x))))
-
-
-def _scatter(off: Array, left: Array, column: Array) -> float:
-    """The standard deviation of the readings of a ``column`` that are ``off`` a model, of whose squares so much is
-    ``left``."""
-    return max(math.sqrt(float(off @ off) / float(left.sum())), SAME * float(np.ptp(column)))
 
 
 def _warnings(fit: RelaxationFit, program: Program) -> list[str]:

@@ -164,7 +164,11 @@ def settings_of(
     of_case = {name: value for name, value in of_case.items() if value is not None}
     ranged = set(RANGES) & {*names, *fixed} or of_case
     if "range" in bounds and not ranged:
-        options["range_at_most"] = _longest_range(body, bounds.pop("range")[1])
+        low, options["range_at_most"] = _ends(body, "range", bounds.pop("range")[1])
+        if low != -math.inf:
+            raise InputError('fit: range: a lower bound needs --free range; where JKR is fitted, give "..HIGH"')
+        if not options["range_at_most"] > 0:
+            raise InputError(f"fit: range: the bound must be > 0, got {options['range_at_most']:g}")
     if idle := sorted({*starts, *bounds} - set(names)):
         raise InputError(f"fit: {idle[0]} is not free: a start or a bound has no meaning (free: {', '.join(names)})")
     parameters = []
@@ -236,16 +240,6 @@ def _ends(body: FittedBody, name: str, text: str) -> tuple[float, float]:
         _value(body, name, low.strip()) if low.strip() else -math.inf,
         _value(body, name, high.strip()) if high.strip() else math.inf,
     )
-
-
-def _longest_range(body: FittedBody, text: str) -> float:
-    """The upper bound [m] of the range where JKR, whose range is 0, is fitted."""
-    low, high = _ends(body, "range", text)
-    if low != -math.inf:
-        raise InputError('fit: range: a lower bound needs --free range; where JKR is fitted, give "..HIGH"')
-    if not high > 0:
-        raise InputError(f"fit: range: the bound must be > 0, got {high:g}")
-    return high
 
 
 def _largest_tension(body: FittedBody, text: str) -> float:

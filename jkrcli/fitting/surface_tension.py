@@ -8,7 +8,7 @@ the contact radius; residuals are those of the load at the displacement that was
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -257,9 +257,26 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
         covariance=spread, dof=best.dof, level=level, records=model.records, loads=tuple(model.loads(best.x)),
         scatter=math.sqrt(best.variance) * float(np.mean([_span(record.load) for record in model.records])),
     )  # fmt: skip
-    mixed = {} if several else _mixed(fit)
-    warnings = *_not_separated(fit, mixed, np.sqrt(np.diag(spread))), *_steep(model.values(best.x))
-    return replace(fit, mixed=mixed, warnings=warnings)
+
+    # The two unknowns that correlate most with the tension, as one radius does not separate them, and how much
+    mixed, warnings = dict[str, float](), list[str]()
+    if TENSION in fit.free and fit.correlation is not None and not several:
+        i = fit.free.index(TENSION)
+        others = sorted((-abs(float(c)), name) for c, name in zip(fit.correlation[i], fit.free, strict=True))[1:3]
+        mixed = {word(name): -c for c, name in others}
+        worst = " and ".join(f"{name} ({c:.3f})" for name, c in mixed.items())
+        warnings.append(
+            f"force curves of one radius do not separate surface_tension from {worst} (correlation; "
+            f"standard error {math.sqrt(spread[i, i]):.0%} if the model were exact): add force curves of "
+            "another radius (--tip-radius), or --fix one of them"
+        )
+    values = model.values(best.x)
+    if (w := values["w"]) > 0 and (theta := edge_angle(w, values[TENSION])) > LIMITS.edge_angle:
+        warnings.append(
+            f"theta = sqrt(2 w/Ups) = {theta:.3g} rad (w = {show(w, 'work')}) is above {LIMITS.edge_angle:g}: slopes "
+            "are not small"
+        )
+    return replace(fit, mixed=mixed, warnings=tuple(warnings))
 
 
 def _work(intervals: Intervals, item: FittedValue) -> FittedValue:
@@ -274,33 +291,3 @@ def _work(intervals: Intervals, item: FittedValue) -> FittedValue:
     if low <= 0:
         low, high = 0.0, intervals.end(w, ONE_SIDED * intervals.t) or high
     return replace(item, value=max(item.value, 0.0), error=error, low=low, high=high)
-
-
-def _mixed(fit: TensionFit) -> dict[str, float]:
-    """The two unknowns that correlate most with the tension, as one radius does not separate them, and how much."""
-    if TENSION not in fit.free or fit.correlation is None:
-        return {}
-    i = fit.free.index(TENSION)
-    others = sorted((-abs(float(c)), name) for c, name in zip(fit.correlation[i], fit.free, strict=True))[1:3]
-    return {word(name): -c for c, name in others}
-
-
-def _not_separated(fit: TensionFit, mixed: Mapping[str, float], errors: Array) -> Iterator[str]:
-    """A warning that records of one radius do not separate the tension, and from what."""
-    if mixed:
-        worst = " and ".join(f"{name} ({c:.3f})" for name, c in mixed.items())
-        yield (
-            f"force curves of one radius do not separate surface_tension from {worst} (correlation; "
-            f"standard error {errors[fit.free.index(TENSION)]:.0%} if the model were exact): add force curves of "
-            "another "
-            "radius (--tip-radius), or --fix one of them"
-        )
-
-
-def _steep(values: Mapping[str, float]) -> Iterator[str]:
-    w, tension = values["w"], values["surface_tension"]
-    if w > 0 and (theta := edge_angle(w, tension)) > LIMITS.edge_angle:
-        yield (
-            f"theta = sqrt(2 w/Ups) = {theta:.3g} rad (w = {show(w, 'work')}) is above {LIMITS.edge_angle:g}: slopes "
-            "are not small"
-        )

@@ -85,7 +85,11 @@ def work_along(
     """
     used = _pair(curve, use)
     values = {name: getattr(curve, name) for name in used}
-    a, state = _radii_along_curve(body, values)
+    if "a" in values:
+        a, ends = values["a"].copy(), body.a[[0, -1]]
+        state = np.select([a < ends[0] * (1 - ROUNDED), a > ends[1] * (1 + ROUNDED)], [BELOW, ABOVE], OK)
+    else:
+        a, state = contact_radius(body, values["delta"], values["P"])
     rows = state == OK
     here, read = body.parts(a[rows]), {name: column[rows] for name, column in values.items()}
     lag = here.delta_H - read["delta"] if "delta" in read else (here.P_H - read["P"]) / here.S  # delta_H - delta [m]
@@ -131,16 +135,12 @@ class Evaluation:
         if self.fitted is not None and self.settings is not None:
             part = receding_rows(self.fitted, curve, self.settings)
         if part is not curve:
-            part, noise = replace(part, stiffness=curve.stiffness), {**_noise_of_base_line(curve), **noise}
+            part = replace(part, stiffness=curve.stiffness)
+            if lines := [item.base for item in segment_force_curve(curve).directions if item.begins_free]:
+                noise = {"P": math.hypot(lines[-1].noise, lines[-1].waviness), **noise}
         elif self.segment is not None:
             part = curve.only(self.segment)
         return work_along(self.body, part, self.use, noise, self.window)
-
-
-def _noise_of_base_line(record: Curve) -> dict[str, float]:
-    """Standard deviation of the load of a raw record by its last base line, "P" [N]; none without one."""
-    lines = [item.base for item in segment_force_curve(record).directions if item.begins_free]
-    return {"P": math.hypot(lines[-1].noise, lines[-1].waviness)} if lines else {}
 
 
 def evaluation_of(
@@ -181,14 +181,6 @@ def _pair(curve: Curve, use: tuple[str, str] | None) -> tuple[str, str]:
         need = "two of a, delta, P" if use is None else f"{use[0]} and {use[1]}"
         raise InputError(f"{curve.where}: w follows from {need}, it holds {', '.join(curve.measured)}")
     return wanted[0]
-
-
-def _radii_along_curve(body: Nonadhesive, values: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Contact radii and states: as measured, or of displacement and load."""
-    if "a" not in values:
-        return contact_radius(body, values["delta"], values["P"])
-    a, ends = values["a"], body.a[[0, -1]]
-    return a.copy(), np.select([a < ends[0] * (1 - ROUNDED), a > ends[1] * (1 + ROUNDED)], [BELOW, ABOVE], OK)
 
 
 def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:

@@ -107,7 +107,7 @@ class Score:
             return abs(rate) * (abs(self.amount) + self.quantile * self.error)
         return abs(rate) * self.most if rate else 0.0
 
-    @property
+    @cached_property
     def most(self) -> float:
         """The largest amount that is known to be possible and not excluded by the data."""
         if math.isinf(self.error):

@@ -36,7 +36,7 @@ from ..bodies.problem import (
 )
 from ..data.curve import APPROACH
 from ..methods.radii import DENSE
-from .branches import Branches, Moving, Rest, Resting, rest
+from .branches import Moving, Resting, rest
 from .force_curve import (
     SLOW_EDGE_WIDEST,
     DirectionReadings,
@@ -49,7 +49,6 @@ from .force_curve import (
     hysteresis,
     load_at,
     offs,
-    radii_at,
     receding,
 )
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
@@ -436,24 +435,24 @@ class FittedRecord:
     def retraction(self) -> DirectionReadings | None:
         return next((part for part in self.model.stretches if part.kind != APPROACH), None)
 
-    @cached_property
-    def edges(self) -> list[Edges]:
+    @property
+    def edges(self) -> Sequence[Edges]:
         """The edges of each stretch, as the model gives them."""
-        return [self.model.edges(part, self.values) for part in self.model.stretches]
+        return self.model.edges(self.fit.x)
 
-    @cached_property
+    @property
     def radii(self) -> list[tuple[Array, Array]]:
         """Contact radius [m] of the rows of each stretch, and which of them rest."""
-        return [radii_at(*edges) for edges in self.edges]
+        return self.fit.radii
 
     def radii_of(self, part: DirectionReadings) -> tuple[Array, Array]:
         """The same of one stretch."""
         return self.radii[self.model.stretches.index(part)]
 
-    @cached_property
+    @property
     def a(self) -> Array:
         """Contact radius [m] of all rows, 0 where they are free."""
-        return np.concatenate([a for a, _ in self.radii])
+        return self.fit.a
 
     @cached_property
     def a_max(self) -> float:
@@ -601,24 +600,8 @@ class FittedRecord:
 
 
 def prepare(records: Sequence[FittedRecord]) -> None:
-    """Find the edges and the short rings of attraction of some records together, which each remembers."""
-    new = [record for record in records if "edges" not in vars(record)]
-    each = [(record, part) for record in new for part in record.model.stretches]
-    if not each:
-        return
-    moving = Branches.of([record.model.moving(part, record.values) for record, part in each])
-    asked = [record.model.resting(part, record.values) for record, part in each]
-    at_rest = [one for one in asked if one is not None]
-    resting, places = Rest.of(at_rest) if at_rest else None, iter(range(len(at_rest)))
-    edges = iter([
-        record.model.edges_at(
-            part, record.values, moving.one(i), None if of is None or resting is None else resting.some(next(places))
-        )
-        for i, ((record, part), of) in enumerate(zip(each, asked, strict=True))
-    ])  # fmt: skip
-    for record in new:
-        vars(record)["edges"] = [next(edges) for _ in record.model.stretches]  # remembered as if asked for alone
-    changes = [(record, finite_range(record)) for record in new]
+    """Find the short rings of attraction of some records together, which are remembered."""
+    changes = [(record, finite_range(record)) for record in records]
     rings = [
         change.rings(record.model.family, {**record.values, AMOUNT: LITTLE})
         for record, change in changes
@@ -1116,7 +1099,7 @@ def stiffness(record: FittedRecord) -> Perturbation | None:
     if not math.isfinite(model.k):
         return None
     column, part = record.by_position * record.loads, model.stretches[-1]
-    resting = model.rest(part, record.values)
+    resting = record.edges[-1][1]
     if resting is not None and "z0" in record.fit.names:
         by_turn = -record.by_unknown("z0") - record.by_position
         column = column + by_turn * float(resting.at(np.array(part.turn - record.values["z0"]))[0])

@@ -41,7 +41,6 @@ DEVICE_PATH_QUINTIC = np.array(
         [0.0, 0.0, 0.0, 0.5, -1.0, 0.5],
     ]
 )
-DEVICE_PATH_COEFFICIENTS = 10  # theory: of a cubic (4), where it begins, 1/width, two rates that are straight (2 each)
 
 Moving: TypeAlias = tuple[Family, float, float, float]  # body, factor s of its moduli, q = w/s, stiffness k
 Resting: TypeAlias = tuple[Family, float, float, float, float, float]  # body, s, sqrt(q) before and after, k, turn
@@ -50,48 +49,36 @@ Resting: TypeAlias = tuple[Family, float, float, float, float, float]  # body, s
 @dataclass(frozen=True, eq=False)
 class Nodes:
     """The functions of a ``family`` at the nodes ``u`` of its grid, for paths of any moduli and any w on it: D, T, H, V
-    and two derivatives by u (4, 3, nodes); ``released``: V' T - V T', by which loads change with q; ``logs`` of the
-    four and two derivatives by the number of the node (nodes, 3, 4)."""
+    and two derivatives by u (4, 3, nodes)."""
 
     family: Family
     u: Array
     functions: Array
-    released: Array
-    logs: Array
 
     @classmethod
     @lru_cache(maxsize=REMEMBERED)
     def of(cls, family: Family) -> Nodes:
-        u, functions = grid(family), np.stack(on_grid(family), axis=1)
-        (T, dT, _), (V, dV, _) = functions[1], functions[3]
-        value, by_u, by_uu = functions.transpose(1, 2, 0)
-        step = (u[-1] - u[0]) / (u.size - 1)
-        first = by_u / value * step
-        logs = np.stack([np.log(value), first, by_uu / value * step**2 - first**2], axis=1)
-        return cls(family, u, functions, dV * T - V * dT, logs)
+        return cls(family, grid(family), np.stack(on_grid(family), axis=1))
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
     """The bodies of some curves: their ``nodes``, each body once, and ``which`` of them is that of each curve;
-    ``u, released`` (bodies, nodes) and ``logs`` (bodies, nodes, 3, 4) of them."""
+    ``u`` (bodies, nodes) and ``functions`` (bodies, 4, 3, nodes) of them."""
 
     nodes: tuple[Nodes, ...]
     which: Array
     u: Array
-    released: Array
-    logs: Array
+    functions: Array
 
     @classmethod
     def of(cls, families: Sequence[Family]) -> Bodies:
         """Those of ``families``, one for each curve."""
         places = {family: i for i, family in enumerate(dict.fromkeys(families))}
         nodes, which = tuple(Nodes.of(family) for family in places), np.array([places[family] for family in families])
-        u, released, logs = (
-            getattr(nodes[0], name)[None] if len(nodes) == 1 else np.stack([getattr(one, name) for one in nodes])
-            for name in ("u", "released", "logs")
-        )
-        return cls(nodes, which, u, released, logs)
+        if len(nodes) == 1:
+            return cls(nodes, which, nodes[0].u[None], nodes[0].functions[None])
+        return cls(nodes, which, np.array([one.u for one in nodes]), np.array([one.functions for one in nodes]))
 
     @cached_property
     def step(self) -> Array:
@@ -99,31 +86,40 @@ class Bodies:
         steps: Array = (self.u[:, -1] - self.u[:, 0])[self.which] / (self.u.shape[1] - 1)
         return steps
 
-    def combined(self, factors: Array, orders: int) -> Array:
-        """Sums of D, T, H, V of each curve with ``factors`` (curves, sums, 4), and so many of their ``orders`` of
-        derivatives: (curves, sums, orders, nodes)."""
-        sums = np.empty((*factors.shape[:2], orders, self.u.shape[1]))
-        for i, one in enumerate(self.nodes):
-            own = slice(None) if len(self.nodes) == 1 else np.flatnonzero(self.which == i)
-            columns = one.functions[None, :, :orders].reshape(1, FUNCTIONS, -1)
-            sums[own] = (factors[own] @ columns).reshape(-1, *sums.shape[1:])
+    def combined(self, factors: Array, orders: slice, first: int = 0) -> Array:
+        """Sums of D, T, H, V of each curve with ``factors`` (curves, sums, 4), those ``orders`` of derivatives, from
+        the ``first`` node on: (curves, sums, orders, nodes)."""
+        functions = self.functions[:, :, orders, first:]
+        sums = np.empty((*factors.shape[:2], *functions.shape[2:]))
+        for i, columns in enumerate(functions):
+            own = slice(None) if len(functions) == 1 else np.flatnonzero(self.which == i)
+            sums[own] = (factors[own] @ columns.reshape(1, FUNCTIONS, -1)).reshape(-1, *sums.shape[1:])
         return sums
+
+    def beside(self, i: Array) -> Array:
+        """D, T, H, V and two derivatives at node ``i`` of each curve and the next one, (curves, 2, 4, 3)."""
+        return self.functions[self.which[:, None], :, :, i[:, None] + np.arange(2)]
 
     def at(self, u: Array) -> Array:
         """D, T, H, V at one place of each curve, with two derivatives: (3, curves, 4), good to rounding: of their logs,
         quintics through values and two derivatives at the nodes beside it."""
-        place, last = (u - self.u[self.which, 0]) / self.step, self.u.shape[1] - 1
+        place, last, step = (u - self.u[self.which, 0]) / self.step, self.u.shape[1] - 1, self.step[:, None]
         i = np.minimum(np.maximum(place, 0.0), last - 1).astype(int)
-        logs = np.concatenate([self.logs[self.which, i], self.logs[self.which, i + 1]], axis=1)
+        value, by_u, by_uu = np.moveaxis(self.beside(i), -1, 0)
+        # Logs and two derivatives by the place, (curves, 2, 3, 4):
+        logs = np.empty((u.size, 2, 3, FUNCTIONS))
+        logs[:, :, 0], per = np.log(value), step[:, None] / value
+        first = np.multiply(by_u, per, out=logs[:, :, 1])
+        logs[:, :, 2] = by_uu * per * step[:, None] - first**2
         # Powers of the place within the cell and their two derivatives, (curves, 3, 6):
         powers = np.zeros((u.size, 3, 6))
         powers[:, 0] = (place - i)[:, None] ** np.arange(6)
         powers[:, 1, 1:] = powers[:, 0, :-1] * np.arange(1, 6)
         powers[:, 2, 2:] = powers[:, 1, 1:-1] * np.arange(2, 6)
-        log, first, second = (powers @ DEVICE_PATH_QUINTIC.T @ logs).transpose(1, 0, 2)
-        value, per = np.exp(log), 1 / self.step[:, None]
-        first = per * first
-        at = np.stack([value, value * first, value * (per**2 * second + first**2)])
+        log, first, second = np.moveaxis(powers @ DEVICE_PATH_QUINTIC.T @ logs.reshape(-1, 6, FUNCTIONS), 1, 0)
+        at = np.empty((3, u.size, FUNCTIONS))
+        value, first = np.exp(log, out=at[0]), first / step
+        at[1], at[2] = value * first, value * (second / step**2 + first**2)
         outside = (place < 0) | (place > last)
         for one in np.flatnonzero(outside).tolist() if outside.any() else ():
             at[:, one] = np.stack(self.nodes[self.which[one]].family.at(u[one : one + 1]))[:, :FUNCTIONS, 0]
@@ -137,8 +133,9 @@ class Branches:
 
     ``fold`` [m]: where each ends, at its ``first`` node; ``u``: log of the contact radius [m] along it, ``zeta``,
     ``P``, all (curves, nodes), at nodes before the first without a meaning; ``slope``: derivative of the load by
-    zeta, ``steep``: zeta over the derivative of z by u; ``released`` as of ``Nodes``. ``q``, ``k, s, r`` of the curves;
-    ``at_fold``: D, T, H, V there (curves, 4); ``stable``: which of them have a stable contact at all.
+    zeta, ``steep``: zeta over the derivative of z by u; ``released``: V' T - V T', by which loads change with q.
+    ``q``, ``k, s, r`` of the curves; ``at_fold``: D, T, H, V there (curves, 4); ``stable``: which of them have a stable
+    contact at all.
     """
 
     bodies: Bodies
@@ -163,16 +160,19 @@ class Branches:
         radii of the grid beyond."""
         families, *numbers = zip(*asked, strict=True)
         bodies, (s, q, k) = Bodies.of(families), np.array(numbers)
-        r, curves, n = np.sqrt(np.maximum(q, 0.0)), np.arange(len(asked)), bodies.u.shape[1]
-        # Positions z = D - r T + s (H - r V)/k and loads s (H - r V), with two derivatives by u: (curves, 2, 3, nodes).
+        r, curves = np.sqrt(np.maximum(q, 0.0)), np.arange(len(asked))
+        # Positions z = D - r T + s (H - r V)/k and loads s (H - r V), with two derivatives by u, at the nodes from the
+        # first fold on: (curves, 2, 3, nodes).
         of_four = np.zeros((curves.size, 2, FUNCTIONS))
         of_four[:, 0] = np.stack([np.ones_like(s), -r, s / k, -s * r / k], axis=1)
         of_four[:, 1, 2], of_four[:, 1, 3] = s, -s * r
-        path = bodies.combined(of_four, 3)
-        first, start = _folds(bodies, path[:, 0, 1], path[:, 0, 2])
+        first, start = _folds(bodies, of_four[:, 0])
+        begin = int(first.min())
+        path, n, first = bodies.combined(of_four, slice(None), begin), bodies.u.shape[1] - begin, first - begin
         at_fold = bodies.at(start)
         path[curves, :, :, first] = of_four @ at_fold.transpose(1, 2, 0)
-        u, released = bodies.u[bodies.which], bodies.released[bodies.which]
+        T, V = bodies.functions[:, 1, :2, begin:], bodies.functions[:, 3, :2, begin:]
+        u, released = bodies.u[bodies.which, begin:], (V[:, 1] * T[:, 0] - V[:, 0] * T[:, 1])[bodies.which]
         (_, T, _, V), (_, dT, _, dV) = at_fold[0].T, at_fold[1].T
         u[curves, first], released[curves, first] = start, dV * T - V * dT
         (z, dz, bend), (P, dP, _) = path.transpose(1, 2, 0, 3)
@@ -202,22 +202,26 @@ class Branches:
 
     @cached_property
     def cells(self) -> Array:
-        """Between nodes, (10, curves * (nodes - 1)): where they begin, the inverse width, the load's coefficients of a
-        cubic, and the derivatives of the load at fixed z by ln s and q = w/s, times zeta: values and changes."""
-        curves, n = self.zeta.shape
-        cells = np.empty((DEVICE_PATH_COEFFICIENTS, curves, n - 1))
-        begin, per, c0, c1, c2, c3, by_s, by_q, more_s, more_q = cells
+        """Between nodes, (6, curves * (nodes - 1)): where they begin, the inverse width, and the load's coefficients of
+        a cubic."""
+        cells = np.empty((6, len(self.zeta), self.zeta.shape[1] - 1))
+        begin, per, c0, c1, c2, c3 = cells
         begin[:], c0[:] = self.zeta[:, :-1], self.P[:, :-1]
         width, rise = self.zeta[:, 1:] - begin, self.P[:, 1:] - c0
         per[:] = 1 / np.where(width > 0, width, 1.0)
         np.multiply(self.slope[:, :-1], width, out=c1)
         c3[:] = c1 + self.slope[:, 1:] * width - 2 * rise
         c2[:] = rise - c1 - c3
+        return cells.reshape(6, -1)
+
+    @cached_property
+    def rates(self) -> Array:
+        """The derivatives of the load at fixed z by ln s and q = w/s, times zeta, which are straight between nodes:
+        where these begin, and their changes, (4, curves * (nodes - 1))."""
         of_s = (self.zeta - self.slope / (2 * self.k[:, None])) * self.P
         of_q = self.released * self.steep * (-self.s[:, None] / 2)
-        by_s[:], by_q[:] = of_s[:, :-1], of_q[:, :-1]
-        more_s[:], more_q[:] = of_s[:, 1:] - by_s, of_q[:, 1:] - by_q
-        return cells.reshape(DEVICE_PATH_COEFFICIENTS, -1)
+        rates = np.stack([of_s[:, :-1], of_q[:, :-1], np.diff(of_s), np.diff(of_q)])
+        return rates.reshape(4, -1)
 
     def cell(self, own: Array, zeta: Array) -> Array:
         """The number of the cell of each row at ``zeta`` of the curve ``own``, in which rows are sorted."""
@@ -239,7 +243,8 @@ class Branches:
         """
         gap = z - self.fold[own]
         zeta = np.sqrt(np.maximum(gap, blunt[own]))
-        begin, per, c0, c1, c2, c3, by_s, by_q, more_s, more_q = self.cells.take(self.cell(own, zeta), axis=1)
+        cell = self.cell(own, zeta)
+        begin, per, c0, c1, c2, c3 = self.cells.take(cell, axis=1)
         x, half = (zeta - begin) * per, 0.5 / zeta
         at = np.empty((4 if slopes else 1, z.size))
         by_z = (c1 + x * (2 * c2 + 3 * x * c3)) * per * half
@@ -247,6 +252,7 @@ class Branches:
         below = np.minimum(self.q, 0.0)
         if not (slopes or below.any()):
             return at
+        by_s, by_q, more_s, more_q = self.rates.take(cell, axis=1)
         by_w = (by_q + more_q * x) / zeta
         if slopes:
             at[1], at[2], at[3] = (by_s + more_s * x) / zeta, by_w, by_z
@@ -269,16 +275,17 @@ class Branches:
         return DeviceBranch(fold, u, zeta, slope, k, s, r, self.at_fold[curve], nodes)
 
 
-def _folds(bodies: Bodies, rates: Array, bends: Array) -> tuple[Array, Array]:
-    """Where the position of each curve, of derivatives ``rates`` and ``bends`` (curves, nodes), turns to rise for
-    good: the node that the fold takes the place of, and the place, a root of the cubic through two nodes; the first
-    node where it rises or falls on all."""
+def _folds(bodies: Bodies, factors: Array) -> tuple[Array, Array]:
+    """Where the position of each curve, the sum of D, T, H, V with ``factors`` (curves, 4), turns to rise for good: the
+    node that the fold takes the place of, and the place, a root of the cubic through two nodes; the first node where it
+    rises or falls on all."""
+    rates = bodies.combined(factors[:, None], slice(1, 2))[:, 0, 0]
     n, curves, falling = rates.shape[1], np.arange(len(rates)), rates <= 0
     i = n - 1 - np.argmax(falling[:, ::-1], axis=1)
     turns = falling.any(axis=1) & (i < n - 1)
     i = np.where(turns, i, 0)
-    step = bodies.step
-    left, right, dl, dr = rates[curves, i], rates[curves, i + 1], step * bends[curves, i], step * bends[curves, i + 1]
+    step, bends = bodies.step, (factors[:, None, None] @ bodies.beside(i)[..., 2:])[..., 0, 0]
+    left, right, (dl, dr) = rates[curves, i], rates[curves, i + 1], step * bends.T
     x = np.where(turns, left / np.where(left == right, 1.0, left - right), 0.0)
     a, b = 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
     for _ in range(DEVICE_PATH_POLISHED):
@@ -364,7 +371,7 @@ class Rest:
         bodies = Bodies.of(families)
         nodes = bodies.u[bodies.which]
         of_four = np.stack([np.ones_like(s), -advanced, s / k, -s * advanced / k], axis=1)[:, None]
-        z = bodies.combined(of_four, 1)[:, 0, 0]
+        z = bodies.combined(of_four, slice(1))[:, 0, 0]
         first = np.argmin(z, axis=1)
         u = np.array([np.interp(at, y[i:], x[i:]) for at, x, y, i in zip(turn, nodes, z, first, strict=True)])
         lowest = nodes[np.arange(s.size), first]

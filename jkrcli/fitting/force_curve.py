@@ -20,14 +20,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from ..base.errors import SolveError, known
 from ..base.lockstep import Flow, alone, ask
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median, pchip
-from ..data.curve import APPROACH, Curve
+from ..data.curve import APPROACH, RETRACT, Curve
 from ..data.segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
 from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
 from .forward_model import Family, on_grid
@@ -372,10 +372,13 @@ class ForceCurveModel:
 
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too, and q of each stretch."""
-        values = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
-        values |= {f"q:{kind}": w / math.exp(values["ln_s"]) for kind, w in self.works.items()}
-        roots = {name: r for name, r in values.items() if name.startswith("r:")}
-        return values | {f"q{name[1:]}": r * abs(r) for name, r in roots.items()}
+        values = {**self.known, **dict(zip(self.names, x.tolist(), strict=True))}
+        for kind, w in self.works.items():
+            values[f"q:{kind}"] = w / math.exp(values["ln_s"])
+        for kind in (APPROACH, RETRACT):
+            if (r := values.get(f"r:{kind}")) is not None:
+                values[f"q:{kind}"] = r * abs(r)
+        return values
 
     def unknowns(self, values: Mapping[str, float]) -> Array:
         """Those of some ``values`` by name, in order."""
@@ -446,10 +449,6 @@ class ForceCurveModel:
         touch, or on the branch down to its ``fold`` [m]."""
         return part.touching if part.jumped else depth > (0.0 if part.kind == APPROACH else fold)
 
-    def contact_radii(self, part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """Contact radius [m] at all rows of a stretch, 0 where they are free, and which of them are at rest."""
-        return radii_at(*self.edges(part, values))
-
     def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
         """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
         by its sensitivity, which its deflections follow."""
@@ -471,6 +470,8 @@ class ForceCurveModel:
 
         ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
         """
+        if self.remembers(x, blunt):
+            return self.remember(x, blunt, None)
         (answer,) = residuals_of([(self, x, blunt)])
         if isinstance(answer, Exception):
             raise answer
@@ -489,11 +490,11 @@ class ForceCurveModel:
             cache[key] = answer
         return cache[key]
 
-    def assembled(self, values: Mapping[str, float], parts: Sequence[Array]) -> tuple[Array, Array]:
+    def assembled(self, values: Mapping[str, float], on_path: Sequence[OnPath]) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows and its derivatives (unknowns, rows), from the loads of the contact in
-        each stretch and their derivatives, as ``contact_loads`` gives them."""
+        each stretch and their derivatives."""
         off, rates = np.empty(self.ends[-1]), np.zeros((len(self.names), self.ends[-1]))
-        for part, columns, first, last in zip(self.stretches, parts, self.ends[:-1], self.ends[1:], strict=True):
+        for part, (columns, _), first, last in zip(self.stretches, on_path, self.ends[:-1], self.ends[1:], strict=True):
             line, by_line = base_line(part, values)
             off[first:last] = line + columns[0] - part.P
             by = {} if self.in_place_of_path(part) else self._by_names(part, values, columns)
@@ -524,32 +525,39 @@ class ForceCurveModel:
         return answer
 
     def by_position(self, x: Array) -> Array:
-        """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are,
-        remembered."""
-        if (key := x.tobytes()) not in self._by_position:
+        """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
+        return self._path(x)[0]
+
+    def edges(self, x: Array) -> Sequence[Edges]:
+        """The edges of each stretch."""
+        return self._path(x)[1]
+
+    def _path(self, x: Array) -> tuple[Array, Sequence[Edges]]:
+        """What ``by_position`` and ``edges`` give, of the last evaluation or of one more."""
+        if (key := x.tobytes()) not in self._paths:
             (answer,) = evaluated([(self, x, 0.0)])
             if isinstance(answer, Exception):
                 raise answer
-        return self._by_position[key]
+        return self._paths[key]
 
-    def remember_slopes(self, x: Array, slopes: Array) -> None:
-        """Keep the derivatives ``by_position`` [N/m]."""
-        self._by_position.clear()
-        self._by_position[x.tobytes()] = slopes
+    def remember_path(self, x: Array, values: Mapping[str, float], on_path: Sequence[OnPath]) -> None:
+        """Keep the derivatives ``by_position`` [N/m] and the ``edges`` of what stretches do."""
+        edges = [
+            self.edges_of(part, values, *(one.edges or (self.branch(part, values), self.rest(part, values))))
+            for part, one in zip(self.stretches, on_path, strict=True)
+        ]
+        self._paths.clear()
+        self._paths[x.tobytes()] = np.concatenate([one.columns[3] for one in on_path]), edges
 
     @cached_property
-    def _by_position(self) -> dict[bytes, Array]:
+    def _paths(self) -> dict[bytes, tuple[Array, Sequence[Edges]]]:
         return {}
 
-    def edges(self, part: DirectionReadings, values: Mapping[str, float]) -> Edges:
-        """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
-        the edge moves, and of those at which it rests."""
-        return self.edges_at(part, values, self.branch(part, values), self.rest(part, values))
-
-    def edges_at(
+    def edges_of(
         self, part: DirectionReadings, values: Mapping[str, float], moving: DeviceBranch, resting: Rest | None
     ) -> Edges:
-        """The same on a branch and a resting edge that are known."""
+        """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
+        the edge moves, and of those at which it rests."""
         depth = self.depth(part, values)
         rows = part.contact if part.jumped else self.touching(part, depth, moving.fold).nonzero()[0]
         if resting is None:
@@ -622,19 +630,28 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
 # Loads and residuals of many records at once: rows are flat, in the order of records and stretches.
 
 
+class OnPath(NamedTuple):
+    """Loads of the contact at all rows of a stretch with their derivatives by ln s, own q, z, and of the edge at rest
+    by the root of q before and by the turn, (6, rows), or loads alone, (1, rows); ``edges``: the branch and the resting
+    edge that they are on, if these are kept."""
+
+    columns: Array
+    edges: tuple[DeviceBranch, Rest | None] | None = None
+
+
 def contact_loads(
     asked: Sequence[tuple[ForceCurveModel, DirectionReadings, Mapping[str, float], float]], slopes: bool = True
-) -> list[Array | Exception]:
-    """Loads of the contact at all rows of some stretches, each of a model with values of its unknowns and the share of
-    its depth over which its fold is blunt (0: half the distance of two rows), and with ``slopes`` their derivatives by
-    ln s, own q, z, and of the edge at rest by the root of q before and by the turn: (6, rows) each, or (1, rows)."""
-    answers: list[Array | Exception] = [np.empty(0)] * len(asked)
+) -> list[OnPath | Exception]:
+    """Loads of the contact at all rows of some stretches, with ``slopes`` or alone, each of a model with values of its
+    unknowns and the share of its depth over which its fold is blunt; 0: half the distance of two rows, and with slopes
+    the edges are kept."""
+    answers: list[OnPath | Exception] = [OnPath(np.empty(0))] * len(asked)
     each: list[tuple[int, DirectionReadings, Array, float, Moving, Resting | None]] = []
     for place, (model, part, values, blunt) in enumerate(asked):
         try:
             if (loads := model.in_place_of_path(part)) is not None:
                 rates = np.zeros((5 * slopes, part.z.size))
-                answers[place] = np.append(loads(model, part, values)[None], rates, axis=0)
+                answers[place] = OnPath(np.append(loads(model, part, values)[None], rates, axis=0))
                 continue
             depth, width = model.depth(part, values), blunt * part.reach if blunt else part.spacing / 2
             each.append((place, part, depth, width, model.moving(part, values), model.resting(part, values)))
@@ -655,8 +672,8 @@ def contact_loads(
     own, z = np.repeat(np.arange(len(each)), np.diff(ends))[rows], depth[rows]
     columns = np.zeros((6 if slopes else 1, depth.size))
     resting = [i for i, one in enumerate(at_rest) if one is not None]
-    if resting:
-        edge = Rest.of([one for one in at_rest if one is not None])
+    edge = Rest.of([one for one in at_rest if one is not None]) if resting else None
+    if edge is not None:
         end, number = np.full(len(each), np.inf), np.zeros(len(each), dtype=int)
         end[resting], number[resting] = edge.end, np.arange(len(resting))
         still = z > end[own]
@@ -669,25 +686,29 @@ def contact_loads(
         rows, own, z = rows[~still], own[~still], z[~still]
     columns[: 4 if slopes else 1, rows] = moving.at(own, z, np.array(widths), slopes)
     for i, place in enumerate(places):
-        answers[place] = columns[:, ends[i] : ends[i + 1]] if moving.stable[i] else moving.unstable(i)
+        if not moving.stable[i]:
+            answers[place] = moving.unstable(i)
+            continue
+        kept = slopes and not asked[place][3]
+        held = None if edge is None or at_rest[i] is None or not kept else edge.some(number[i])
+        answers[place] = OnPath(columns[:, ends[i] : ends[i + 1]], (moving.one(i), held) if kept else None)
     return answers
 
 
 AtUnknowns: TypeAlias = tuple[ForceCurveModel, Array, float]  # a model, its unknowns, and how blunt the fold is
+AtRows: TypeAlias = tuple[Mapping[str, float], Sequence[OnPath]]  # values of the unknowns, and what stretches do
 
 
 @np.errstate(all="ignore")
-def at_rows(
-    asked: Sequence[AtUnknowns], slopes: bool = True
-) -> list[tuple[Mapping[str, float], Sequence[Array]] | Exception]:
+def at_rows(asked: Sequence[AtUnknowns], slopes: bool = True) -> list[AtRows | Exception]:
     """The values of the unknowns of some models, and the ``contact_loads`` of their stretches."""
     each = [(model, model.values(x), blunt) for model, x, blunt in asked]
     parts = [(model, part, values, blunt) for model, values, blunt in each for part in model.stretches]
-    found, answers = iter(contact_loads(parts, slopes)), list[tuple[Mapping[str, float], Sequence[Array]] | Exception]()
+    found, answers = iter(contact_loads(parts, slopes)), list[AtRows | Exception]()
     for model, values, _ in each:
-        columns = list(itertools.islice(found, len(model.stretches)))
-        failed = next((one for one in columns if isinstance(one, Exception)), None)
-        answers.append(failed or (values, [one for one in columns if not isinstance(one, Exception)]))
+        on_path = list(itertools.islice(found, len(model.stretches)))
+        failed = next((one for one in on_path if isinstance(one, Exception)), None)
+        answers.append(failed or (values, [one for one in on_path if not isinstance(one, Exception)]))
     return answers
 
 
@@ -698,9 +719,9 @@ def offs(asked: Sequence[AtUnknowns]) -> list[Array | Exception]:
         if isinstance(answer, Exception):
             answers.append(answer)
             continue
-        values, parts = answer
-        each = zip(model.stretches, parts, strict=True)
-        answers.append(np.concatenate([base_line(part, values)[0] + columns[0] - part.P for part, columns in each]))
+        values, on_path = answer
+        each = zip(model.stretches, on_path, strict=True)
+        answers.append(np.concatenate([base_line(part, values)[0] + one.columns[0] - part.P for part, one in each]))
     return answers
 
 
@@ -713,7 +734,7 @@ def evaluated(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Excepti
             continue
         off, rates = model.assembled(*answer)
         if not blunt:
-            model.remember_slopes(x, np.concatenate([columns[3] for columns in answer[1]]))
+            model.remember_path(x, *answer)
         try:
             answers.append((off, model.completed(x, blunt, off, rates).T))
         except SolveError as error:
@@ -912,6 +933,24 @@ class ForceCurveFit:
         """Those of a ``model`` that may know fewer of them."""
         return model.unknowns(self.model.values(self.x))
 
+    @cached_property
+    def radii(self) -> list[tuple[Array, Array]]:
+        """Contact radius [m] of the rows of each stretch, 0 where they are free, and which of them rest."""
+        return [radii_at(*edges) for edges in self.model.edges(self.x)]
+
+    @cached_property
+    def a(self) -> Array:
+        """Contact radius [m] of all rows, 0 where they are free."""
+        return np.concatenate([a for a, _ in self.radii])
+
+    @cached_property
+    def weighted(self) -> tuple[Array, Array]:
+        """Derivatives by the unknowns and, last, residuals of all rows in units of the noise, (unknowns + 1, rows), and
+        the products of these columns."""
+        off, J = self.model.residuals(self.x, 0.0)
+        columns = self.model.whitened(np.vstack([J.T, off]).T, self.spread.noise).T
+        return columns, columns @ columns.T
+
     def at_loads(self, factor: float) -> Array:
         """The unknowns as they are about where all loads are ``factor`` times as large."""
         loads = np.array([name.startswith(("offset:", "tilt:", "cos:", "sin:")) for name in self.names], dtype=bool)
@@ -1088,7 +1127,7 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     values, last = model.values(x), model.stretches[-1]
     own = f"q:{last.kind}"
     adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
-    most = held_by_last_row(model, values) if adheres else None
+    most = held_by_last_row(model, values, model.edges(x)[-1][1]) if adheres else None
     if most is not None and _rests_throughout(model, x, most, weight):
         idle |= np.array(model.names) == own
         values[own] = most
@@ -1096,10 +1135,10 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
 
 
-def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float]) -> float | None:
-    """The q that the last row of an edge that rests throughout holds; None where it does not rest."""
+def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float], resting: Rest | None) -> float | None:
+    """The q that the last row of an edge that is ``resting`` throughout holds; None where it does not rest."""
     last = model.stretches[-1]
-    if (resting := model.rest(last, values)) is None:
+    if resting is None:
         return None
     lost = float(model.depth(last, values)[last.touching].min())
     return resting.released(math.sqrt(max(values[f"q:{last.kind}"], 0.0)), lost) ** 2
@@ -1109,7 +1148,7 @@ def _rests_throughout(model: ForceCurveModel, x: Array, most: float, weight: Spe
     """Whether an edge that never recedes, as of any w above ``most``, describes the rows as well, in units of noise:
     the straight line of the edge at rest goes on then in the rows in which it moves."""
     last, values, off = model.stretches[-1], model.values(x), model.residuals(x, 0.0)[0]
-    _, resting, depth, rows, _ = model.edges(last, values)
+    _, resting, depth, rows, _ = model.edges(x)[-1]
     if resting is None:
         return False
     never = off.copy()

@@ -450,17 +450,6 @@ def orthogonal(J: Array) -> tuple[Array, Array]:
     return Q, R
 
 
-def projected(J: Array, r: Array) -> tuple[Array, Array]:
-    """R and Q^T r of columns of about unit length, J = Q R, and a column r, as of ``orthogonal``."""
-    with contextlib.suppress(np.linalg.LinAlgError):
-        lower = np.linalg.cholesky(J.T @ J)
-        size = np.diag(lower)
-        if size.min(initial=1.0) > SEARCH_DIGITS * size.max(initial=1.0):
-            return lower.T, np.linalg.solve(lower, J.T @ r)
-    Q, R = np.linalg.qr(J)
-    return R, Q.T @ r
-
-
 def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:
     """The state of a model that gives residuals alone: derivatives by forward ``steps`` of the unknowns."""
     here = residuals(x)
@@ -868,8 +857,8 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     U, s, V = np.linalg.svd(triangle)
     U = Q @ U
     root = (V / np.maximum(s, COLOURED_SINGULAR * s[0])[:, None] / scale).T
-    all_rows = Octaves.of(f, rows[:, -1] ** 2, np.sum(U**2, axis=1)).spectrum()
-    every = all_rows(f) * own
+    all_rows = Octaves.of(f, rows[:, -1] ** 2, np.einsum("ij,ij->i", U, U)).spectrum()
+    every = all_rows(f) * own if all_rows.slow or weight.slow else all_rows.A * weight.A
     loose = sum(run.size for run in free)
     seen = _of_base_lines(free, rounding) if loose >= COLOURED_FREE else None
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
@@ -960,7 +949,7 @@ class Octaves:
     def spectrum(self) -> Spectrum:
         """The spectrum that is likeliest, with those that are nearly so; white where none that falls gains enough."""
         mean, count, centre, lowest = self.mean, self.count, self.centre, self.lowest
-        white = float(np.average(mean, weights=count))
+        white = float(mean @ count / count.sum())
         most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
         if most[0] < most[1] + COLOURED_LEAST:
             return Spectrum(white)  # no spectrum that falls gains as much
@@ -984,7 +973,7 @@ class Octaves:
         slow = _slow(self.centre, corner[:, None], power[:, None])
         tops = slow[:, 0]
         ratio = np.vstack([np.zeros(self.centre.size), *(heights[:, None, None] * (slow / tops[:, None]))])
-        A = np.average(self.mean / (1 + ratio), weights=self.count, axis=1)
+        A = self.mean / (1 + ratio) @ self.count / self.count.sum()
         kinds = (
             np.repeat([1 / COLOURED_CORNERS, 1 / len(COLOURED_POWERS)], [COLOURED_CORNERS, len(COLOURED_POWERS)]) / 2
         )
@@ -995,9 +984,10 @@ class Octaves:
         return Possible(chance / chance.sum(), A, B, corner, power)
 
 
+@lru_cache(maxsize=REMEMBERED)
 def _shapes(lowest: float) -> tuple[Array, Array]:
     """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
-    corners, powers = (np.geomspace(COLOURED_SEEN * lowest, 0.2, COLOURED_CORNERS), np.array(COLOURED_POWERS))
+    corners, powers = np.geomspace(COLOURED_SEEN * lowest, 0.2, COLOURED_CORNERS), np.array(COLOURED_POWERS)
     return np.append(corners, 0 * powers + COLOURED_LOWEST * lowest), np.append(0 * corners + 2.0, powers)
 
 

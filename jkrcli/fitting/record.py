@@ -36,7 +36,7 @@ from .force_curve import (
     windowed,
 )
 from .forward_model import FittedBody
-from .least_squares import Intervals, State, bootstrap, covariance_coloured, projected, structure, t_quantile, wider
+from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit
 from .rows import noise_from_third_differences
@@ -49,21 +49,30 @@ from .verdict import attach_verdict, replace_by_best_alternative
 
 @dataclass(frozen=True, eq=False)
 class AddedParameter:
-    """One step of Gauss and Newton from a fit with one more unknown, whose derivatives are the last column of ``J``;
-    ``step``: of all unknowns; ``size``: of the last one's, in standard errors of white noise."""
+    """One step of Gauss and Newton from a fit with one more unknown, by which loads change by a ``column`` [N];
+    ``step``: of all unknowns, the new one last; ``size``: of the last one's, in standard errors of white noise."""
 
     fit: ForceCurveFit
-    J: Array
+    column: Array
     step: Array
     size: float
 
     @classmethod
     def of(cls, fit: ForceCurveFit, column: Array) -> AddedParameter:
-        off, J = fit.model.residuals(fit.x, 0.0)
-        J, noise = np.column_stack([J, column]), fit.spread.noise
-        scale = np.maximum(np.linalg.norm(J, axis=0), np.finfo(float).tiny)
-        triangle, along = projected(fit.model.whitened(J / scale, noise), fit.model.whitened(off, noise))
-        return cls(fit, J, -np.linalg.lstsq(triangle, along, rcond=None)[0] / scale, abs(float(along[-1])))
+        """By J^T J and J^T r, to which the column adds one line, unless that loses too many digits."""
+        rows, products = fit.weighted
+        c = fit.model.whitened(column, fit.spread.noise)
+        by_c, p = rows @ c, len(rows) - 1
+        squares = np.block([[products[:p, :p], by_c[:p, None]], [by_c[:p], c @ c]])
+        scale = np.maximum(np.sqrt(squares.diagonal()), np.finfo(float).tiny)
+        with contextlib.suppress(np.linalg.LinAlgError):
+            lower = np.linalg.cholesky(squares / np.outer(scale, scale))
+            if lower.diagonal().min() > SEARCH_DIGITS:
+                along = np.linalg.solve(lower, np.append(products[:p, p], by_c[p]) / scale)
+                return cls(fit, column, -np.linalg.solve(lower.T, along) / scale, abs(float(along[-1])))
+        Q, R = np.linalg.qr(np.vstack([rows[:p], c]).T / scale)
+        along = Q.T @ rows[p]
+        return cls(fit, column, -np.linalg.lstsq(R, along, rcond=None)[0] / scale, abs(float(along[-1])))
 
     @property
     def last(self) -> float:
@@ -74,8 +83,9 @@ class AddedParameter:
     def error(self) -> float:
         """Its standard error."""
         model, weight = self.fit.model, self.fit.weight
-        off = model.ordered(model.residuals(self.fit.x, 0.0)[0] + self.J @ self.step, weight)
-        spread = covariance_coloured(off, model.ordered(self.J, weight), (), weight)
+        off, J = model.residuals(self.fit.x, 0.0)
+        J = np.column_stack([J, self.column])
+        spread = covariance_coloured(model.ordered(off + J @ self.step, weight), model.ordered(J, weight), (), weight)
         return math.sqrt(max(spread.covariance[-1, -1], 0.0))
 
 
@@ -340,12 +350,6 @@ DIMENSIONS = {
 }  # fmt: skip
 
 
-def contact_radii(best: ForceCurveFit) -> Array:
-    """Contact radius [m] of every row, 0 where it is free."""
-    values = best.model.values(best.x)
-    return np.concatenate([best.model.contact_radii(part, values)[0] for part in best.model.stretches])
-
-
 def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
     """What the unknowns ``x`` mean, SI."""
     values = best.model.values(x)
@@ -384,7 +388,7 @@ def as_fit(
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     rows = np.concatenate([part.rows for part in best.model.stretches])
-    a, order = contact_radii(best), np.argsort(rows)
+    a, order = best.a, np.argsort(rows)
     flags, quality = judgement(record, best, a)
     missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
     flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
@@ -499,9 +503,11 @@ def _resting(item: FittedValue, best: ForceCurveFit, t: float, intervals: Interv
 def _error_of_held(best: ForceCurveFit) -> float:
     """The standard error of the w that the last row of an edge that rests throughout holds, by those of the others."""
 
+    last = best.model.stretches[-1]
+
     def held(x: Array) -> float:
         values = best.model.values(x)
-        return math.exp(values["ln_s"]) * (held_by_last_row(best.model, values) or 0.0)
+        return math.exp(values["ln_s"]) * (held_by_last_row(best.model, values, best.model.rest(last, values)) or 0.0)
 
     steps = np.diag([best.error(name) for name in best.names])
     rates = np.array([(held(best.x + step) - held(best.x - step)) / (2 * step.sum() or 1.0) for step in steps])
@@ -523,7 +529,7 @@ def _line(best: ForceCurveFit) -> dict[str, Array]:
     rows = np.arange(z.size)
     first = best.model.stretches[0].z.size  # each direction goes from its far end inwards
     order = np.concatenate([rows[:first], rows[first:][::-1]])
-    columns = {"a": contact_radii(best), "delta": z - model / best.model.k, "P": model}
+    columns = {"a": best.a, "delta": z - model / best.model.k, "P": model}
     return {name: values[order] for name, values in columns.items()}
 
 
@@ -658,8 +664,9 @@ def _in_contact(best: ForceCurveFit, curve: Curve, parts: Sequence[DirectionRead
     """The rows in contact of some stretches, those on which the edge is ``still`` too, in order of recording: net load
     over the position of the device from first touch."""
     values, each = best.model.values(best.x), []
-    for part in parts:
-        a, rests = best.model.contact_radii(part, values)
+    for part, (a, rests) in zip(best.model.stretches, best.radii, strict=True):
+        if part not in parts:
+            continue
         chosen = (a > 0) & (still | ~rests)
         depth, P = best.model.depth(part, values), part.P - base_line(part, values)[0]
         each.append((part.rows[chosen], depth[chosen], P[chosen], np.full(np.count_nonzero(chosen), part.kind)))
@@ -707,12 +714,12 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> Flo
     for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
         best = yield from nearest(model, settings.loss) if best is None else _again(best, model, settings)
-        reach = contact_radii(best).max()
+        reach = best.a.max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
         body = body.to_radius(ROOM * float(reach))
     assert best is not None
-    if np.count_nonzero(contact_radii(best)) <= len(best.names):
+    if np.count_nonzero(best.a) <= len(best.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
     whole, best = best, (yield from _without_window(best, model, settings))
     if len(model.stretches) > 1 and f"q:{RETRACT}" in best.model.known and f"q:{RETRACT}" not in model.known:

@@ -141,9 +141,16 @@ class RecordRivals:
 
     def worst(self, quantity: str) -> tuple[str, float] | None:
         """The rival that may move "E_star" or "w" most, and by how much, relative: of the named, where some are."""
-        moves = {one.name: one.moved(getattr(one, quantity)) for one in self.named or self.scores}
-        name = max(moves, key=lambda key: moves[key], default="")
-        return (name, moves[name]) if name and moves[name] > 0 else None
+        return self._worst[quantity]
+
+    @cached_property
+    def _worst(self) -> dict[str, tuple[str, float] | None]:
+        worst: dict[str, tuple[str, float] | None] = {}
+        for quantity in ("E_star", "w"):
+            moves = {one.name: one.moved(getattr(one, quantity)) for one in self.named or self.scores}
+            name = max(moves, key=lambda key: moves[key], default="")
+            worst[quantity] = (name, moves[name]) if name and moves[name] > 0 else None
+        return worst
 
 
 @dataclass(frozen=True)

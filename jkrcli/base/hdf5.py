@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import io
 import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,6 +25,7 @@ FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found,
 
 KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
 LETTERS, WORD = 4, 60  # choice: bytes of memory of a byte of a text while it is read, and of each text beside them
+CHUNK = 1 << 18  # choice: bytes that are written at once, which stay in the cache of a core
 WIDEST, REFERENCE = 16, 16  # theory: bytes of the widest number, and of the place of a text of any length in a file
 MOST_VALUES = 100  # choice: of an attribute that others wrote; positions and ranges are two or three
 RUN_AGAIN = "run the case again"
@@ -109,10 +111,10 @@ def image(root: Group) -> bytes:
     Texts have a fixed length, so that they lie in checksummed metadata or chunks and damage to them leads the library
     nowhere. Built in memory: HDF5 itself neither says clearly that a disk is full nor gets over it.
     """
-    with h5py.File("image", "w", driver="core", backing_store=False, libver=FILE_FORMAT, track_order=True) as file:
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", libver=FILE_FORMAT, track_order=True) as file:
         _fill(file, sealed(root))
-        file.flush()
-        return bytes(file.id.get_file_image())
+    return memory.getvalue()
 
 
 def _fill(target: h5py.Group, group: Group) -> None:
@@ -124,10 +126,11 @@ def _fill(target: h5py.Group, group: Group) -> None:
             values = given if isinstance(given, np.ndarray) else _fixed(given)
             if isinstance(given, str) or not values.size:
                 dataset = target.create_dataset(name, data=values)
-            else:  # digits of measured numbers are noise, two thirds of them remain
-                fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+            else:  # digits of measured numbers are noise, two thirds of them remain; texts are no longer when shuffled
+                fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": values.dtype.kind != "S"}
                 packed = {} if values.dtype.kind == "f" else fastest
-                chunks = (min(len(values), process.ROWS), *values.shape[1:])
+                pieces = -(-values.nbytes // CHUNK)
+                chunks = (-(-len(values) // pieces), *values.shape[1:])  # of one length, or the last is filled up
                 dataset = target.create_dataset(name, data=values, chunks=chunks, fletcher32=True, **packed)
             _describe(dataset, member.attributes)
     _describe(target, group.attributes)

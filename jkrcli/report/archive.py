@@ -245,7 +245,8 @@ def _joined(tables: Sequence[tuple[int, Mapping[str, Array]]]) -> Group:
     sizes = [next(iter(table.values())).size for _, table in tables]
     members = {"curve": unit_column(np.repeat([number for number, _ in tables], sizes), UNITS["curve"])}
     for name in dict.fromkeys(name for _, table in tables for name in table):
-        parts = (table.get(name, np.full(size, np.nan)) for (_, table), size in zip(tables, sizes, strict=True))
+        parts = (table[name] if name in table else np.full(size, np.nan)
+                 for (_, table), size in zip(tables, sizes, strict=True))  # fmt: skip
         members[name] = unit_column(np.concatenate([*parts]), UNITS.get(name, "1" if "residuals" in name else "SI"))
     return Group({}, members)
 

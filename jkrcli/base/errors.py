@@ -7,7 +7,6 @@ import shlex
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import TypeAlias
 
@@ -129,6 +128,8 @@ def installs(extra: str) -> str:
     if (root / "pyproject.toml").is_file():
         words = ["-e", f"{root}[{extra}]" if extra else str(root)]
     else:
+        from importlib import metadata
+
         # The packages of a part as the installed metadata name them: this one may be on no index.
         try:
             required = metadata.requires("jkrcli") or []

@@ -4,26 +4,37 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib.util
 import io
 import math
+import sys
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from . import process
 from .errors import InputError, writable
 from .numerics import Array
 
+if TYPE_CHECKING:
+    import h5py
+elif "h5py" in sys.modules:
+    h5py = sys.modules["h5py"]
+else:  # it runs when something of it is first used: many commands open no HDF5 file
+    _spec = importlib.util.find_spec("h5py")
+    _spec.loader = importlib.util.LazyLoader(_spec.loader)
+    h5py = sys.modules["h5py"] = importlib.util.module_from_spec(_spec)
+    _spec.loader.exec_module(h5py)
+
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 HEAP = b"GCOL\1\0\0\0"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 
-KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
+KINDS = INTEGER, FLOAT, STRING, ENUM = 0, 1, 3, 8  # theory: HDF5's numbers of classes; the last: truth values
 LETTERS, WORD = 4, 60  # choice: bytes of memory of a byte of a text while it is read, and of each text beside them
 CHUNK = 1 << 18  # choice: bytes that are written at once, which stay in the cache of a core
 WIDEST, REFERENCE = 16, 16  # theory: bytes of the widest number, and of the place of a text of any length in a file
@@ -275,7 +286,7 @@ class _Check:
             self.values(name, stored.get_type(), stored.get_space().get_simple_extent_npoints())
 
     def values(self, where: str, kind: h5py.h5t.TypeID, count: int, pieces: int = 1) -> None:
-        is_text = kind.get_class() == h5py.h5t.STRING
+        is_text = kind.get_class() == STRING
         if kind.get_class() not in KINDS or (is_text and kind.is_variable_str()):
             raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts of fixed length')
         each = LETTERS * kind.get_size() + WORD if is_text else kind.get_size()
@@ -315,7 +326,7 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
             stored = h5py.h5a.open(item.id, name.encode())
             kind, space = stored.get_type(), stored.get_space()
             sort, count = kind.get_class(), space.get_simple_extent_npoints()
-            is_text = sort == h5py.h5t.STRING
+            is_text = sort == STRING
             each = REFERENCE if is_text and kind.is_variable_str() else kind.get_size()
             fits = each <= (process.TEXT if is_text else WIDEST) and 0 < count <= MOST_VALUES
             if sort not in KINDS or not fits or stored.get_storage_size() != count * each:

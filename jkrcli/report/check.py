@@ -10,7 +10,6 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Literal
 
@@ -241,6 +240,8 @@ def examine() -> Iterator[Finding]:
 
 def _package(package: str, extra: str = "", use: str = "") -> Finding:
     """A package; one of an ``extra`` is optional, with its ``use``."""
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         return Finding(package, "ok", f"{version(package)}{use}")
     except PackageNotFoundError:
@@ -249,6 +250,8 @@ def _package(package: str, extra: str = "", use: str = "") -> Finding:
 
 def _mesher() -> Finding:
     """gmsh is installed as a package but needs libraries of the system, which only loading it tells."""
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         importlib.import_module("gmsh")
         return Finding("gmsh", "ok", version("gmsh"))

@@ -5,11 +5,12 @@ is lost.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, EquilibriumCurve, Nonadhesive, transform
 from ..adhesion.finite_range import Range
 from ..adhesion.slopes import Slopes
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
@@ -185,15 +186,19 @@ def pull_off_ratios(
     one: Series, other: Series, works: Sequence[float], outside: Unknown = OUTSIDE
 ) -> dict[float, Estimate]:
     """The pull-off force under load control of one series with exact slopes over that of the other, for each of the
-    ``works`` of adhesion [J/m^2]; what lies between the rows is found once for all of them."""
-    from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
-
-    pair, ratios = [Nonadhesive.of(each, "exact") for each in (one, other)], dict[float, Estimate]()
-    for w in works:
-        first, second = (AdhesiveCurve(functions, w).pull_off(LOAD_CONTROL) for functions in pair)
+    ``works`` of adhesion [J/m^2]."""
+    ratios = dict[float, Estimate]()
+    for w, first, second in zip(works, *(_pull_offs(each, tuple(works)) for each in (one, other)), strict=True):
         known = isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint)
-        ratios[w] = first.P / second.P if known else outside  # type: ignore[union-attr]
+        ratios[w] = first.P / second.P if known else outside
     return ratios
+
+
+@lru_cache(maxsize=2)  # one body is compared with several others
+def _pull_offs(series: Series, works: tuple[float, ...]) -> list[CriticalPoint | Unknown]:
+    """What lies between the rows is found once for all ``works``."""
+    functions = Nonadhesive.of(series, "exact")
+    return [AdhesiveCurve(functions, w).pull_off(LOAD_CONTROL) for w in works]
 
 
 def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:
@@ -375,7 +380,7 @@ RANGE_EFFECT_NARROW = 0.03  # choice: there a half-space differs by 0.5 %, layer
 RANGE_EFFECT_POINTS = 40  # contact radii of the solution; choice: a tenth of a second
 
 
-def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point: Equilibrium) -> Estimate:
+def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point: CriticalPoint) -> Estimate:
     """The pull-off force under load control at the range ``z0`` [m] over that of JKR at ``point``, less 1; 0 where it
     must be next to nothing.
 

@@ -111,24 +111,25 @@ class Angles:
         """The least distance at which a singular kernel counts, over a."""
         return float(min(self.distance.min(), self.apart[self.plain > 0].min(initial=np.inf)))
 
+    @cached_property
+    def pairs(self) -> tuple[tuple[Array, Array], Array]:
+        """The pairs of nodes i >= j, and the number of each pair in either order (n, n) among them."""
+        below, pair = np.tril_indices(self.tau.size), np.empty((self.tau.size, self.tau.size), dtype=int)
+        pair[below] = pair.T[below] = np.arange(below[0].size)
+        return below, pair
+
     def matrices(self, singular: Function, smooth: Function, a: float) -> Array:
         """Matrices (m, n, n) of the sums of two kernels k(s) [1/m] of s [m], which give m values each, at the contact
         radius ``a`` [m]."""
-        i, j = np.tril_indices(self.tau.size)
-        apart, across = a * self.apart[i, j], a * self.across[i, j]
-        K = self.plain * _symmetric(singular(np.maximum(apart, a * self.nearest)), i, j)
-        K += self.mirrored * _symmetric(singular(across), i, j)
-        K += self.w * _symmetric(smooth(apart) + smooth(across), i, j)
+        below, pair = self.pairs  # |x - t| and x + t are those of t and x too
+        apart, across = a * self.apart[below], a * self.across[below]
+        K = self.plain * singular(np.maximum(apart, a * self.nearest))[:, pair]
+        K += self.mirrored * singular(across)[:, pair]
+        K += self.w * (smooth(apart) + smooth(across))[:, pair]
         near = np.einsum("kmq,mqj->kmj", singular(a * self.distance), self.weights)
         for one, part in zip(K.reshape(*K.shape[:2], -1, self.order), near, strict=True):
             np.add.at(one, (self.row, self.column), part)
         return K / 2
-
-
-def _symmetric(values: Array, i: Array, j: Array) -> Array:
-    full = np.empty((len(values), i[-1] + 1, i[-1] + 1))
-    full[:, i, j] = full[:, j, i] = values
-    return full
 
 
 def _apart(tau: Array, difference: Array) -> Array:
@@ -254,7 +255,7 @@ class TenseSpectrum(LayeredSpectrum):
         """The rest of the kernel [1/m] for 0 <= s <= ``reach`` [m], and its s d/ds (2, ...), from ``order`` Gauss nodes
         in k on every panel."""
         if self.bandwidth(self.floor) == 0:
-            return lambda s: np.zeros((2, 1))
+            return lambda s: np.zeros((2, *s.shape))
         step, half = self.scale / TENSE_KNOTS, TENSE_STENCIL // 2
         knots = step * np.arange(1 - half, math.ceil(reach / step) + 1 + half)
         kernel = self.kernel(float(knots[-1]), order)

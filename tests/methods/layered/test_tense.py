@@ -264,5 +264,5 @@ def test_a_tension_too_slight_for_layers_is_refused_with_its_size():
 def test_panels_reach_every_node_once():
     """A constant kernel gives the whole of each weight, however near the panels are."""
     grid = Angles.of(6, 1, 8, 20)
-    whole = grid.matrices(lambda s: np.ones((1, *s.shape)), lambda s: np.zeros((1, 1)), 1.0)[0]
+    whole = grid.matrices(lambda s: np.ones((1, *s.shape)), lambda s: np.zeros((1, *s.shape)), 1.0)[0]
     np.testing.assert_allclose(whole, np.broadcast_to(grid.w, whole.shape), rtol=1e-9)

@@ -19,7 +19,7 @@ import numpy as np
 from ..base.distributions import f_tail
 from ..base.errors import JkrError, SolveError
 from ..base.lockstep import Flow, ask, quiet, together
-from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array, composite_gauss
 from ..bodies.problem import GEL_TENSION
 from .alternatives import (
     ADHESION_ENDLESS,
@@ -304,10 +304,19 @@ def _tails(taken: Array, dof: float) -> Array:
     t by cubics of their logs through values and slopes, good to 1e-7; nan where nothing is known."""
     t = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf))
     nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max()), SCORE_FARTHEST) / SCORE_TAIL) + 2)
-    tail = np.maximum(f_tail(1, dof, nodes**2), TINY)
     peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
-    slope = -SCORE_TAIL * peak * (1 + nodes**2 / dof) ** (-(dof + 1) / 2) / tail
-    log = np.log(tail)
+
+    def density(t: Array) -> Array:
+        """That of |t|."""
+        values: Array = peak * (1 + t**2 / dof) ** (-(dof + 1) / 2)
+        return values
+
+    # the tail at the nodes: its integral between them, from the last one inwards
+    between, weights = composite_gauss(nodes)
+    pieces = np.sum(weights * density(between), axis=1)
+    last = float(f_tail(1, dof, float(nodes[-1]) ** 2))
+    tail = np.maximum(np.cumsum(np.append(last, pieces[::-1]))[::-1], TINY)
+    slope, log = -SCORE_TAIL * density(nodes) / tail, np.log(tail)
     rise = np.diff(log)
     cubics = np.stack([log[:-1], slope[:-1], 3 * rise - 2 * slope[:-1] - slope[1:], slope[:-1] + slope[1:] - 2 * rise])
     place = np.minimum(t / SCORE_TAIL, nodes.size - 1.0)

@@ -342,9 +342,9 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
 
 def values_of(data: h5py.Dataset) -> Any:
     """What a dataset holds: the same as ``data[()]``, by one call of the library where there are values."""
-    if not data.size:
+    kind, shape = data.id.get_type(), data.id.shape
+    if shape is None or 0 in shape:
         return data[()]
-    kind = data.id.get_type()
-    values = np.empty(data.shape, kind.dtype)
+    values = np.empty(shape, kind.dtype)
     data.id.read(h5py.h5s.ALL, h5py.h5s.ALL, values, kind)
     return values

@@ -593,19 +593,20 @@ class EdgeRule:
         curve = self.curve
         if curve.complete and self.rises(least := SAME * float(curve.places[1])) > 0:
             return least
-        smallest, largest = curve.contact_radii(curve.places[[0, -1]]).tolist()
         if not curve.complete and self.position(float(curve.places[0])) > self.free:
+            smallest = show(float(curve.contact_radii(curve.places[:1])[0]), "length")
             if curve.ranged:
-                return Unknown(f"the surfaces jump to contact radii below {show(smallest, 'length')}, where "
-                               "the curve begins")  # fmt: skip
+                return Unknown(f"the surfaces jump to contact radii below {smallest}, where the curve begins")
             return Unknown(
                 "contact at delta = 0 is in equilibrium below the smallest radius of the solution, a = "
-                f"{show(smallest, 'length')}: begin at smaller radii"
+                f"{smallest}: begin at smaller radii"
             )
-        where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
-        return self.settled(0.0, self.free) or Unknown(
-            f"contact at {where} spreads beyond the largest radius of the solution, a = "
-            f"{show(largest, 'length')}: increase [loading] radius"
+        if (place := self.settled(0.0, self.free)) is not None:
+            return place
+        largest = show(float(curve.contact_radii(curve.places[-1:])[0]), "length")
+        return Unknown(
+            f"contact at delta = {curve.onset:.4g}{' m' if curve.onset else ''} spreads beyond the largest radius of "
+            f"the solution, a = {largest}: increase [loading] radius"
         )
 
     def _branch(self, ramp: Ramp, place: float) -> Follow:

@@ -104,15 +104,6 @@ def counted(count: int, one: str, several: str = "") -> str:
     return f"{count:,} {one if count == 1 else several or one + 's'}"
 
 
-def accuracy(error: Estimate) -> str:
-    """A relative numerical error in words: where it is small, a power of ten above it."""
-    if isinstance(error, Unknown):
-        return f"numerical error {error}"
-    if error >= 1e-4:
-        return f"numerical error {float(f'{100 * error:.2g}'):g} %"
-    return f"numerical error below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")
-
-
 def known(value: Estimate) -> float | None:
     """The number, or None where it is not known."""
     return None if isinstance(value, Unknown) else value

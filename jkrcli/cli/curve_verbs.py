@@ -82,14 +82,11 @@ def transform(
             for curve, target in zip(curves, places, strict=True):
                 scales = tables.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
                 summaries.append(tables.curve_summary(curve, scales))
-                target.write(
-                    tables.curve_table(curve, scales),
-                    summaries[-1],
-                    forward.draw_curve(curve, scales) if figures else None,
-                )
+                lines.append(tables.curve_words(curve))
+                figure = forward.draw_curve(curve, scales) if figures else None
+                target.write(tables.curve_table(curve, scales), summaries[-1], figure)
             if picture is not None:
                 picture.write(figure=forward.draw_curves(curves, users))
-            lines += map(tables.curve_words, curves)
             warnings += [f"{curve.path}: {text}" for curve in curves for text in curve.warnings if not output.json]
     if output.json:
         answer({"results": summaries})

@@ -14,9 +14,8 @@ from ..base.errors import Estimate, InputError, JkrError, Unknown
 from ..base.numerics import evenly
 from ..base.units import parse
 from ..bodies.problem import RADIUS, Loading, changed, checked_names, layer_names, nominal
-from ..resolve.analysis import Analysis, adhesive, nonadhesive
+from ..resolve.analysis import Analysis, adhesive, method_behind, nonadhesive
 from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
-from ..resolve.resolve import method_behind
 from ..series import Solution
 from .parameters import changes_by
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import __version__
 from ..base import hdf5
-from ..base.errors import InputError, accuracy, counted
+from ..base.errors import InputError, counted
 from ..base.files import as_json, read_bytes, write_bytes
 from ..base.hdf5 import Dataset, Group, unit_column
 from ..base.numerics import Array
@@ -19,6 +19,7 @@ from ..fitting.procedure import Failure
 from ..fitting.result import Fit
 from ..series import COLUMNS, Solution
 from .result import SHOWN, Several
+from .tables import accuracy
 
 IMAGES = {  # name: dimension
     "E_star": "modulus",

@@ -24,18 +24,18 @@ from ..adhesion.device_path import Jump, Program, cycle, trace
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, faces, strain_words
-from ..base.errors import Estimate, InputError, Unknown, accuracy, known
+from ..base.errors import Estimate, InputError, Unknown, known
 from ..base.files import lists
 from ..base.numerics import ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import implausible_work, show, show_within
 from ..bodies.problem import relaxing
-from ..resolve.analysis import Analysis, Lost, analyse, is_refined
+from ..resolve.analysis import Analysis, Lost, analyse
 from ..resolve.histories import LostByHistory, strains_after
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
 from .result import Figure
-from .tables import Scales, format_state, quantities, read_curve, transpose_rows
+from .tables import Scales, accuracy, format_state, is_refined, quantities, read_curve, transpose_rows
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..adhesion.validity import judge_solution
-from ..base.errors import Estimate, Unknown, accuracy, counted
+from ..base.errors import Estimate, Unknown, counted
 from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import relaxing
 from ..methods.protocol import Choice
-from ..resolve.resolve import StickingEffect, effect_as_json, sticking_warnings
+from ..resolve.resolve import StickingEffect, sticking_warnings
 from ..series import COLUMNS, Series, Solution
 from .result import Figure
+from .tables import accuracy, sticking
 
 if TYPE_CHECKING:
     from ..methods.fem.mesh import Grid
@@ -83,7 +84,7 @@ class Solved(SeriesFile):
             "errors": self.solution.budget.as_dict(),
             "warnings": self.warnings,
             "cpu_s": self.seconds,
-            "sticking": effect_as_json(self.sticking),
+            "sticking": sticking(self.sticking),
         }
 
     def words(self) -> list[str]:

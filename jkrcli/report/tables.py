@@ -14,6 +14,7 @@ from ..adhesion.curve import (
     CONTROLS,
     DISPLACEMENT_CONTROL,
     LOAD_CONTROL,
+    AdhesiveCurve,
     CriticalPoint,
     Equilibrium,
     EquilibriumCurve,
@@ -23,7 +24,7 @@ from ..adhesion.device_path import Jump, Program, Stability, TimedState, branch
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
-from ..base.errors import Estimate, InputError, Unknown, accuracy, counted, known
+from ..base.errors import Estimate, InputError, Unknown, counted, known
 from ..base.files import read_bytes
 from ..base.numerics import SAME, Array
 from ..base.process import check_text
@@ -31,8 +32,8 @@ from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
 from ..bodies.problem import Elastic, Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
-from ..resolve.analysis import Analysis, is_refined
-from ..resolve.resolve import effect_as_json
+from ..resolve.analysis import Analysis, is_solved_at
+from ..resolve.resolve import StickingEffect
 
 SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
@@ -178,6 +179,15 @@ def digits(value: float, change: Strains) -> int:
     return 4 if error == 0 else min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 2), 4)
 
 
+def accuracy(error: Estimate) -> str:
+    """A relative numerical error in words: where it is small, a power of ten above it."""
+    if isinstance(error, Unknown):
+        return f"numerical error {error}"
+    if error >= 1e-4:
+        return f"numerical error {float(f'{100 * error:.2g}'):g} %"
+    return f"numerical error below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")
+
+
 def error_words(error: Estimate, change: Strains) -> str:
     """The relative numerical ``error``, and the model's: what large strains ``change``, far larger or not."""
     if change is None:
@@ -263,6 +273,19 @@ def errors(half_widths: Errors | Unknown | None) -> dict[str, Any]:
 def validity(result: Analysis, *points: CriticalPoint | Unknown) -> dict[str, Any]:
     """The numbers by which the result is judged, with pull-off at ``points``, else under load control."""
     return vars(result.validity_at(*points) if points else result.validity)
+
+
+def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:
+    """Whether the ``point`` was solved at its own radius, and is not one between rows; each of finite range was."""
+    return not isinstance(curve, AdhesiveCurve) or is_solved_at(curve.nonadhesive, point.a)
+
+
+def sticking(effect: StickingEffect | Unknown) -> dict[str, Any] | str:
+    """The radius [m] and the ratios [-] of an effect, or why it is not known."""
+    if isinstance(effect, Unknown):
+        return str(effect)
+    pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in effect.pull_off.items()]
+    return {"a_m": effect.a, "load": effect.load, "S": effect.stiffness, "pull_off": pulls}
 
 
 def stable_states(result: Analysis) -> dict[str, Any]:
@@ -429,7 +452,7 @@ def curve_table(curve: Analysis, scales: Scales | None = None) -> dict[str, Arra
 @SUMMARIES.register(Analysis)
 def curve_summary(curve: Analysis, scales: Scales | None = None) -> dict[str, Any]:
     """Pull-off, errors, validity and warnings of an adhesive curve; ``scales``: of more columns."""
-    said = summary(curve) | {"sticking": effect_as_json(curve.sticking)}
+    said = summary(curve) | {"sticking": sticking(curve.sticking)}
     return said | ({} if scales is None else {"scales": {"name": scales.name} | quantities(scales, "P delta a")})
 
 

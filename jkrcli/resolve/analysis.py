@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from ..adhesion.curve import (
     LOAD_CONTROL,
     AdhesiveCurve,
     CriticalPoint,
-    Equilibrium,
     EquilibriumCurve,
     Nonadhesive,
     mask_below_atomic_spacing,
@@ -46,21 +45,13 @@ from ..base.process import PATIENCE
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI, show
 from ..bodies.problem import INCOMPRESSIBLE, Loading, Problem, relaxing
-from ..case.models import Case
+from ..case.models import Case, method_of
 from ..methods.integral.density import nonsmooth_part
 from ..methods.layered.solver import surface_profile
-from ..methods.protocol import METHODS, Forecast
+from ..methods.protocol import METHODS, Forecast, Method, method_class
 from ..series import ErrorBudget, Series, Solution, is_series
 from .node_radii import Compared, compared
-from .resolve import (
-    Comparison,
-    StickingEffect,
-    compare_half_space,
-    effect_of_range,
-    effect_on,
-    method_behind,
-    resolve_with,
-)
+from .resolve import Comparison, StickingEffect, compare_half_space, effect_of_range, effect_on, resolve_with
 
 if TYPE_CHECKING:
     from ..methods.integral.finite_range import AttractedSurface
@@ -277,7 +268,7 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
     refuse_wetting(w, modulus_factor * solution.problem.specimen.surface_tension)
     curve = AdhesiveCurve(body.scaled(modulus_factor), w)
     # the budget is that of the series with the slopes'; what interpolation adds between the rows is no part of it
-    budget = replace(solution.budget, smoothing=curve.slopes.error)
+    budget = replace(solution.budget, smoothing=body.slopes.error)
     return Analysis(solution.scaled(modulus_factor), curve, budget, modulus_factor)
 
 
@@ -289,10 +280,11 @@ def with_solved_points(result: Analysis, *devices: float) -> Analysis:
 
         assert isinstance(result.curve, FiniteRangeCurve)
         return replace(result, curve=result.curve.with_solved_points(*devices))
-    if result.w == 0 or result.curve.slopes.method != "exact":
+    curve = result.jkr
+    if curve.w == 0 or curve.nonadhesive.slopes.method != "exact":
         return result
     further = solver_of(result.solution)
-    return result if further is None else replace(result, curve=solved(result.jkr, further, *devices))
+    return result if further is None else replace(result, curve=solved(curve, further, *devices))
 
 
 def _of_finite_range(
@@ -481,6 +473,16 @@ SOLVED_EACH = 0.3  # of that of a solve, the cost of a curve's points; tuned on 
 SOLVED_DECADE = 15  # choice: a little closer than the 25 of four decades of "log", per decade of a - a0
 SOLVED_UNDER = 4  # theory: of which splines and seven points around the point need some
 SOLVED_RIM = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
+
+
+def method_behind(solution: Solution) -> Method | None:
+    """The method that made ``solution``, with the options of its case and the kernel that it has found."""
+    name, case = solution.method, solution.record.case
+    if name not in METHODS:
+        return None
+    method: Any = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
+    found: Method = method if solution.kernel is None else replace(method, known=solution)
+    return found
 
 
 def solver_of(solution: Solution) -> Further | None:
@@ -681,7 +683,7 @@ def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive],
     before = np.array([])
     for step in range(MOST_SOLVES):
         radii = np.unique(wanted(body))
-        if all(_is_solved_at(body, a) for a in radii):
+        if all(is_solved_at(body, a) for a in radii):
             break
         if step > 1:
             # Those radii of the step before that lie apart from the new radii: where steps go to and fro, the
@@ -700,14 +702,8 @@ def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive],
     return body
 
 
-def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:
-    """Whether the ``point`` was solved at its own radius, and is not one between rows."""
-    if not isinstance(curve, AdhesiveCurve):
-        return True  # of finite range: each solves itself
-    return _is_solved_at(curve.nonadhesive, point.a)
-
-
-def _is_solved_at(body: Nonadhesive, a: float) -> bool:
+def is_solved_at(body: Nonadhesive, a: float) -> bool:
+    """Whether ``body`` was solved at the radius ``a`` [m] itself."""
     further = body.further
     nearest = math.inf if further is None else float(np.min(np.abs(further.a - a)))
     return nearest <= SAME * (a - body.series.a0)

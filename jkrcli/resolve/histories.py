@@ -30,9 +30,9 @@ from ..formulas import adhesive_half_space
 from ..methods.layered.solver import Layered
 from ..methods.radii import ROOM
 from ..series import Solution
-from .analysis import Analysis, analyse, forecast, nonadhesive, refined, solver_of
+from .analysis import Analysis, analyse, forecast, method_behind, nonadhesive, refined, solver_of
 from .neglected import LEFT_OUT_ACCURACY
-from .resolve import method_behind, resolve_with
+from .resolve import resolve_with
 
 # Radii at which a half-space is looked at, and those of a body whose w is known.
 REACH_RADII = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body

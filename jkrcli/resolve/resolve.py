@@ -19,7 +19,6 @@ from ..base.process import PATIENCE, duration
 from ..base.units import show
 from ..bodies.indenters import Sphere
 from ..bodies.problem import Loading, Problem, without_side_walls
-from ..case.models import Case, method_of
 from ..formulas import adhesive_half_space, shift
 from ..methods.layered import contact as stack
 from ..methods.layered import no_slip, solver
@@ -44,7 +43,7 @@ def resolve_with(
     if radii is not None:
         otherwise["loading"] = Loading.given("radius", tuple(radii.tolist()))
     changed = replace(problem, **otherwise)
-    failed: JkrError = Refusal("no exact method represents these bodies")
+    failed: JkrError | None = None
     for each in exact_methods() if method is None else (method,):
         try:
             if reason := each.refusal(changed):
@@ -54,22 +53,12 @@ def resolve_with(
             return each(changed)
         except JkrError as error:
             failed = error
-    raise failed
+    raise failed or Refusal("no exact method represents these bodies")
 
 
 def exact_methods() -> list[Method]:
     """The methods that are exact and cost next to nothing, least effort first."""
     return [method_class(name)() for name, method in METHODS.items() if method.exact]
-
-
-def method_behind(solution: Solution) -> Method | None:
-    """The method that made ``solution``, with the options of its case and the kernel that it has found."""
-    name, case = solution.method, solution.record.case
-    if name not in METHODS:
-        return None
-    method: Any = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
-    found: Method = method if solution.kernel is None else replace(method, known=solution)
-    return found
 
 
 def own_solution(problem: Problem, a: Array) -> Series | None:
@@ -136,11 +125,6 @@ class StickingEffect:
         each = dict.fromkeys(value if alike else f"{value} (w = {show(w, 'work')})" for w, value in pulls.items())
         parts = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S at equal radius"]
         return ", ".join(parts + ([f"{' and '.join(each)} times the pull-off force"] if pulls else []))
-
-    def as_dict(self) -> dict[str, Any]:
-        """The radius [m] and the ratios [-] as they stand in JSON."""
-        pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in self.pull_off.items()]
-        return {"a_m": self.a, "load": self.load, "S": self.stiffness, "pull_off": pulls}
 
 
 def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) -> StickingEffect | Unknown:
@@ -230,11 +214,6 @@ def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Un
         if effect.largest <= STICKING_EFFECT_NOTICEABLE:
             return effect
     return sticking_effect(solution.problem, a, works)
-
-
-def effect_as_json(effect: StickingEffect | Unknown) -> Any:
-    """The effect as it stands in JSON, or why it is not known."""
-    return str(effect) if isinstance(effect, Unknown) else effect.as_dict()
 
 
 NO_FORMULA = Unknown("no formula for a half-space under this tip")

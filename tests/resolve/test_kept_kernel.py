@@ -18,8 +18,7 @@ from jkrcli.bodies.problem import Elastic, Graded, Layer, Linear, Loading, Probl
 from jkrcli.case import store
 from jkrcli.methods.hybrid import Hybrid, correction
 from jkrcli.methods.integral.fredholm import COLUMNS
-from jkrcli.resolve.analysis import analyse, profile_columns
-from jkrcli.resolve.resolve import method_behind
+from jkrcli.resolve.analysis import analyse, method_behind, profile_columns
 from jkrcli.series import Solution
 
 W = 0.04

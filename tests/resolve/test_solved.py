@@ -19,7 +19,8 @@ from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import Method
-from jkrcli.resolve.analysis import analyse, is_refined, nonadhesive, seconds_of_points
+from jkrcli.report.tables import is_refined
+from jkrcli.resolve.analysis import analyse, nonadhesive, seconds_of_points
 
 CASES = Path(__file__).parents[2] / "cases"
 

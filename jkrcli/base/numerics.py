@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -207,17 +208,24 @@ def pchip(x: Array, y: Array) -> PiecewiseCubic:
     return PiecewiseCubic(x, y, np.concatenate([[first], middle, [last]]))
 
 
-def cosine_transform(columns: Array) -> Array:
-    """The orthonormal cosine transform (DCT-II) of ``columns`` (n, ...) of real numbers, along the first axis."""
-    n = len(columns)
-    # even rows, then odd ones backwards: the transform is the real part of the turned Fourier transform (Makhoul, IEEE
-    # Trans. ASSP 28 (1980) 27), whose upper half is minus the imaginary part of the lower, in reverse
-    order = np.concatenate([np.arange(0, n, 2), np.arange(1, n, 2)[::-1]])
-    waves = (np.fft.rfft(columns[order], axis=0).T * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))).T
-    transform = np.concatenate([waves.real, -waves.imag[1 : n - n // 2][::-1]])
-    transform *= math.sqrt(2 / n)
-    transform[0] *= math.sqrt(0.5)
+def cosine_transform(rows: Array) -> Array:
+    """The orthonormal cosine transform (DCT-II) of real numbers, (..., n), along the last axis."""
+    n = rows.shape[-1]
+    # even places, then odd ones backwards: the transform is the real part of the turned Fourier transform (Makhoul,
+    # IEEE Trans. ASSP 28 (1980) 27), whose upper half is minus the imaginary part of the lower, in reverse
+    folded = np.concatenate([rows[..., ::2], rows[..., 1::2][..., ::-1]], axis=-1)
+    waves = np.fft.rfft(folded)
+    waves *= math.sqrt(2 / n) * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))
+    transform = np.concatenate([waves.real, -waves.imag[..., 1 : n - n // 2][..., ::-1]], axis=-1)
+    transform[..., 0] *= math.sqrt(0.5)
     return transform
+
+
+@lru_cache(maxsize=REMEMBERED)
+def fast_length(n: int) -> int:
+    """The least number from ``n`` on without a prime factor above 5, whose Fourier transform is fast."""
+    powers = [3**i * 5**j for i in range(n.bit_length()) for j in range(n.bit_length())]
+    return min(power << max(-(-n // power) - 1, 0).bit_length() for power in powers)
 
 
 def rising_slopes(x: Array, y: Array, slopes: Array) -> Array:

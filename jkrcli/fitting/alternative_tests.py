@@ -19,8 +19,9 @@ import numpy as np
 from ..base.distributions import f_tail
 from ..base.errors import JkrError, SolveError
 from ..base.lockstep import Flow, ask, quiet, together
-from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array, composite_gauss
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array, composite_gauss, cosine_transform, fast_length
 from ..bodies.problem import GEL_TENSION
+from ..data.curve import APPROACH
 from .alternatives import (
     ADHESION_ENDLESS,
     AMOUNT,
@@ -48,7 +49,6 @@ from .least_squares import (
     frequencies,
     in_time,
     t_quantile,
-    waves,
 )
 
 DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
@@ -288,9 +288,12 @@ def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array
     if possible is None or unit is None:
         return f_tail(1, np.array(dofs), taken)
     taken_at = record.model.rows[rows] - record.model.rows[rows].min()  # as white noise of those missing tells nothing
-    series = np.zeros((len(unit), int(taken_at.max()) + 1))
+    size = fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
+    if len(record.model.stretches) == 1 and record.model.stretches[0].kind == APPROACH:
+        taken_at += size - 1 - taken_at.max()
+    series = np.zeros((len(unit), size))
     series[:, taken_at] = unit[:, rows]
-    power = waves(series.T).T ** 2
+    power = cosine_transform(series) ** 2
     edges, f = _octaves(power.shape[1]), frequencies(power.shape[1])
     energy = np.add.reduceat(power, edges, axis=1)
     centre = np.add.reduceat(f * power, edges, axis=1) / np.maximum(energy, TINY)

@@ -1030,8 +1030,8 @@ def no_slip(record: FittedRecord) -> Perturbation | None:
     problem, sliding = record.body.problem, record.model.family
     if problem.sticks or problem.specimen.radius is not None:
         return None
-    stuck, u = record.body.on_surface("sticking").family, np.array([sliding.high])
-    if np.abs(np.log(stuck.at(u)[0] / sliding.at(u)[0])).max() < SAME:
+    stuck = record.body.on_surface("sticking").family
+    if np.abs(log_ratio(stuck, sliding)[:, -1]).max() < SAME:
         return None
     return body_perturbation(lambda family, amount: amount * log_ratio(stuck, family))
 

@@ -819,7 +819,7 @@ def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
 
 def waves(columns: Array) -> Array:
     """The orthonormal cosine transform of columns of rows."""
-    return cosine_transform(columns)
+    return cosine_transform(columns.T).T
 
 
 def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable
 
 import numpy as np
@@ -19,6 +20,7 @@ from jkrcli.base.numerics import (
     PiecewiseQuintic,
     cosine_transform,
     cubic_spline,
+    fast_length,
     pchip,
     spline_slopes,
     zeros_between,
@@ -65,10 +67,16 @@ def test_monotone_cubics_are_those_of_scipy(step: list[float], seed: int, shape:
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 4, 5, 64, 1979])
 def test_the_cosine_transform_is_that_of_scipy(rows: int) -> None:
-    columns = np.random.default_rng(rows).normal(size=(rows, 3))
-    expected = dct(columns, axis=0, norm="ortho")
-    assert cosine_transform(columns) == pytest.approx(expected, rel=1e-12, abs=1e-14)
-    assert cosine_transform(columns[:, 0]) == pytest.approx(expected[:, 0], rel=1e-12, abs=1e-14)
+    several = np.random.default_rng(rows).normal(size=(3, rows))
+    expected = dct(several, norm="ortho")
+    assert cosine_transform(several) == pytest.approx(expected, rel=1e-12, abs=1e-14)
+    assert cosine_transform(several[0]) == pytest.approx(expected[0], rel=1e-12, abs=1e-14)
+
+
+def test_fast_lengths_have_no_large_prime_factor() -> None:
+    numbers = sorted(2**i * 3**j * 5**k for i in range(13) for j in range(9) for k in range(6))
+    for n in range(1, 1000):
+        assert fast_length(n) == numbers[bisect_left(numbers, n)]
 
 
 def test_a_cubic_is_reproduced() -> None:

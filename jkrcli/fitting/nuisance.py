@@ -130,7 +130,7 @@ def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:
         if item.error is not None and item.free:
             total = math.hypot(*(change.get(item.name, 0.0) for change in nuisance.changes))
             law = abs(nuisance.laws.get(item.name, 0.0)) if item.dimension in ("modulus", "work") else 0.0
-            model = {**(item.model or {}), OTHER_LAW: law} if law else item.model
-            item = replace(wider(item, {"free rows": total}, t), systematic=item.systematic, model=model)
+            item = replace(wider(item, {"free rows": total}, t), systematic=item.systematic)
+            item = item.with_model(OTHER_LAW, law) if law else item
         estimates.append(item)
     return replace(fitted, estimates=tuple(estimates), held=nuisance.words)

@@ -8,7 +8,7 @@ import contextlib
 import itertools
 import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from statistics import NormalDist
 from typing import Literal
@@ -43,6 +43,10 @@ class FittedValue:
     high: float | None = None
     systematic: Mapping[str, float] | None = None
     model: Mapping[str, float] | None = None
+
+    def with_model(self, name: str, half_width: float) -> FittedValue:
+        """The same with one more part by models near this one."""
+        return replace(self, model={**(self.model or {}), name: half_width})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

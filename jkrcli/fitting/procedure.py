@@ -94,12 +94,12 @@ def confidence_of(
     """
     if not minimum.least.ended:
         settings = replace(settings, confidence="covariance", uncertain={})
-    objective, (inner, factor, dof) = minimum.objective, spread_of(minimum, settings)
+    objective, here, (inner, factor, dof) = minimum.objective, minimum.values, spread_of(minimum, settings)
     t, samples = t_quantile(settings.level, dof), None
     if settings.confidence == "bootstrap":
         change = partial(_redrawn, minimum.distances.residuals.shape)
         samples = bootstrap(minimum.least, change, SEARCH_CONVERGED_ROUGH, settings.samples, settings.seed, pool)
-    follow = _follows(objective, minimum.x)
+    follow = _follows(objective, here)
     dimensions = {name: dimension_of(name) if name in RANGES else "modulus" for name in follow}
     following = (Parameter(name, True, scale=LOG, quantity=kind, follows=True) for name, kind in dimensions.items())
     intervals = Intervals(
@@ -108,7 +108,6 @@ def confidence_of(
     )  # fmt: skip
     estimates = intervals.estimates()
     if isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor:
-        here = objective.values(minimum.x)
         estimates = tuple(_without_range(item, intervals, jkr.values, here) for item in estimates)
     changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
     estimates = tuple(wider(item, {name: by[item.name] for name, by in changes.items()}, t) for item in estimates)
@@ -118,9 +117,9 @@ def confidence_of(
 
 def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
     """What the unknowns of the search mean, on the scales of the quantities."""
-    objective, x = minimum.objective, minimum.objective.at(minimum.x, y)
-    own = {p.name: float(v) for p, v in zip(objective.parameters, x, strict=True)}
-    return own | {name: math.log(value) if value > 0 else -math.inf for name, value in _follows(objective, x).items()}
+    x = minimum.objective.at(minimum.x, y)
+    follow = _follows(minimum.objective, minimum.objective.values(x))
+    return x | {name: math.log(value) if value > 0 else -math.inf for name, value in follow.items()}
 
 
 def _without_range(
@@ -158,9 +157,8 @@ def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float
     return inner, factor, dof
 
 
-def _follows(objective: Objective, x: Array) -> dict[str, float]:
+def _follows(objective: Objective, values: Mapping[str, float]) -> dict[str, float]:
     """E* [Pa] and the moduli E of all layers [Pa] that are no parameters themselves, and tension [Pa] or range [m]."""
-    values = objective.values(x)
     problem = changed(objective.body.problem, {name: value for name, value in values.items() if ":" in name})
     following = replace(objective.body, problem=problem).moduli(values.get("modulus", 1.0))
     if objective.ranged:
@@ -189,7 +187,7 @@ def jkr_comparison(minimum: Minimum, body: FittedBody, points: Points, settings:
         return Unknown(str(error))
     if not jkr.least.ended:
         return Unknown(f"the fit did not converge in {SEARCH_EVALUATIONS} steps")
-    values = objective.values(jkr.x)
+    values = jkr.values
     rms, with_range = (math.sqrt(float(np.mean(item.distances.residuals**2))) for item in (jkr, minimum))
     E_star = values["modulus"] * body.problem.E_star
     return JKRBeside(E_star, values["w"], rms, with_range, jkr.cost - minimum.cost, values)
@@ -202,10 +200,10 @@ def _changes(minimum: Minimum, settings: Settings, name: str, sigma: float) -> d
 
     def outcome(value: float) -> dict[str, float]:
         moved = replace(objective, body=objective.body.with_values({name: value}))
-        again = minimise(moved, minimum.x, settings.loss, minimum.width)
-        return again.objective.values(again.x) | _follows(again.objective, again.x)
+        again = minimise(moved, minimum.x, settings.loss, minimum.width).values
+        return again | _follows(moved, again)
 
-    here = objective.values(minimum.x) | _follows(objective, minimum.x)
+    here = minimum.values | _follows(objective, minimum.values)
     return changes_by(name, objective.body.nominal(name), sigma, here, outcome)
 
 
@@ -345,9 +343,14 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
     missing = [] if RADIUS in fitted.settings.uncertain or body.problem.indenter.tip_radius is None else ["radius"]
     if missing and not body.problem.layers:
         missing = ["tip radius (E* ~ R^-1/2, w ~ 1/R)"]
-    ratio = None if stiffness is None or math.isinf(stiffness) else _stiffness_of_contact(fitted) / stiffness
-    if ratio is not None and math.isinf(ratio):  # the fitted line holds no two depths in contact
-        ratio = None
+    ratio = None
+    if stiffness is not None and not math.isinf(stiffness):
+        # dP/d delta of the fitted curve over the deepest part of its contact, if that holds two depths
+        P, delta = fitted.line["P"], fitted.line["delta"]
+        top = (fitted.line["a"] > 0) & (P > P.max() - STIFFNESS_PART * np.ptp(P))
+        if (way := float(np.ptp(delta[top]))) > 0:
+            slope = np.polyfit((delta[top] - delta[top].mean()) / way, P[top], 1)[0]
+            ratio = abs(float(slope)) / way / stiffness
     if ratio is not None:
         of_error = f" (1 % changes E* by {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} %)"
         missing += [
@@ -375,14 +378,6 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
     )
 
 
-def _stiffness_of_contact(fitted: Fit) -> float:
-    """dP/d delta [N/m] of the fitted curve over the deepest part of its contact."""
-    P, delta = fitted.line["P"], fitted.line["delta"]
-    top = (fitted.line["a"] > 0) & (P > P.max() - STIFFNESS_PART * np.ptp(P))
-    way = float(np.ptp(delta[top]))
-    return abs(float(np.polyfit((delta[top] - delta[top].mean()) / way, P[top], 1)[0])) / way if way > 0 else math.inf
-
-
 def with_shape(fitted: Fit, body: FittedBody) -> Fit:
     """The fit with what the shape of a tip that is no body of revolution leaves open, as a part of the model.
 
@@ -397,7 +392,7 @@ def with_shape(fitted: Fit, body: FittedBody) -> Fit:
     power = abs(float(largest * parts.dS / parts.S) - 1) if body.problem.layers else 0.0
     left = {"modulus": power * abs(1 - math.sqrt(share)), "work": 1 / share - 1}
     estimates = tuple(
-        replace(item, model={**(item.model or {}), OF_SHAPE: left[item.dimension] * item.value})
+        item.with_model(OF_SHAPE, left[item.dimension] * item.value)
         if item.error is not None and left.get(item.dimension) and item.value else item
         for item in fitted.estimates
     )  # fmt: skip
@@ -420,11 +415,8 @@ def with_strains(fitted: Fit, body: FittedBody) -> Fit:
     interval = (found.high or found.value) - (found.low or found.value)
     if found.error is None or moved <= NOTICED * interval:
         return fitted
-    estimates = tuple(
-        replace(item, model={**(item.model or {}), OF_STRAINS: moved}) if item is found else item
-        for item in fitted.estimates
-    )
-    return replace(fitted, estimates=estimates)
+    moving = (item.with_model(OF_STRAINS, moved) if item is found else item for item in fitted.estimates)
+    return replace(fitted, estimates=tuple(moving))
 
 
 def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Settings) -> Fit:
@@ -561,7 +553,7 @@ def _apart(minimum: Minimum, scatter: float) -> bool:
     if "modulus" not in names:
         return False
     assert objective.points.edges is not None
-    jacobian, back = distances.jacobian(objective.free), objective.points.edges != ADVANCING
+    jacobian, back = distances.jacobian(names), objective.points.edges != ADVANCING
     own = jacobian[:, names.index("modulus")] * np.tile(back, distances.residuals.shape[0])
     matrix = np.column_stack([jacobian, own])
     spread = covariance(matrix, scatter**2)
@@ -574,7 +566,7 @@ def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[Fitt
     edges = minimum.objective.points.edges
     if edges is None or RECEDING in edges:
         return estimates
-    modulus, part = minimum.objective.values(minimum.x)["modulus"], minimum.distances.at(RESTING)
+    modulus, part = minimum.values["modulus"], minimum.distances.at(RESTING)
     member = part.readings.member
     assert isinstance(member, RestingMember)
     least = modulus * (member.unit * float(part.u.max())) ** 2
@@ -723,7 +715,7 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     body, ways = _ways(body, values, both, largest, int(np.count_nonzero(fit.a > 0)))
     values["a_turn"] = float(np.exp(ways[ADVANCING if both else RECEDING].max()))
     names, values = [*WANTED, *own, *["w_approach", "a_turn"] * both], {"compliance": 0.0} | values
-    parts = [(Readings(body.family, names, values, columns, np.ones(len(columns)), None, edge), u)
+    parts = [(Readings(body.family, values, columns, np.ones(len(columns)), None, edge), u)
              for edge, u in ways.items()]  # fmt: skip
     # Standard deviations of the readings [SI]; of positions without scatter next to none
     noise = {name: scale * fit.scatter for name, scale in fit.scales.items()}
@@ -738,7 +730,7 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
         feet.append(
             FootPoints(part, np.arange(u.size), u, np.zeros((1, u.size)), first / np.linalg.norm(first, axis=0))
         )
-    J = np.concatenate([Distances((part,)).jacobian(np.arange(len(names))) for part in feet])
+    J = np.concatenate([Distances((part,)).jacobian(names) for part in feet])
     J[:, 0] /= values["modulus"]  # from its log
     size = np.linalg.norm(J, axis=0)
     whole = (J / size).T @ (J / size)
@@ -752,18 +744,21 @@ def _ways(
 ) -> tuple[FittedBody, dict[int, Array]]:
     """The body solved as far as it is pressed, and the places of rows even in displacement, for each thing that the
     edge does: in to the largest load and out to the pull-off under load, or out alone."""
-    s, w = values["modulus"], values["w"]
-    body, into = _branch(body, s, values["w_approach"] if both else w, largest)
+    s, works = values["modulus"], [values[name] for name in ["w_approach"] * both + ["w"]]
+    body, into = _branch(body, s, works[0], largest)
     if not both:
-        return body, {RECEDING: _even(body, s, w, into, rows)}
+        return body, {RECEDING: _even(body, s, works[0], into, rows)}
     turn, (D, T, _, _) = into[1], body.family.at(into[1:])[0][:, 0]
-    unit, ends = float(D / T), [math.sqrt(values[name] / s) for name in ("w_approach", "w")]
-    out = (_branch(body, s, w, largest)[1][0], turn)
-    spans = [float(T) * abs(ends[1] - ends[0]), float(np.ptp(_delta(body, s, w, np.array(out))))]
+    unit, ends = float(D / T), [math.sqrt(w / s) for w in works]
+    out = np.array([_branch(body, s, works[1], largest)[1][0], turn])
+    delta = body.family.member({"modulus": s, "w": works[1]}).along(out)[0][1]
+    spans = [float(T) * abs(ends[1] - ends[0]), float(np.ptp(delta))]
     still = max(round(rows / 2 * spans[0] / sum(spans)), 2)
-    ways = {ADVANCING: _even(body, s, values["w_approach"], into, rows // 2)}
-    ways[RESTING] = np.linspace(ends[0], ends[1], still) / unit
-    return body, ways | {RECEDING: _even(body, s, w, out, max(rows // 2 - still, 2))}
+    return body, {
+        ADVANCING: _even(body, s, works[0], into, rows // 2),
+        RESTING: np.linspace(ends[0], ends[1], still) / unit,
+        RECEDING: _even(body, s, works[1], out, max(rows // 2 - still, 2)),
+    }
 
 
 def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[FittedBody, Array]:
@@ -781,12 +776,8 @@ def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[Fitte
     return body, np.array([u[low], end])
 
 
-def _delta(body: FittedBody, s: float, w: float, u: Array) -> Array:
-    return body.family.member({"modulus": s, "w": w}).along(u)[0][1]
-
-
-def _even(body: FittedBody, s: float, w: float, ends: Sequence[float] | Array, rows: int) -> Array:
+def _even(body: FittedBody, s: float, w: float, ends: Array, rows: int) -> Array:
     """Logs of contact radii of so many rows, even in displacement."""
     u = np.linspace(ends[0], ends[1], LOOKED_AT)
-    delta = _delta(body, s, w, u)
+    delta = body.family.member({"modulus": s, "w": w}).along(u)[0][1]
     return np.interp(np.linspace(delta[0], delta[-1], rows), delta, u)

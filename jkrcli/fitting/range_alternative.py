@@ -23,7 +23,7 @@ from ..methods.layered.spectrum import spectrum_seconds
 from .forward_model import Drift
 from .least_squares import chi2_increase, influence, t_quantile
 from .parameters import FittedValue, Parameter
-from .rows import SEARCH_HALVINGS, SEARCH_REACH, Minimum, Objective
+from .rows import SEARCH_HALVINGS, SEARCH_REACH, Minimum
 from .settings import Loss, Settings
 
 # Which ranges are tried, and when one is significant.
@@ -77,7 +77,7 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     """
     body = minimum.objective.body
     problem = body.problem
-    own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
+    own, values = any(p.of_body for p in minimum.objective.parameters), minimum.values
     if own or problem.specimen.radius is not None or spectrum_seconds(problem) > RANGE_SLOW:
         return None
     if min(_works(values)) < NOTICEABLE * values["modulus"] * body.family.natural_work:
@@ -146,40 +146,33 @@ def _between(rungs: Sequence[_Rung], limit: float) -> float | None:
 
 def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: Loss) -> _Rung:
     """The parameters with a range of ``length`` [m], by Gauss-Newton steps from JKR's minimum."""
-    plain = minimum.objective
+    plain, names = minimum.objective, minimum.objective.unknowns.names
     ranged = (*plain.parameters, Parameter("range", False, length))
-    objective = replace(plain, body=plain.body.coarse, parameters=ranged)
-    free, before = plain.free, minimum.distances.residuals.ravel()
-    jacobian, z = minimum.distances.jacobian(free), before / minimum.width
+    objective, before = replace(plain, body=plain.body.coarse, parameters=ranged), minimum.distances.residuals.ravel()
+    jacobian, z = minimum.distances.jacobian(names), before / minimum.width
     weights = np.divide(influence(z, loss)[0], z, out=np.ones_like(z), where=z != 0)  # 1 in least squares
-    least, x = float(np.sum(weights * before**2)), minimum.x.copy()
+    least, x = float(np.sum(weights * before**2)), dict(minimum.x)
+    logs = [parameter.name for parameter in plain.parameters if parameter.kind == "log"]
     for _ in range(MOST_SOLVES):
-        if min(works := _works(plain.values(x))) <= 0:
+        values = plain.values(x)
+        if min(works := _works(values)) <= 0:
             raise SolveError(f"a range of {show(length, 'length')} leaves no work of adhesion")
-        x = _rounded(plain, x)
-        there = objective.distances(np.append(x, math.log(length)), rated=False).residuals.ravel()
+        for name in [name for name in WORKS if name in names]:  # at a rounded ratio to the moduli
+            ratio = round(math.log(values[name] / values["modulus"]) / RANGE_ROUNDED)
+            values[name] = values["modulus"] * math.exp(RANGE_ROUNDED * ratio)
+            x[name] = plain.scaled(values)[name]
+        there = objective.distances({**x, "range": math.log(length)}, rated=False).residuals.ravel()
         step = np.linalg.lstsq(jacobian, there - before, rcond=None)[0]
-        x[free] -= step
-        logs = [i for i, parameter in enumerate(plain.parameters) if parameter.kind == "log"]
-        if not (np.isfinite(x).all() and (np.abs(x - minimum.x)[logs] <= SEARCH_REACH).all()):
+        x |= {name: x[name] - change for name, change in zip(names, step.tolist(), strict=True)}
+        far = any(abs(x[name] - minimum.x[name]) > SEARCH_REACH for name in logs)
+        if far or not all(map(math.isfinite, x.values())):
             raise SolveError(f"a step with a range of {show(length, 'length')} led nowhere")
         excess = (float(np.sum(weights * (there - jacobian @ step) ** 2)) - least) / variance
         moved = abs(_works(plain.values(x))[0] / works[0] - 1)
         if not (math.isfinite(excess) and excess < RANGE_HOPELESS * limit) or moved < RANGE_SHORT:
             break
-    here, there_values = plain.values(minimum.x), plain.values(x)
-    moves = {name: there_values[name] - value for name, value in here.items()}
+    moves = {name: value - minimum.values[name] for name, value in plain.values(x).items()}
     return _Rung(length, excess if math.isfinite(excess) else math.inf, moves)
-
-
-def _rounded(objective: Objective, x: Array) -> Array:
-    """The unknowns with w at a rounded ratio to the moduli, where it is free."""
-    values, near = objective.values(x), x.copy()
-    for i, parameter in enumerate(objective.parameters):
-        if parameter.free and parameter.name in WORKS:
-            ratio = round(math.log(values[parameter.name] / values["modulus"]) / RANGE_ROUNDED)
-            near[i] = parameter.inner(values["modulus"] * math.exp(RANGE_ROUNDED * ratio))
-    return near
 
 
 def _works(values: Mapping[str, float]) -> list[float]:
@@ -201,7 +194,7 @@ def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRiva
         most = math.sqrt(last.length**2 + part * (beyond.length**2 - last.length**2))
         ends = {key: abs(move + part * (beyond.moves[key] - move)) for key, move in last.moves.items()}
         moves = {key: max(move, ends[key]) for key, move in moves.items()}
-    n = minimum.distances.residuals.size - minimum.objective.free.size
+    n = minimum.distances.residuals.size - minimum.least.x.size
     return RangeRival(best.length, most, moves, float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0))))
 
 
@@ -313,14 +306,13 @@ def missed_pull_off(a: Array, line: Mapping[str, Array]) -> tuple[float, float] 
 def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> Rivals:
     """The rivals of a ``minimum``; ``variance`` of the residuals and its degrees of freedom. None of few points, and of
     parameters that are 0."""
-    objective, residuals = minimum.objective, minimum.distances.residuals.ravel()
-    values = objective.values(minimum.x)
+    residuals, values = minimum.distances.residuals.ravel(), minimum.values
     wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
     if dof < ALTERNATIVE_FEWEST or not wanted or not variance > 0:
         return Rivals((), 1.0)
     t, both = t_quantile(settings.level, dof), dof * chi2_increase(settings.level, dof, 2)  # w and the range together
     ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
-    jacobian = minimum.distances.jacobian(objective.free)
+    jacobian = minimum.distances.jacobian(minimum.objective.unknowns.names)
     directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
     alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
     rivals, close = [], ALTERNATIVE_CLOSE * math.sqrt(variance)
@@ -342,9 +334,8 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
 def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:
     """How far the values of the free parameters move, at most, where ``name`` changes along the record by any of
     ``changes``; ``close``: as in ``_followed``."""
-    objective, before = minimum.objective, minimum.objective.values(minimum.x)
-    moves = dict.fromkeys(objective.unknowns.names, 0.0)
-    a = minimum.distances.a
+    before, a = minimum.values, minimum.distances.a
+    moves = dict.fromkeys(minimum.objective.unknowns.names, 0.0)
     for change in changes:
         drift = Drift(
             name, float(np.clip(change, *ALTERNATIVE_CHANGES)), RIVALS[name][1], float(a.min()), float(a.max())
@@ -357,25 +348,22 @@ def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: floa
 def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     """The values of the parameters with a ``drift`` that leave the residuals as they are, as nearly as possible: what
     noise and outliers there are stays. Gauss-Newton, until a step changes the residuals by less than ``close``."""
-    objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
-    free, target = objective.free, minimum.distances.residuals.ravel()
-    logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
-    low, high = x - np.where(logs, SEARCH_REACH, np.inf), x + np.where(logs, SEARCH_REACH, np.inf)
-    before = x
+    objective, free = replace(minimum.objective, drift=drift), minimum.objective.unknowns.free
+    names, target = [parameter.name for parameter in free], minimum.distances.residuals.ravel()
+    reach = np.array([SEARCH_REACH if parameter.kind == "log" else math.inf for parameter in free])
+    x = before = start = np.array([minimum.x[name] for name in names])
     for _ in range(MOST_SOLVES):
         try:
-            there = objective.distances(x)
-            jacobian = there.jacobian(free)
+            there = objective.distances({**minimum.x, **dict(zip(names, x.tolist(), strict=True))})
+            jacobian = there.jacobian(names)
         except SolveError:  # a step to where no body can be solved
             x = (x + before) / 2
             continue
-        before = x.copy()
-        step = np.linalg.lstsq(jacobian, there.residuals.ravel() - target, rcond=None)[0]
-        x[free] -= step
-        x = np.clip(x, low, high)
+        before, step = x, np.linalg.lstsq(jacobian, there.residuals.ravel() - target, rcond=None)[0]
+        x = np.clip(x - step, start - reach, start + reach)
         if np.linalg.norm(jacobian @ step) < close:
             break
-    values = objective.values(x)
+    values = objective.values({**minimum.x, **dict(zip(names, x.tolist(), strict=True))})
     radii = np.array([there.a.min(), there.a.max()])  # the model's own, not those of before
     values[drift.name] *= float(drift.factor(radii) @ (1 - drift.centre, drift.centre))
     return values
@@ -383,9 +371,9 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
 
 def _direction(minimum: Minimum, name: str) -> Array:
     """Derivative of the residuals by the relative change of the parameter ``name`` along the record, (k n,)."""
-    index = [parameter.name for parameter in minimum.objective.parameters].index(name)
-    parameter, x = minimum.objective.parameters[index], float(minimum.x[index])
-    by_log = minimum.distances.jacobian(np.array([index]))[:, 0] * parameter.outer(x) / parameter.derivative(x)
+    parameter = next(one for one in minimum.objective.parameters if one.name == name)
+    x = minimum.x[name]
+    by_log = minimum.distances.jacobian([name])[:, 0] * parameter.outer(x) / parameter.derivative(x)
     a = minimum.distances.a
     place = (a - a.min()) / max(float(np.ptp(a)), TINY) - RIVALS[parameter.name][1]
     return by_log * np.tile(place, by_log.size // place.size)

@@ -286,7 +286,13 @@ def law_along_records(
     ends = np.quantile(v, (0.05, 0.95))
     inner = covariance((log_rates(law, w0, v) / sigma).T, factor)
     if v_err is not None:
-        inner = larger(inner, _of_blocks(name, logs, v, w, sigma, best.x))
+        # By leaving out blocks of neighbouring points in turn: what smoothing has done to the speeds of neighbours is
+        # no noise that averages out (delete-block jackknife, Kuensch, Ann. Statist. 17 (1989) 1217)
+        every = np.arange(v.size)
+        rest = [np.setdiff1d(every, block) for block in np.array_split(every, WHOLE_BLOCKS)]
+        estimates = np.array([_nearest(name, logs, v[rows], w[rows], sigma[rows], best.x).x for rows in rest])
+        apart = estimates - estimates.mean(axis=0)
+        inner = larger(inner, (WHOLE_BLOCKS - 1) / WHOLE_BLOCKS * apart.T @ apart)
     return LawAlongRecords(law, w0, logs.names, inner, (float(ends[0]), float(ends[1])), dof)
 
 
@@ -299,17 +305,6 @@ def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -
     surest = known <= np.median(known)
     sigma = np.hypot(known, robust_scale(residuals[surest]))
     return np.ones_like(v) if not (middle := float(np.median(sigma))) > 0 else np.maximum(sigma / middle, WHOLE_EVEN)
-
-
-def _of_blocks(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, x: Array) -> Array:
-    """Covariance of the logs of (w0, parameters) by leaving out blocks of neighbouring points in turn: what smoothing
-    has done to the speeds of neighbours is no noise that averages out (delete-block jackknife, Kuensch, Ann. Statist.
-    17 (1989) 1217)."""
-    blocks = np.array_split(np.arange(v.size), WHOLE_BLOCKS)
-    rest = [np.setdiff1d(np.arange(v.size), block) for block in blocks]
-    estimates = np.array([_nearest(name, logs, v[rows], w[rows], sigma[rows], x).x for rows in rest])
-    apart = estimates - estimates.mean(axis=0)
-    return (WHOLE_BLOCKS - 1) / WHOLE_BLOCKS * apart.T @ apart
 
 
 def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
@@ -421,7 +416,10 @@ def _moving(
     v, growth, forcing = _linearised(edge, piece, law, w0, tilt, times, a)
     per_s = piece.unit / np.hypot(1.0, v * piece.unit / a)  # dt/ds
     along = _linear(s, growth * per_s, forcing * per_s, y)
-    at = _located(s, PiecewiseCubic(s, times, per_s), t)
+    clock = PiecewiseCubic(s, times, per_s)  # the s, among the nodes, of the times t
+    t = np.clip(t, *clock(s[[0, -1]]))
+    after = np.clip(np.searchsorted(clock(s), t), 1, s.size - 1)
+    at = zeros_between(lambda at: clock(at) - t, s[after - 1], s[after], 0.0)
     u_rows = PiecewiseCubic(s, u, -v / a * per_s)(at)
     rates = np.stack([np.interp(at, s, row) for row in along])
     return u_rows, rates, along[:, -1], np.interp(at, s, v)
@@ -463,13 +461,6 @@ def _linear(s: Array, growth: Array, forcing: Array, y: Array) -> Array:
     for i, (factor, term) in enumerate(zip(gain.tolist(), added, strict=True)):
         y = solution[i + 1] = factor * y + term
     return np.clip(np.nan_to_num(solution.T), -LARGEST_SI, LARGEST_SI)  # a path far from any record runs away
-
-
-def _located(s: Array, times: PiecewiseCubic, t: Array) -> Array:
-    """The s, among the nodes ``s``, of the times ``t``."""
-    t = np.clip(t, *times(s[[0, -1]]))
-    after = np.clip(np.searchsorted(times(s), t), 1, s.size - 1)
-    return zeros_between(lambda at: times(at) - t, s[after - 1], s[after], 0.0)
 
 
 def _readings(edge: Edge, u: Array, rates: Array, x: Array, tilts: Array, speed: Array) -> Prediction:

@@ -866,8 +866,8 @@ class _Problem:
         estimates = []
         for item in fit.estimates:
             unit = item.value if item.name == ALIAS or item.name in logs else self.unknowns.units.get(item.name, 1.0)
-            part = {"range": parts[item.name] * unit} if parts.get(item.name) else None
-            estimates.append(replace(item, model=part))
+            moved = parts.get(item.name)
+            estimates.append(item.with_model("range", moved * unit) if moved else item)
         warning = (
             f"the cohesive stress is not known, {show(stress, 'modulus')} is taken: half or twice of it changes w by "
             f"{parts.get('w', 0.0):.0%}; give --fix stress or range, or --free stress"

@@ -250,21 +250,14 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
         jump = (beyond & risen & ~standing).sum() < ROWS_SEVERAL
         return ~(beyond & (risen if jump else standing))
     quiet = np.abs(P - level) <= ROWS_NOISE * noise
-    # a base line is half of a direction or more, or stands longer than any curve that begins there
-    line = quiet.sum() > FEWEST_ROWS // 2 or _stands(delta, quiet, ROWS_NOISE * noise / max(float(np.ptp(P)), TINY))
-    return touching & ((delta > delta[quiet].max()) if line else True)
 
-
-def _stands(delta: Array, quiet: Array, near: float) -> bool:
-    """Whether the rows at the smallest displacements ``delta`` [m] that are ``quiet``, within the part ``near`` of the
-    load's range, are several and reach farther than a load that grows with the third power of the depth, as on a thin
-    layer, stays so near."""
-    order = np.argsort(delta, kind="stable")
+    # A base line is half of a direction or more, or several rows at the smallest displacements that reach farther than
+    # a load that grows with the third power of the depth, as on a thin layer, stays so near
+    order, near = np.argsort(delta, kind="stable"), ROWS_NOISE * noise / max(float(np.ptp(P)), TINY)
     count = int(np.argmin(np.append(quiet[order], False)))
-    if count < ROWS_SEVERAL:
-        return False
     reach = float(delta[order[count - 1]] - delta[order[0]])
-    return reach > ROWS_LONGER * near ** (1 / 3) * float(np.ptp(delta))
+    stands = count >= ROWS_SEVERAL and reach > ROWS_LONGER * near ** (1 / 3) * float(np.ptp(delta))
+    return touching & ((delta > delta[quiet].max()) if quiet.sum() > FEWEST_ROWS // 2 or stands else True)
 
 
 def _level(values: Mapping[str, Array]) -> float:
@@ -326,14 +319,13 @@ FOOT_POINT_CLOSE = 1e-6  # theory: errors of the distance are its square
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """The readings at the ``values`` of the parameters, SI, whose ``names`` are in the optimiser's order.
+    """The readings at the ``values`` of the parameters, SI.
 
     ``columns``: those of a, delta, P that are measured; each is divided by its scale in ``scales`` [m, m, N].
     ``drift``: of w or of the moduli along the record; ``edge``: what it does, as ``edges`` numbers it.
     """
 
     members: Members
-    names: Sequence[str]
     values: Mapping[str, float]
     columns: tuple[str, ...]
     scales: Array
@@ -359,8 +351,8 @@ class Readings:
         zeros = self.values["delta0"], self.values["P0"]
         return self._read(value, *zeros), self._read(first), self._read(second)
 
-    def by_parameters(self, u: Array) -> Array:
-        """Derivatives of the scaled readings by the optimiser's unknowns, shape (parameters, columns, n)."""
+    def by_parameters(self, u: Array, names: Sequence[str]) -> Array:
+        """Derivatives of the scaled readings by parameters on their scales, shape (names, columns, n)."""
         one, zero = np.ones_like(u), np.zeros_like(u)
         rates = {name: self._read(by) for name, by in self.member.rates(u).items()}
         if self.edge == ADVANCING:
@@ -371,7 +363,7 @@ class Readings:
             "compliance": self._scaled(zero, self.member.along(u)[0][2], zero),
         }
         none = self._scaled(zero, zero, zero)
-        return np.stack([rates.get(name, none) for name in self.names])
+        return np.stack([rates.get(name, none) for name in names])
 
     def _read(self, states: Array, delta0: float = 0.0, P0: float = 0.0) -> Array:
         a, delta, P = states
@@ -417,9 +409,9 @@ class FootPoints:
         values = dict(zip(readings.columns, readings.along(u)[0] * readings.scales[:, None], strict=True))
         return {"a": readings.radii(u)} | values
 
-    def rates(self, chosen: Array) -> Array:
-        """Derivatives of the residuals by the ``chosen`` unknowns, shape (chosen, k, n)."""
-        rates = self.readings.by_parameters(self.u)[chosen]
+    def rates(self, names: Sequence[str]) -> Array:
+        """Derivatives of the residuals by parameters on their scales, shape (names, k, n)."""
+        rates = self.readings.by_parameters(self.u, names)
         if len(self.readings.columns) == 2:
             return -np.einsum("cn,pcn->pn", _normal(self.tangent), rates)[:, None]
         along = np.einsum("cn,pcn->pn", self.tangent, rates)
@@ -462,9 +454,9 @@ class Distances:
         ways = (np.argsort(part.u)[:: -1 if part.readings.edge == RECEDING else 1] for part in self.parts)
         return np.concatenate([part.places[way] for part, way in zip(self.parts, ways, strict=True)])
 
-    def jacobian(self, chosen: Array) -> Array:
-        """Derivatives of all residuals by the ``chosen`` unknowns, shape (k n, chosen)."""
-        return self._together([part.rates(chosen) for part in self.parts]).reshape(len(chosen), -1).T
+    def jacobian(self, names: Sequence[str]) -> Array:
+        """Derivatives of all residuals by parameters on their scales, shape (k n, names)."""
+        return self._together([part.rates(names) for part in self.parts]).reshape(len(names), -1).T
 
     def line(self) -> dict[str, Array]:
         """The curve of the readings in one stroke, by column, and its contact radii "a", SI."""
@@ -511,8 +503,15 @@ def arc(readings: Readings, least: float | None = None) -> Array:
 
 # ---------------------------------------------------------------------- what is minimised
 @dataclass(frozen=True, eq=False)
+class ScaledDistances(State):
+    """The ``distances`` at some unknowns as the search takes them."""
+
+    distances: Distances
+
+
+@dataclass(frozen=True, eq=False)
 class Objective:
-    """Scaled distances of ``points`` as a function of the free unknowns; the others keep their values."""
+    """Scaled distances of ``points`` as a function of the ``parameters``, of which some are free."""
 
     body: FittedBody
     parameters: tuple[Parameter, ...]
@@ -521,39 +520,46 @@ class Objective:
     drift: Drift | None = None
 
     @property
-    def free(self) -> Array:
-        """Indices of the free parameters."""
-        return np.flatnonzero([parameter.free for parameter in self.parameters])
-
-    @property
     def ranged(self) -> bool:
         """Whether adhesion has a range."""
         return any(parameter.name in RANGES for parameter in self.parameters)
 
-    def holding(self, *names: str) -> Objective:
-        """The same objective with these parameters fixed at their values in the unknowns."""
-        parameters = (replace(p, free=False, value=p.value or 1.0) if p.name in names else p for p in self.parameters)
-        return replace(self, parameters=tuple(parameters))
+    def holding(self, x: Mapping[str, float], *names: str) -> Objective:
+        """The same objective with the parameters of these ``names`` fixed where they are in ``x``."""
+        held = (replace(p, free=False, value=p.outer(x[p.name])) if p.name in names else p for p in self.parameters)
+        return replace(self, parameters=tuple(held))
 
-    def values(self, x: Array) -> dict[str, float]:
-        """All parameters by name at the unknowns ``x``, SI."""
-        return {p.name: p.outer(float(v)) for p, v in zip(self.parameters, x, strict=True)}
+    def scaled(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The ``values`` of the parameters, SI, on their scales."""
+        return {p.name: p.inner(values[p.name]) for p in self.parameters}
 
-    def at(self, x: Array, y: Array) -> Array:
-        """All unknowns ``x`` with the free ones as the search takes them, ``y``."""
-        x = x.copy()
-        x[self.free] = y * self.unknowns.scales
-        return x
+    def values(self, x: Mapping[str, float]) -> dict[str, float]:
+        """The parameters ``x`` on their scales as values, SI."""
+        return {p.name: p.outer(x[p.name]) for p in self.parameters}
 
-    def readings(self, x: Array, rated: bool = True) -> Readings:
-        """The readings at all unknowns ``x``; where layers vary the body is solved anew, without their derivatives
-        where not ``rated``."""
-        values, varied = self.values(x), [p.name for p in self.parameters if p.of_body and p.free]
-        own = {name: value for name, value in values.items() if ":" in name}
+    def at(self, begin: Mapping[str, float], y: Array) -> dict[str, float]:
+        """All parameters on their scales: the unknowns ``y`` of the search, the others as in ``begin``."""
+        return {**begin, **dict(zip(self.unknowns.names, (y * self.unknowns.scales).tolist(), strict=True))}
+
+    def state(self, begin: Mapping[str, float], y: Array) -> ScaledDistances:
+        """The residuals there."""
+        distances = self.distances(self.at(begin, y))
+        return ScaledDistances(distances.residuals.ravel(), partial(self.rates, distances), distances)
+
+    def rates(self, distances: Distances) -> Array:
+        """Derivatives of the residuals by the unknowns of the search."""
+        return distances.jacobian(self.unknowns.names) * self.unknowns.scales
+
+    def readings(self, x: Mapping[str, float], rated: bool = True) -> Readings:
+        """The readings at the parameters ``x`` on their scales; where layers vary the body is solved anew, without
+        their derivatives where not ``rated``."""
+        values = self.values(x)
+        own = {p.name: values[p.name] for p in self.parameters if p.of_body}
+        varied = [p.name for p in self.parameters if p.of_body and p.free]
         body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
-        return Readings(body.members(self.ranged), tuple(values), values, self.points.columns, self.scales, self.drift)
+        return Readings(body.members(self.ranged), values, self.points.columns, self.scales, self.drift)
 
-    def distances(self, x: Array, rated: bool = True) -> Distances:
+    def distances(self, x: Mapping[str, float], rated: bool = True) -> Distances:
         """The distances of the points from the ``readings``."""
         readings, edges = self.readings(x, rated), self.points.edges
         edges = np.full(len(self.points), RECEDING) if edges is None else edges
@@ -623,29 +629,18 @@ SEARCH_LEAST_USED = 0.5  # choice: part of the series below which it is solved a
 
 # ---------------------------------------------------------------------- least squares
 @dataclass(frozen=True, eq=False)
-class ScaledDistances(State):
-    """The ``distances`` at some unknowns as the search takes them."""
-
-    distances: Distances
-
-
-def _scaled(objective: Objective, begin: Array, y: Array) -> ScaledDistances:
-    """The distances at the free unknowns ``y``, the others as in ``begin``."""
-    distances = objective.distances(objective.at(begin, y))
-    return ScaledDistances(distances.residuals.ravel(), partial(_rates, objective, distances), distances)
-
-
-def _rates(objective: Objective, distances: Distances) -> Array:
-    return distances.jacobian(objective.free) * objective.unknowns.scales
-
-
-@dataclass(frozen=True, eq=False)
 class Minimum:
-    """The point of least sum of losses of an ``objective``: ``x`` all unknowns, ``least``: that of the free ones."""
+    """The point of least sum of losses of an ``objective``: ``x`` all parameters on their scales, ``least`` by the
+    unknowns of the search."""
 
     objective: Objective
-    x: Array
+    x: Mapping[str, float]
     least: Least
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters by name there, SI."""
+        return self.objective.values(self.x)
 
     @property
     def distances(self) -> Distances:
@@ -670,31 +665,33 @@ class Minimum:
         return tuple(name for name, on_bound in free if on_bound)
 
 
-def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0) -> Minimum:
-    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
+def minimise(objective: Objective, start: Mapping[str, float], loss: Loss = "linear", width: float = 1.0) -> Minimum:
+    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the parameters ``start`` on their
+    scales.
 
     Where the data do not determine the unknowns the search may creep along a valley that has no lowest point, and
     whether it stops there is a matter of round-off: it is given up after so many evaluations, and the minimum is marked
     as one whose search did not end.
     """
-    begin = np.array(start, dtype=float)
-    y = begin[objective.free] / objective.unknowns.scales
-    splines = objective.ranged or any(parameter.of_body for parameter in objective.unknowns.free)
+    unknowns = objective.unknowns
+    y = np.array([start[name] for name in unknowns.names]) / unknowns.scales
+    splines = objective.ranged or any(parameter.of_body for parameter in unknowns.free)
     close = ROUNDED if splines else SETTLED  # curves of layers and ranges are good to 1e-8 themselves
     close = close if loss == "linear" else max(close, SEARCH_CONVERGED_ROUGH)
     low, high = _bounds(objective, y)
     room = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(y), 1.0))  # the trust region wants some
-    problem = LeastSquares(partial(_scaled, objective, begin), (low, high), close, 0.0, SEARCH_EVALUATIONS, loss, width)
+    problem = LeastSquares(partial(objective.state, start), (low, high), close, 0.0, SEARCH_EVALUATIONS, loss, width)
     least = problem.least(np.clip(y, low + 1e-8 * room, high - 1e-8 * room))
-    return Minimum(objective, objective.at(begin, least.x), least)
+    return Minimum(objective, objective.at(start, least.x), least)
 
 
-def _minima(objective: Objective, unknowns: Iterable[Array]) -> list[Minimum]:
-    """The same from each of these ``unknowns``, but where a range takes the surfaces beyond the body."""
+def _minima(objective: Objective, starts: Iterable[Mapping[str, float]], held: Sequence[str]) -> list[Minimum]:
+    """The same from each of these ``starts``, the parameters ``held`` there, but where a range takes the surfaces
+    beyond the body."""
     minima = []
-    for x in unknowns:
+    for x in starts:
         with contextlib.suppress(*[JkrError] * objective.ranged):
-            minima.append(minimise(objective, x))
+            minima.append(minimise(objective.holding(x, *held), x))
     return minima
 
 
@@ -863,7 +860,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     plain = settings.without(RANGES)
     into = _of_a_branch(body, forth, plain.of_the_approach)
     objective = replace(into.objective, parameters=plain.parameters, points=points)
-    values = into.objective.values(into.x) | {"a_turn": float(into.distances.a.max())}
+    values = into.values | {"a_turn": float(into.distances.a.max())}
     values["w_approach"] = values["w"]
     shifts = np.append(0.0, np.geomspace(math.sqrt(UNSEEN), 1, SEARCH_NODES // 8)) ** 2
     natural = objective.body.family.natural_work * values["modulus"]
@@ -872,7 +869,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     jkr = _settled(objective, values)
     if law is None:
         return jkr
-    values, objective = jkr.objective.values(jkr.x), replace(objective, parameters=settings.parameters)
+    values, objective = jkr.values, replace(objective, parameters=settings.parameters)
     tried = list(_ranged(body, values, law.name)) if law.free else [{**values, law.name: float(law.value or 0.0)}]
     tried.sort(key=lambda values: _assigned(objective, values)[0])
     minima = [_settled(objective, values) for values in tried[:SEARCH_FOLLOWED_RANGES]]
@@ -883,13 +880,12 @@ def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     """The best fit to a way back, whose edge may rest at first: with the turn only where the rows ask for one."""
     minimum = _of_a_branch(body, replace(points, edges=None), settings.without(OF_A_CYCLE))
     objective = replace(minimum.objective, parameters=settings.parameters, points=points)
-    variance = minimum.cost / max(len(points) - minimum.objective.free.size, 1)
+    variance = minimum.cost / max(len(points) - minimum.least.x.size, 1)
     order = np.argsort(points.values["P" if "P" in points.columns else "delta"])
     for share in SEARCH_SHARES:
         some = np.sort(order[: round(share * len(points))])
         with contextlib.suppress(JkrError):
-            lower = minimise(replace(minimum.objective, points=points.at(some)), minimum.x)
-            values = lower.objective.values(lower.x)
+            values = minimise(replace(minimum.objective, points=points.at(some)), minimum.x).values
             rested = _settled(objective, values | {"a_turn": _turn(objective, values, int(order[-1]))})
             minimum = rested if minimum.cost - rested.cost > SEARCH_WORTH * variance else minimum
     return minimum
@@ -912,24 +908,23 @@ def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
 def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
     """The minimum from ``values`` on at which each row lies on the edge that it was fitted with; w is fixed where no
     row of a cycle recedes, the turn where none rests."""
-    parameters = objective.parameters
-    _, points, x = _assigned(objective, values)
+    parameters, points, x = objective.parameters, _assigned(objective, values)[1], objective.scaled(values)
     for _ in range(MOST_SOLVES):
         assert points.edges is not None
         idle = [name for edge, name in ((RECEDING, "w"), (RESTING, "a_turn")) if edge not in points.edges]
-        objective = replace(objective, parameters=parameters, points=points).holding(*idle)
+        objective = replace(objective, parameters=parameters, points=points).holding(x, *idle)
         minimum = minimise(objective, x)
-        before = points
-        _, points, x = _assigned(objective, objective.values(minimum.x))
+        before, points = points, _assigned(objective, minimum.values)[1]
+        x = objective.scaled(minimum.values)
         if np.all(points.edges == before.edges):
             break
     return minimum
 
 
-def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float, Points, Array]:
-    """The cost of these ``values``, the points with each row of the way back at rest, where on the straight line it is
-    nearest to G < w and the receding edge is not clearly nearer, else on that, and the unknowns."""
-    points, x = objective.points, np.array([p.inner(values[p.name]) for p in objective.parameters])
+def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float, Points]:
+    """The cost of these ``values``, and the points with each row of the way back at rest, where on the straight line it
+    is nearest to G < w and the receding edge is not clearly nearer, else on that."""
+    points, x = objective.points, objective.scaled(values)
     assert points.edges is not None
     back = np.flatnonzero(points.edges > ADVANCING)
     each = []
@@ -943,7 +938,7 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
     rests = (still.u <= end) & (off < moving + SEARCH_NEARER)
     edges[back] = np.where(rests, RESTING, RECEDING)
     cost = float(np.sum(each[0].residuals ** 2) - np.sum(off) + np.sum(np.where(rests, off, moving)))
-    return cost, replace(points, edges=edges), x
+    return cost, replace(points, edges=edges)
 
 
 # ---------------------------------------------------------------------- bodies and radii
@@ -1016,7 +1011,17 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
     known = {p.name: p.value for p in settings.parameters if not (p.of_body or p.free) and p.value is not None}
     tried = []
     reason: JkrError | None = None
-    for own in _bodies(body, settings):
+
+    # Of the body's own parameters fixed values, and some around the nominal ones of those that are free
+    layers = [p for p in settings.parameters if p.of_body]
+    fixed = {p.name: float(p.value) for p in layers if not p.free and p.value is not None}
+    free = [p for p in layers if p.free]
+    factors = (SEARCH_SCANNED[len(free)][p.name[0]] if len(free) in SEARCH_SCANNED else (1.0,) for p in free)
+    for chosen in itertools.product(*factors):
+        values = {p.name: body.nominal(p.name) * factor for p, factor in zip(free, chosen, strict=True)}
+        if set(chosen) - {1.0} and not all(p.low <= values[p.name] <= p.high for p in free):
+            continue
+        own = fixed | {p.name: float(np.clip(values[p.name], p.low, p.high)) for p in free}
         try:
             near = starts(body.with_values(own).family, points, known, body.extensible)
             tried += [replace(start, values={**start.values, **own}) for start in near]
@@ -1041,39 +1046,24 @@ def _ranged(body: FittedBody, values: Mapping[str, float], name: str) -> Iterato
         yield {**values, "w": w, name: length if name == "range" else w / length}
 
 
-def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:
-    """Values of the body's own parameters to begin with: fixed ones, and around the nominal values of free ones."""
-    own = [p for p in settings.parameters if p.of_body]
-    fixed = {p.name: float(p.value) for p in own if not p.free and p.value is not None}
-    free = [p for p in own if p.free]
-    factors = (SEARCH_SCANNED[len(free)][p.name[0]] if len(free) in SEARCH_SCANNED else (1.0,) for p in free)
-    for chosen in itertools.product(*factors):
-        values = {p.name: body.nominal(p.name) * factor for p, factor in zip(free, chosen, strict=True)}
-        if all(p.low <= values[p.name] <= p.high for p in free) or set(chosen) == {1.0}:
-            yield fixed | {p.name: float(np.clip(values[p.name], p.low, p.high)) for p in free}
-
-
 def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Start]) -> Minimum:
     """The minimum from the nearest start; where it stays far from the data the lowest of those from all starts.
 
     Starts are those from the data and, if any, the user's. InputError where all stay far.
     """
-    known = {p.name: p.value for p in settings.parameters if not p.free and p.value is not None}
-    unknowns = [
-        np.array([p.inner({**start.values, **known}[p.name]) for p in settings.parameters])
-        for start in tried[:SEARCH_LOOKED_AT]
-    ]
+    known = {p.name: p.value for p in settings.parameters if p.value is not None}  # fixed, or the user's to begin with
+    fixed = {p.name: known[p.name] for p in settings.parameters if not p.free}
     objective = Objective(body, settings.parameters, points, np.ones(len(points.columns)))
-    sizes = _sizes(objective.readings(unknowns[0], rated=False), points)
+    begins = [objective.scaled({**start.values, **fixed}) for start in tried[:SEARCH_LOOKED_AT]]
+    sizes = _sizes(objective.readings(begins[0], rated=False), points)
     scales = noise_estimate(points.values, sizes) | dict(settings.noise)
     objective = replace(objective, scales=np.array([scales[name] for name in points.columns]))
-    if any(p.value is not None for p in settings.free):
-        nearest = zip(settings.parameters, unknowns[0], strict=True)
-        unknowns.append(np.array([x if p.value is None else p.inner(p.value) for p, x in nearest]))
+    if len(known) > len(fixed):
+        begins.append(objective.scaled({**tried[0].values, **known}))
     far = max(scales[name] / sizes[name] for name in points.columns)
     minima: list[Minimum] = []
     failed: JkrError | None = None
-    for x in _by_cost(objective, unknowns)[: SEARCH_FOLLOWED_RANGES if objective.ranged else SEARCH_FOLLOWED]:
+    for x in _by_cost(objective, begins)[: SEARCH_FOLLOWED_RANGES if objective.ranged else SEARCH_FOLLOWED]:
         try:
             minima.append(minimise(objective, x))
         except JkrError as error:
@@ -1082,10 +1072,8 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
             failed = error
             continue
         distance = robust_scale(minima[-1].distances.residuals)
-        good = distance * far < SEARCH_NEAR or (
-            distance < SEARCH_NOISE and far < SEARCH_FAR
-        )  # noise, or next to nothing
-        if good and not objective.ranged:  # good without its range is not yet the best with it
+        noise = distance < SEARCH_NOISE and far < SEARCH_FAR  # where the record shows it
+        if (noise or distance * far < SEARCH_NEAR) and not objective.ranged:  # whose range may make it better
             break
     if failed is not None and not minima:
         raise failed
@@ -1099,31 +1087,23 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     return minimum
 
 
-def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
-    """Starts sorted by their cost; where layers or a range vary, after a fit of the other parameters alone."""
-    own = [p.name for p in objective.parameters if (p.of_body or p.name in RANGES) and p.free]
-    others = objective.holding(*own)
-    if not own or others.free.size == 0:
-        return sorted(unknowns, key=lambda x: _cost(objective, x))
-    minima = _minima(others, unknowns)
+def _by_cost(objective: Objective, starts: Sequence[Mapping[str, float]]) -> Sequence[Mapping[str, float]]:
+    """Starts sorted by their cost; where layers or a range vary, after a fit of the other parameters alone. Half way,
+    in the logarithm of the range, from the lowest to its neighbours on both sides there are more."""
+    own = [p.name for p in objective.unknowns.free if p.of_body or p.name in RANGES]
+    if not own or len(own) == len(objective.unknowns.free):
+        return sorted(starts, key=partial(_cost, objective))
+    minima = _minima(objective, starts, own)
     for _ in range(SEARCH_HALVINGS if objective.ranged and minima else 0):
-        minima += _between(others, minima, next(i for i, p in enumerate(objective.parameters) if p.name in RANGES))
-    return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else unknowns
+        law = next(p.name for p in objective.parameters if p.name in RANGES)
+        ordered = sorted(minima, key=lambda minimum: minimum.x[law])
+        best = min(range(len(minima)), key=lambda i: ordered[i].cost)
+        middle, others = ordered[best].x, (*ordered[max(best - 1, 0) : best], *ordered[best + 1 : best + 2])
+        minima += _minima(objective, [{**middle, law: (middle[law] + other.x[law]) / 2} for other in others], own)
+    return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else starts
 
 
-def _between(objective: Objective, minima: Sequence[Minimum], place: int) -> list[Minimum]:
-    """The least costs half way from the lowest of the ``minima`` to its neighbours on both sides, in the logarithm of
-    the range, which the ``objective`` holds, at the ``place`` of the unknowns."""
-    ordered = sorted(minima, key=lambda minimum: float(minimum.x[place]))
-    best = min(range(len(ordered)), key=lambda i: ordered[i].cost)
-    tried = []
-    for other in (*ordered[max(best - 1, 0) : best], *ordered[best + 1 : best + 2]):
-        tried.append(x := ordered[best].x.copy())
-        x[place] = (x[place] + other.x[place]) / 2
-    return _minima(objective, tried)
-
-
-def _cost(objective: Objective, x: Array) -> float:
+def _cost(objective: Objective, x: Mapping[str, float]) -> float:
     """The sum of squares; infinite where a range takes the surfaces beyond the body."""
     with contextlib.suppress(*[JkrError] * objective.ranged):
         return float(np.sum(objective.distances(x, rated=False).residuals ** 2))

@@ -90,8 +90,7 @@ def test_without_adhesion_a_range_has_no_tension() -> None:
     settings = settings_of(body, free=["range"])
     objective = Objective(body, settings.parameters, points_of(curve, None, "all", 4, 0.0), np.ones(2))
     values = {"modulus": 1.0, "w": 0.0, "range": 1e-9, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
-    x = np.array([parameter.inner(values[parameter.name]) for parameter in settings.parameters])
-    minimum = Minimum(objective, x, least=None)
+    minimum = Minimum(objective, objective.scaled(values), least=None)
     assert _meaning(minimum, objective.unknowns.at(values))["stress"] == -math.inf
 
 

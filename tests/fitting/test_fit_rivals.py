@@ -174,7 +174,7 @@ def test_derivatives_of_a_drifting_curve(name: str) -> None:
     """By u against central differences of the readings themselves."""
     values = {p.name: 0.1 if p.value is None else p.value for p in usual().parameters}
     drift = Drift(name, 0.4, 0.5, A_C, A_END)
-    readings = Readings(half_space().family, tuple(values), values, ("delta", "P"), np.array([DELTA_C, P_C]), drift)
+    readings = Readings(half_space().family, values, ("delta", "P"), np.array([DELTA_C, P_C]), drift)
     u, step = np.log(np.linspace(1.1 * A_C, 0.9 * A_END, 7)), 1e-5
     _, first, second = readings.along(u)
     above, below = readings.along(u + step), readings.along(u - step)

@@ -64,7 +64,8 @@ class AddedParameter:
         c = fit.model.whitened(column, fit.spread.noise)
         by_c, p = rows @ c, len(rows) - 1
         squares = np.block([[products[:p, :p], by_c[:p, None]], [by_c[:p], c @ c]])
-        scale = np.maximum(np.sqrt(squares.diagonal()), np.finfo(float).tiny)
+        scale = np.sqrt(squares.diagonal())
+        scale[scale == 0] = 1.0
         with contextlib.suppress(np.linalg.LinAlgError):
             lower = np.linalg.cholesky(squares / np.outer(scale, scale))
             if lower.diagonal().min() > SEARCH_DIGITS:

@@ -52,16 +52,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from .adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from .adhesion.device_path import Program
+from .adhesion.device_path import Course, Program, Turning
 from .adhesion.finite_range import RangeRequest
 from .adhesion.from_rest import LoadingHistory, Rest
-from .adhesion.rate import LogRate, PowerRate
+from .adhesion.rate import LogRate, PowerRate, RateContact, RateLaw, rate_law_of
 from .base.errors import InputError, JkrError, Refusal, Unknown
 from .base.files import check_series_target
 from .base.process import one_thread
 from .base.registry import Result
 from .base.units import parse
-from .bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
+from .bodies.indenters import Indenter, Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from .bodies.problem import (
     Coated,
     Elastic,
@@ -93,8 +93,11 @@ from .fitting import procedure
 from .fitting.forward_model import FittedBody, body_of
 from .fitting.joint import JointFit, joint_fit, shared_of, with_radii
 from .fitting.procedure import further
+from .fitting.rate import RateFit, rate_fit, rate_settings
+from .fitting.relaxation import RelaxationFit, relaxation_fit, relaxation_settings
 from .fitting.result import Fit, Further
 from .fitting.settings import settings_of
+from .fitting.surface_tension import TENSION, TensionFit, known_values, radii_of, tension_fit
 from .methods.closed_form import ClosedForm
 from .methods.fem import FEM
 from .methods.hybrid import Hybrid
@@ -106,6 +109,7 @@ from .report.forward import Compared, Cycled, CycledByProgram, MeasuredByHistory
 from .report.inverse import Look, Work
 from .report.result import Figure
 from .resolve.analysis import Analysis, analyse, nonadhesive, with_solved_points
+from .resolve.histories import curves_from_rest, lost_by_history, pull_off_in_limits, rest_of
 from .series import Solution
 
 __all__ = [
@@ -121,13 +125,7 @@ __all__ = [
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .adhesion.device_path import Turning
-    from .adhesion.rate import RateLaw
-    from .bodies.indenters import Indenter
     from .bodies.problem import Relaxation
-    from .fitting.rate import RateFit
-    from .fitting.relaxation import RelaxationFit
-    from .fitting.surface_tension import TensionFit
     from .many.maps import MapResult
 
 Body: TypeAlias = Case | Problem | Solution | str | Path  # to be solved, or solved; or the file of either
@@ -328,7 +326,6 @@ def cycle(
     InputError
         Where the contact leaves the series.
     """
-    from .resolve.histories import curves_from_rest
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = (_number("w", w if w_approach is None else w_approach, "work"), _number("w", w, "work"))
@@ -363,7 +360,6 @@ def _in_limits(
 
 def _rest(load: Number | None, depth: Number | None) -> Rest | None:
     """Where a viscoelastic specimen rests before it is pulled, in numbers or text."""
-    from .resolve.histories import rest_of
 
     return rest_of(_maybe("rest_load", load, "load"), _maybe("rest_depth", depth, "length"))
 
@@ -420,7 +416,6 @@ def cycle_at_speed(
     -----
     G(a, delta) = w0 (1 + f(v)) at an edge that recedes with v = -da/dt (Gent and Schultz); f: the law.
     """
-    from .adhesion.rate import RateContact
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -480,7 +475,6 @@ def cycle_relaxing(
     """
     from .adhesion.relaxation import RelaxingContact
     from .adhesion.relaxing_adhesion import RelaxingAdhesion
-    from .resolve.histories import pull_off_in_limits
 
     solution, k, work = _solution(solved, None), _number("stiffness", stiffness, "stiffness"), _number("w", w, "work")
     law, rest = relaxation or solution.problem.specimen.relaxation, _rest(rest_load, rest_depth)
@@ -519,7 +513,6 @@ def _driven(
     speed_approach: Number | None, to_load: Number | None, to_depth: Number | None, hold: Number,
 ) -> Program:  # fmt: skip
     """The ``program``, or there and back at a speed."""
-    from .adhesion.device_path import Course
 
     if (speed is None) == (program is None):
         raise InputError(f"{verb}: give either the speed of the instrument or its program")
@@ -536,7 +529,6 @@ def _range(solution: Solution, stress: Number | None, length: Number | None) -> 
 
 
 def _law(law: AnyLaw) -> RateLaw:
-    from .adhesion.rate import rate_law_of
 
     return rate_law_of(law, "law") if isinstance(law, Mapping) else law
 
@@ -719,7 +711,6 @@ def identify_law(
     InputError
         Where the curves cannot be fitted.
     """
-    from .fitting.rate import rate_fit, rate_settings
 
     source = body_of(body, slopes)
     start = _texts(options.pop("start", None))
@@ -761,7 +752,6 @@ def identify_relaxation(
     InputError
         Where the curve cannot be fitted.
     """
-    from .fitting.relaxation import relaxation_fit, relaxation_settings
 
     source = body_of(body, slopes)
     curve = _curve_of(measured, None)
@@ -799,7 +789,6 @@ def identify_tension(
     InputError
         Where a curve cannot be used.
     """
-    from .fitting.surface_tension import TENSION, known_values, radii_of, tension_fit
 
     source = body_of(body)
     problem = source.problem
@@ -980,7 +969,6 @@ def pull_off(
     """
     from .fitting.pull_off import measured_work, works_by_history
     from .resolve.analysis import where_lost
-    from .resolve.histories import lost_by_history
 
     if (w is None) == (load is None):
         raise InputError("pull_off: give exactly one of w and load")

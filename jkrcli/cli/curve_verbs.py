@@ -17,11 +17,11 @@ from ..base.errors import InputError, counted
 from ..base.files import atomic, together, write_text
 from ..base.registry import Result
 from ..bodies.problem import relaxing
-from ..case.models import Case
+from ..case.models import Case, fem_of
 from ..methods.protocol import Limits
 from ..report import forward, tables
 from ..report.result import PICTURES, Files, Output, Results
-from ..resolve.analysis import analyse, profile_columns, radius_under, seconds_of_page, where_lost
+from ..resolve.analysis import analyse, nonadhesive, profile_columns, radius_under, seconds_of_page, where_lost
 from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
 from ..resolve.resolve import effect_on, sticking_warnings
 from ..series import Solution
@@ -301,7 +301,6 @@ def fields(file: Path, state: options.State, component: str, output: Output) -> 
     output.folder(Path())
     file, solution, w = inputs.body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
-    from ..case.models import fem_of
     from .case_verbs import MARKS
 
     method = fem_of(cast(Case, solution.record.case).model)
@@ -503,7 +502,6 @@ def work(
     from ..base.executors import executor
     from ..fitting.work import along_file, evaluation_of
     from ..report.inverse import Work
-    from ..resolve.analysis import nonadhesive
 
     targets = output.each(
         [output.beside(path, "-work") for path in measured], (".csv", ".json", *PICTURES), (series, *measured)

@@ -26,7 +26,7 @@ from ..data.segmentation import segment_force_curve
 from ..fitting.forward_model import FittedBody
 from ..fitting.joint import joint_fit, shared_of, with_radii
 from ..fitting.parameters import ALIAS, Answer
-from ..fitting.procedure import Failure, fit_all, planned
+from ..fitting.procedure import Failure, fit_all, friction_warnings, planned, preferences
 from ..fitting.result import Fit
 from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
 from ..methods.protocol import Forecast, Limits
@@ -257,7 +257,6 @@ def fit_curves(
     parallel: Parallel,
 ) -> None:  # fmt: skip
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
-    from ..fitting.procedure import friction_warnings, preferences
 
     output = request.output
     curves, unread = usable(request.measured, request.reading)

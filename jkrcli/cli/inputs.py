@@ -20,7 +20,7 @@ from ..base.units import doubtful_modulus
 from ..bodies.indenters import Indenter
 from ..bodies.problem import relaxing
 from ..case.models import Case, load_case, other_tables, parse_case
-from ..case.store import NO_DIGEST, read_solution, record_of, write_solution
+from ..case.store import NO_DIGEST, SERIES, read_solution, record_of, solve, write_solution
 from ..data.curve import Reading
 from ..data.tables import VOCABULARIES
 from ..methods.protocol import Forecast, Limits
@@ -154,7 +154,6 @@ def body_and_measured(
     is_body = body_file.suffix == ".toml"
     if body_file.suffix == ".h5" and body_file.is_file():  # a series, or a measured one
         from ..base.hdf5 import format_of
-        from ..case.store import SERIES
 
         is_body = format_of(body_file) == SERIES
     by_case = not by_flags("fit", flags, [body_file] if is_body else [])
@@ -200,7 +199,6 @@ def series_file(path: Path) -> Path:
         if _adhesion(existing.record) != _adhesion(record_of(case)):
             write_solution(target, replace(existing, record=record_of(case)), existing.record.command_line)
         return target
-    from ..case.store import solve
 
     choice, solution = solve(case, announce=note)
     write_solution(target, solution, command_line())

@@ -13,7 +13,7 @@ from click.shell_completion import get_completion_class
 
 from ..base.errors import InputError
 from ..base.executors import executor
-from ..case.models import load_case, plain_toml
+from ..case.models import load_case, method_of, plain_toml
 from ..case.store import solve
 from ..many import sweep as running
 from ..many import sweep_plan as plans
@@ -121,7 +121,6 @@ def study_converge(
     jkr study converge cases/thin-layer.toml --levels 5
     jkr study converge cases/halfspace.toml --contact incremental -o results
     """
-    from ..case.models import load_case, method_of
     from ..many import studies as convergence
     from ..methods.fem import FEM
 

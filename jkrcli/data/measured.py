@@ -16,7 +16,7 @@ from ..base.numerics import SHOWN
 from . import afm_formats, instruments, text_formats
 from . import instruments as archive
 from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
-from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
+from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise, with_zero_points
 
 __all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
@@ -195,8 +195,6 @@ def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> C
         columns[name] = sign * read - reading.zero.get(name, 0.0)
     converted = replace(curve, **columns) if columns else curve
     if reading.contact == "estimate":
-        from .segmentation import with_zero_points
-
         converted = with_zero_points(converted)
     if stiffness in (None, math.inf) or converted.delta is None:
         return of_its_device(converted)

@@ -19,7 +19,7 @@ from ..adhesion.rate import RateContact, rate_law_of
 from ..base.errors import InputError, JkrError, SolveError, Unknown, counted, known
 from ..base.executors import Pool, in_order
 from ..base.files import lists
-from ..base.numerics import MOST_STEPS, Array
+from ..base.numerics import MOST_STEPS, Array, pchip
 from ..base.registry import Result
 from ..base.units import Ranged
 from ..bodies.indenters import Paraboloid
@@ -537,8 +537,6 @@ STICKING_MAP_PER_POINT = 5e-4  # CPU seconds of an a/h; tuned on maps of 1000, b
 def _rows(ratios: Sequence[float], nu: float) -> Columns:
     """For each a/h the ratio of S at that radius and that of the load at the depth where the sliding contact has that
     radius, in units of h = R = 1 m, E* = 1 Pa."""
-    from scipy.interpolate import PchipInterpolator
-
     wanted = np.array(ratios)
     decades = np.log10(STICKING_MAP_BEYOND * wanted[-1] / wanted[0])
     radii = np.geomspace(wanted[0], STICKING_MAP_BEYOND * wanted[-1], max(int(STICKING_MAP_PER_DECADE * decades), 8))
@@ -549,7 +547,7 @@ def _rows(ratios: Sequence[float], nu: float) -> Columns:
     at = np.searchsorted(radii, wanted)
     assert sliding.S is not None
     assert sticking.S is not None
-    logs = PchipInterpolator(np.log(sticking.delta), np.log(sticking.P), extrapolate=True)
+    logs = pchip(np.log(sticking.delta), np.log(sticking.P))
     load = np.exp(logs(np.log(sliding.delta[at]))) / sliding.P[at]
     return rows(nu=nu, a_over_h=wanted, S_ratio=sticking.S[at] / sliding.S[at], load_ratio=load,
                 solved_by=f"jkr {__version__} layered")  # fmt: skip

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from ..adhesion.curve import (
     yield_warning,
 )
 from ..adhesion.device_path import Stability, behaviours, stable_radius
-from ..adhesion.finite_range import AttractedBody, Range, RangeRequest
+from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range, RangeRequest
 from ..adhesion.pull_off_error import Errors, pull_off_error
 from ..adhesion.slopes import RULES, TWO_SIDED_90, Ahead, Slopes, exact, slopes, smoothed
 from ..adhesion.validity import (
@@ -45,16 +45,14 @@ from ..base.process import PATIENCE
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI, show
 from ..bodies.problem import INCOMPRESSIBLE, Loading, Problem, relaxing
-from ..case.models import Case, method_of
+from ..case.models import Case, fem_of, method_of
 from ..methods.integral.density import nonsmooth_part
+from ..methods.integral.finite_range import AttractedSurface, adhesive_surface, attracted_surface
 from ..methods.layered.solver import surface_profile
 from ..methods.protocol import METHODS, Forecast, Method, method_class
 from ..series import ErrorBudget, Series, Solution, is_series
 from .node_radii import Compared, compared
 from .resolve import Comparison, StickingEffect, compare_half_space, effect_of_range, effect_on, resolve_with
-
-if TYPE_CHECKING:
-    from ..methods.integral.finite_range import AttractedSurface
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
 JKR: RangeRequest = RangeRequest()
@@ -247,8 +245,6 @@ def forecast(
     per_row, mib = COST_PER_ROW + tables * COST_TABLE_PER_ROW, COST_MIB_PER_ROW + tables * COST_TABLE_MIB_PER_ROW
     each = COST_CURVE + per_row * rows + figures * COST_FIGURE + devices * COST_DEVICE
     if request:
-        from ..adhesion.finite_range import FiniteRangeBody
-
         body = FiniteRangeBody.of(solution)  # the dearest of its curves: the least or the largest w reaches farthest
         each += max(body.seconds(request.law(w)) for w in {min(works), max(works)})
     else:
@@ -276,8 +272,6 @@ def with_solved_points(result: Analysis, *devices: float) -> Analysis:
     """The same curve with its pull-off points, those by ``devices`` of a stiffness [N/m] included, solved at their own
     radii, where the method is exact and quick."""
     if result.law is not None:
-        from ..adhesion.finite_range import FiniteRangeCurve
-
         assert isinstance(result.curve, FiniteRangeCurve)
         return replace(result, curve=result.curve.with_solved_points(*devices))
     curve = result.jkr
@@ -295,7 +289,6 @@ def _of_finite_range(
         raise InputError(
             f"slopes: {slopes_name} has no effect with adhesion of finite range, whose kernel is exact: leave it out"
         )
-    from ..adhesion.finite_range import FiniteRangeBody
 
     laws = [request.law(w) for w in works]
     body = FiniteRangeBody.of(solution)
@@ -310,7 +303,6 @@ def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: flo
     """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):
         return pull_off_error(curve, point, stiffness)
-    from ..adhesion.finite_range import FiniteRangeCurve
 
     assert isinstance(curve, FiniteRangeCurve)
     return curve.point_error(point, stiffness)
@@ -742,7 +734,6 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     if kernel_is_known:
         # Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
         # little
-        from ..methods.integral.finite_range import adhesive_surface
 
         problem = solution.problem
         body = AttractedBody(problem, kept=solution.kernel)
@@ -761,8 +752,6 @@ def _check_within(solution: Solution, a: float) -> None:
 
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     """Pressure, displacement and gap out to 3 c under a tension of finite range; the tension is a negative pressure."""
-    from ..adhesion.finite_range import FiniteRangeBody
-    from ..methods.integral.finite_range import attracted_surface
 
     body = FiniteRangeBody.of(solution).body
     _check_within(solution, a)
@@ -794,7 +783,6 @@ def _inside(a: float) -> Array:
 def _meshed(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """Pressure at the nodes inside, displacement and gap at the vertices from the edge out to 3 a, by finite elements;
     where the surfaces stick, shear too, outwards positive."""
-    from ..case.models import fem_of
     from ..methods.fem.fields import contact_state
 
     curve = analyse(solution, [w])[0].curve

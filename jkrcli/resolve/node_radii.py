@@ -20,7 +20,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion.slopes import AS_THEY_ARE, TWO_SIDED_90, Ahead, NodeRadii, evenly_spaced, node_radii
-from ..base.numerics import ROUNDED, Array
+from ..base.distributions import f_tail
+from ..base.numerics import ROUNDED, Array, cubic_spline
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import Problem
@@ -183,8 +184,6 @@ class Compared:
 
     def _loads(self, own: Series, stretch: float, fits: bool) -> Loads | None:
         """The factor of the loads at displacements that are those of the bodies after a ``stretch`` of their logs."""
-        from scipy.interpolate import CubicSpline
-
         rows = self.raw.touching
         x = np.log(rows.delta[rows.delta > 0]) + stretch
         P = rows.P[rows.delta > 0]
@@ -192,7 +191,7 @@ class Compared:
         inside &= x > np.log(AHEAD_DEEP) + x[inside].max(initial=-np.inf)
         if inside.sum() < AHEAD_SPARE:
             return None
-        gap = np.log(P[inside]) - CubicSpline(np.log(own.delta), np.log(own.P))(x[inside]) + stretch
+        gap = np.log(P[inside]) - cubic_spline(np.log(own.delta), np.log(own.P))(x[inside]) + stretch
         parts = [float(np.median(part)) for part in np.array_split(gap, min(AHEAD_SPARE, gap.size))]
         middle = float(np.median(gap))
         scatter = 1.25 * float(np.median(np.abs(gap - middle))) / 0.6745 / math.sqrt(gap.size)
@@ -203,13 +202,11 @@ class Compared:
     @staticmethod
     def _stretch(own: Series, rows: RawSeries) -> float:
         """Log of the body's displacements over those of the rows at equal radii, the median over the larger half."""
-        from scipy.interpolate import CubicSpline
-
         there = (rows.a >= np.median(rows.a)) & (rows.a > own.a[0]) & (rows.a <= own.a[-1]) & (rows.delta > 0)
         if not there.any():
             return 0.0
         x = np.log(rows.a[there] - own.a0)
-        gap = CubicSpline(np.log(own.a - own.a0), np.log(own.delta))(x) - np.log(rows.delta[there])
+        gap = cubic_spline(np.log(own.a - own.a0), np.log(own.delta))(x) - np.log(rows.delta[there])
         return float(np.median(gap))
 
 
@@ -239,8 +236,6 @@ def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
     """Rows as those of nodes where the bodies alone tell that they are: increments that pass as many elements each have
     evenly spaced radii, all the same part of an element off. None where they are the bodies' own, or loads at equal
     displacement, which do not feel the radius, are those of other bodies."""
-    from scipy.interpolate import CubicSpline
-
     own, nodes = as_they_are.own, evenly_spaced(raw)
     assert own is not None
     if nodes is None:
@@ -249,7 +244,7 @@ def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
     inside = (rows.a > AHEAD_FIRST * e) & (rows.delta > own.delta[0]) & (rows.delta < own.delta[-1])
     if loads is None or loads.error > AHEAD_SAME or np.count_nonzero(inside) < 2 + AHEAD_SPARE:
         return None
-    beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
+    beyond = cubic_spline(np.log(own.delta), np.log(own.a - own.a0))
     x = np.log(rows.delta[inside])
     a = own.a0 + np.exp(beyond(x))
     columns = np.stack([np.ones(a.size), (a - own.a0) * beyond(x, 1) / e[inside]])  # what an error of R does, too
@@ -275,8 +270,6 @@ class Found:
 
 def by_body(nodes: NodeRadii, own: Series) -> Found:
     """What the bodies' ``own`` solution tells of the edge."""
-    from scipy.interpolate import CubicSpline
-
     # Rows that tell most: those next to another radius, beyond the first elements
     rows, changes = nodes.rows, np.diff(nodes.rows.a) > 0
     near = np.append(changes, True) | np.append(True, changes)
@@ -284,7 +277,7 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
     chosen = np.flatnonzero(near & inner if np.count_nonzero(near & inner) >= AHEAD_ROWS // 8 else near)
     chosen = chosen[np.unique(np.linspace(0, chosen.size - 1, AHEAD_ROWS).astype(int))] if chosen.size else chosen
     r, delta, e = rows.a[chosen], rows.delta[chosen], nodes.element[chosen]
-    beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
+    beyond = cubic_spline(np.log(own.delta), np.log(own.a - own.a0))
     offset = _stretch(own, nodes)
     x = np.log(delta) + offset
     a = own.a0 + np.exp(beyond(x))
@@ -368,11 +361,9 @@ def _fitted(a: Array, e: Array, alone: Array, errors: Array, powers: int) -> tup
 
 def _stretch(own: Series, nodes: NodeRadii) -> float:
     """Log of the body's displacements over those of the series, about; 0 where they are the same."""
-    from scipy.interpolate import CubicSpline
-
     a, delta, e = nodes.rows.a, nodes.rows.delta, nodes.element
     inside = (a + e / 2 > own.a[0]) & (a <= own.a[-1])
-    log_delta = CubicSpline(np.log(own.a - own.a0), np.log(own.delta))
+    log_delta = cubic_spline(np.log(own.a - own.a0), np.log(own.delta))
     large = a >= np.median(a)
     there = inside & large
     gap = log_delta(np.log(a[there] + e[there] / 2 - own.a0)) - np.log(delta[there])
@@ -426,12 +417,11 @@ def check_against_solution(beside: Compared) -> tuple[str, ...]:
     a, delta, P = (values[usable] for values in (raw.a, raw.delta, raw.P))
     if a.size < DEPARTURE_FEWEST:
         return ()
-    from scipy.interpolate import CubicSpline
-
     x, logs = np.log(own.a), np.log(np.stack([own.delta, own.P]))
     at = np.log(a)
-    expected = CubicSpline(x, logs, axis=1)
-    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at, DEPARTURE_LEAST, "contact radii")
+    expected = cubic_spline(x, logs.T)
+    gap = np.log(np.stack([delta, P])) - expected(at).T
+    return _judged(gap, expected(at, 1).T, at, DEPARTURE_LEAST, "contact radii")
 
 
 def _at_equal_displacement(rows: RawSeries, own: Series) -> tuple[str, ...]:
@@ -439,12 +429,10 @@ def _at_equal_displacement(rows: RawSeries, own: Series) -> tuple[str, ...]:
     usable = (rows.delta > max(AHEAD_DEEP * rows.delta.max(), own.delta[0])) & (rows.delta <= own.delta[-1])
     if np.count_nonzero(usable) < DEPARTURE_FEWEST:
         return ()
-    from scipy.interpolate import CubicSpline
-
     x, logs = np.log(own.delta), np.log(np.stack([own.a, own.P]))
-    log_a, expected = CubicSpline(x, logs, axis=1)(np.log(rows.delta[usable]))
+    log_a, expected = cubic_spline(x, logs.T)(np.log(rows.delta[usable])).T
     gap = np.log(rows.P[usable]) - expected
-    rates = CubicSpline(logs[0], np.stack([x, logs[1]]), axis=1)(log_a, 1)
+    rates = cubic_spline(logs[0], np.stack([x, logs[1]], axis=1))(log_a, 1).T
     return _judged(np.stack([0 * gap, gap]), rates, log_a, DEPARTURE_OF_NODES, "displacements")
 
 
@@ -476,8 +464,6 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
 
     The modulus is free: a constant in the gap of the load is no departure.
     """
-    from scipy.special import fdtrc
-
     from ..adhesion.slopes.integral import estimate, whitener
 
     n = x.size
@@ -498,7 +484,7 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     (both, full), (drift, straight), (_, none) = (_fit(design[rows], target) for rows in (parabolas, line, modulus))
     free = target.size - 6
     chance, of_line = (
-        float(fdtrc(more, free, (none - left) / more / max(full / free, 1e-300)))
+        float(f_tail(more, free, (none - left) / more / max(full / free, 1e-300)))
         for more, left in ((5, full), (1, straight))
     )
     if chance <= DEPARTURE_CHANCE:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, EquilibriumCurve, Nonadhesive, transform
-from ..adhesion.finite_range import Range
+from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
 from ..adhesion.slopes import Slopes
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
 from ..base.numerics import ROUNDED, Array, zeros_between
@@ -382,7 +382,6 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
 def ranged(problem: Problem, series: Series, w: float, z0: float) -> EquilibriumCurve:
     """The adhesive curve at some of the radii of ``series``, of the range ``z0`` [m] and the work of adhesion ``w``
     [J/m^2]."""
-    from ..adhesion.finite_range import AttractedBody, FiniteRangeBody
 
     some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_POINTS).astype(int))
     body = FiniteRangeBody(problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem))

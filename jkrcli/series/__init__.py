@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..base.errors import Estimate, InputError, Unknown
-from ..base.numerics import ROUNDED, Array
+from ..base.numerics import ROUNDED, Array, pchip
 from ..bodies.problem import Problem
 
 COLUMNS = ("a", "delta", "P", "S", "dS")
@@ -438,15 +438,13 @@ def series_differences(first: Series, second: Series) -> list[Difference]:
 
 def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -> list[Difference]:
     """The columns that two adhesive curves share, at equal contact radius, over the common range."""
-    from scipy.interpolate import PchipInterpolator
-
     x, inside = _common(first["a_m"], second["a_m"])
     differences = []
     for name in first:
         if name == "a_m" or name not in second or name.endswith(("_err_N", "_err_m")) or first[name].dtype.kind != "f":
             continue
         scale = float(np.max(np.abs(first[name])))
-        other = PchipInterpolator(second["a_m"], second[name])(np.clip(x, second["a_m"][0], second["a_m"][-1]))
+        other = pchip(second["a_m"], second[name])(np.clip(x, second["a_m"][0], second["a_m"][-1]))
         relative = (other - first[name][inside]) / scale
         differences.append(Difference(name, "a_m", x, relative, _coverage(first["a_m"], second["a_m"])))
     return differences
@@ -454,12 +452,10 @@ def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -
 
 def _in_logs(column: str, over: str, x1: Array, y1: Array, x2: Array, y2: Array) -> Difference:
     """Power laws are straight in logs: few points suffice."""
-    from scipy.interpolate import PchipInterpolator
-
     x, inside = _common(x1, x2)
     if x2.size == 1:
         return Difference(column, over, x, y2 / y1[inside] - 1, _coverage(x1, x2))
-    other = np.exp(PchipInterpolator(np.log(x2), np.log(y2))(np.clip(np.log(x), np.log(x2[0]), np.log(x2[-1]))))
+    other = np.exp(pchip(np.log(x2), np.log(y2))(np.clip(np.log(x), np.log(x2[0]), np.log(x2[-1]))))
     return Difference(column, over, x, other / y1[inside] - 1, _coverage(x1, x2))
 
 

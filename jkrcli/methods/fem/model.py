@@ -15,7 +15,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from ...base.errors import Estimate, InputError, JkrError, Refusal, SolveError, Unknown
-from ...base.numerics import MOST_SOLVES, MOST_STEPS, ROUNDED, SAME, SETTLED, Array
+from ...base.numerics import MOST_SOLVES, MOST_STEPS, ROUNDED, SAME, SETTLED, Array, cubic_spline, pchip
 from ...base.process import StageClock
 from ...bodies.indenters import Indenter, Paraboloid
 from ...bodies.problem import INCOMPRESSIBLE, AnyGraded, HalfSpace, Loading, Material, Problem, Specimen
@@ -355,13 +355,11 @@ def edge_correction(surface: Surface, body: mesh.MeshedBody, reach: float, inden
     events = nested_events(SurfaceContact(surface, profile.f(surface.radii)), profile.a0, "radius", np.inf)
     spline, a0 = None, profile.a0
     if body.tension:  # delta_H [m] on a half-space with that surface tension
-        from scipy.interpolate import CubicSpline
-
         specimen = Specimen((), HalfSpace(mesh.surface_material(body.materials[0])), surface_tension=body.tension)
         solver = SurfaceTensionSolver(profile, specimen)
         beyond = np.geomspace(EDGE_NEAR * (events.a[0] - a0), (events.a[-1] - a0) / EDGE_NEAR, DENSE)
         solved = solver.solved(a0 + beyond, solver.plan(a0 + beyond, EDGE_ACCURACY))
-        spline = CubicSpline(np.log(beyond), np.log(solved.delta))
+        spline = cubic_spline(np.log(beyond), np.log(solved.delta))
 
     def log_exact(u: Array) -> Array:
         a = a0 + np.exp(u)
@@ -708,11 +706,9 @@ def _solve_large_enough(
 # ---------------------------------------------------------------------- what a loading asks of the surface
 def power_interpolated(x: Array, y: Array, at: Array) -> Array:
     """y(x) at the positive values ``at``: a monotone cubic in logarithms, a power law outside the table."""
-    from scipy.interpolate import PchipInterpolator
-
     u, v, wanted = np.log(x), np.log(y), np.log(at)
     first, last = (v[1] - v[0]) / (u[1] - u[0]), (v[-1] - v[-2]) / (u[-1] - u[-2])
-    inner = PchipInterpolator(u, v)(np.clip(wanted, u[0], u[-1]))
+    inner = pchip(u, v)(np.clip(wanted, u[0], u[-1]))
     return np.exp(inner + first * np.minimum(wanted - u[0], 0.0) + last * np.maximum(wanted - u[-1], 0.0))
 
 

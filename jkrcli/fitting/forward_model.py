@@ -36,7 +36,7 @@ from ..base.numerics import (
 )
 from ..base.units import show
 from ..bodies.indenters import Indenter
-from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, without_side_walls
+from ..bodies.problem import RADIUS, Loading, Problem, changed, layer_names, nominal, without_side_walls
 from ..case.models import Case, load_case
 from ..case.store import read_solution, solve
 from ..methods.integral.finite_range import Attraction, Discs, Rims, refuse_narrow
@@ -385,16 +385,12 @@ class DugdaleModel:
             )
         rows, c0 = slice(first, count), float(rims.c[first])
         v = np.arcsinh(rims.a[rows] / c0)
-        bends = self._bends(rims.a[rows])
+        near = np.abs(rims.a[rows][1:-1, None] / np.array(self.problem.indenter.bends) - 1) < ROUNDED
+        bends = np.flatnonzero(near.any(axis=1)) + 1  # of the profile, where splines end
         touching = Broken.through(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], bends)
         own = c0, (float(v[0]), float(v[-1])), touching, math.pi * self.problem.E_star * s / 2, gap
         apart = self._apart(attraction, rims, s, gap) if first == 0 else None
-        return States(*own, apart, partial(_rate_spline, discs, rims, s, v, rows, bends))
-
-    def _bends(self, a: Array) -> Array:
-        """Numbers of the contact radii ``a`` [m] at bends of the profile, where splines end."""
-        near = np.abs(a[1:-1, None] / np.array(self.problem.indenter.bends) - 1) < ROUNDED
-        return np.flatnonzero(near.any(axis=1)) + 1
+        return States(*own, apart, partial(_rates, discs, rims, s, v, rows, bends))
 
     def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> Callable[..., Array]:
         """delta without contact, and its part by the tension, over log c."""
@@ -406,13 +402,9 @@ class DugdaleModel:
         return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), FAMILY_DEGREE)
 
 
-def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, rows: slice, bends: Array) -> Broken:
-    return Broken.through(v, _rates(discs, rims, s)[rows], bends)
-
-
-def _rates(discs: Discs, rims: Rims, s: float) -> Array:
-    """Derivatives of log c, delta, P by the logs of tension and range at equal contact radii, (n, 6): those of states
-    with a given width of the annulus, and of the width that keeps the separation at its end."""
+def _rates(discs: Discs, rims: Rims, s: float, v: Array, rows: slice, bends: Array) -> Broken:
+    """The spline over ``v`` of derivatives of log c, delta, P by the logs of tension and range at equal contact radii,
+    (n, 6): those of states with a given width of the annulus, and of the width that keeps the separation at its end."""
     h, b = FAMILY_STEP, rims.c - rims.a
 
     def by(wider: float, stronger: float) -> Array:
@@ -423,7 +415,7 @@ def _rates(discs: Discs, rims: Rims, s: float) -> Array:
     by_tension, by_range = -tension[0] / width[0], rims.gap / width[0]  # of log b
     columns = [by_tension * b / rims.c, *(tension[1:] + width[1:] * by_tension)]
     columns += [by_range * b / rims.c, *(width[1:] * by_range)]
-    return np.stack(columns, axis=1)
+    return Broken.through(v, np.stack(columns, axis=1)[rows], bends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -483,19 +475,19 @@ class States:
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         """(a, delta, P) and their first and second derivatives by u, (3, n); straight lines beyond the end."""
         touching, inside, free, v = self._places(u)
-        parts = zip(self._free(free), self._in_contact(np.maximum(v, FAMILY_NEAR_TOUCH)), strict=True)
-        value, first, second = (np.where(touching, b, a) for a, b in parts)
-        return value + first * (u - inside), first, np.where(u == inside, second, 0.0)
 
-    def _in_contact(self, v: Array) -> tuple[Array, Array, Array]:
+        # Without contact, over log c
+        zero, P = np.zeros_like(free), -self.pull * np.exp(2 * free)
+        delta, first, second = (zero if self.apart is None else self.apart(free, order)[..., 0] for order in range(3))
+        apart = np.stack([zero, delta, P]), np.stack([zero, first, 2 * P]), np.stack([zero, second, 4 * P])
+
+        # In contact, over v: du/dv = tanh v
+        v = np.maximum(v, FAMILY_NEAR_TOUCH)
         value, first, second = (np.moveaxis(spline(v), -1, 0) for spline in self._derivatives)
         rate = 1 / np.tanh(v)
-        return value, first * rate, second * rate**2 - first * rate / np.sinh(v) ** 2
-
-    def _free(self, u: Array) -> tuple[Array, Array, Array]:
-        zero, P = np.zeros_like(u), -self.pull * np.exp(2 * u)
-        delta, first, second = (zero if self.apart is None else self.apart(u, order)[..., 0] for order in range(3))
-        return np.stack([zero, delta, P]), np.stack([zero, first, 2 * P]), np.stack([zero, second, 4 * P])
+        inner = value, first * rate, second * rate**2 - first * rate / np.sinh(v) ** 2
+        value, first, second = (np.where(touching, b, a) for a, b in zip(apart, inner, strict=True))
+        return value + first * (u - inside), first, np.where(u == inside, second, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -760,21 +752,10 @@ def solved(problem: Problem, tolerance: float) -> Family:
     """
     for coarser in (tolerance, *(one for one in (SAME, UNSEEN) if one > tolerance)):
         try:
-            series = Layered(coarser)(problem).series
-            break
+            return _exact(problem, coarser).family
         except JkrError as error:
             reason = str(error)
-    else:
-        raise SolveError(f"the body could not be solved anew: {reason}")
-    return Family.of(series, slopes(series, "exact"))
-
-
-def check_parameters(body: FittedBody, names: Sequence[str]) -> None:
-    """Refuse parameters of layers that the body does not have or that cannot be solved anew."""
-    own = [name for name in names if ":" in name]
-    if own and not body.own_parameters:
-        raise InputError(f"fit: {own[0]}: a finite cylinder is not solved anew; fit its modulus, or leave radius out")
-    checked_names(own, body.own_parameters)
+    raise SolveError(f"the body could not be solved anew: {reason}")
 
 
 def for_each(radii: Sequence[float], count: int) -> list[float]:
@@ -793,19 +774,16 @@ def body_of(
     if isinstance(source, str | Path):
         source = load_case(source) if Path(source).suffix == ".toml" else read_solution(source)
     if isinstance(source, Solution):
-        body = nonadhesive(source, rule)
-        return _with_range(FittedBody.of(source.problem, body.series, body.slopes), source)
-    _, solution = solve(source, limits=limits)
-    problem, series = solution.problem, solution.series
-    extensible = problem.specimen.radius is None and rule in ("auto", "exact")
-    return _with_range(FittedBody.of(problem, series, slopes(series, rule), extensible), solution)
-
-
-def _with_range(body: FittedBody, solution: Solution) -> FittedBody:
-    """The body with the range of adhesion of its case, and whether it has curves of one."""
+        functions, solution, extensible = nonadhesive(source, rule), source, False
+        series, own = functions.series, functions.slopes
+    else:
+        _, solution = solve(source, limits=limits)
+        series, own = solution.series, slopes(solution.series, rule)
+        extensible = solution.problem.specimen.radius is None and rule in ("auto", "exact")
     refused = ""
     try:
         FiniteRangeBody.of(solution)
-    except Refusal as error:
+    except Refusal as error:  # it has no curves of one
         refused = str(error)
+    body = FittedBody.of(solution.problem, series, own, extensible)
     return replace(body, range_of_case=RangeRequest.of(solution.record), no_range=refused)

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base.errors import InputError, did_you_mean
+from ..base.lockstep import alone
 from ..base.numerics import MOST_STEPS, ROUNDED, Array
 from ..bodies.problem import RADIUS
 from ..data.curve import Curve
@@ -22,7 +23,7 @@ from ..data.segmentation import ForceCurve
 from .forward_model import FittedBody, for_each
 from .least_squares import STATISTICS_IMPROBABLE, Intervals, Least, LeastSquares, State, covariance
 from .parameters import ALIAS, LOG, Answer, FittedValue, Parameter, Unknowns, word
-from .procedure import fit, prepared, spread_of
+from .procedure import fit, preparing, spread_of
 from .record import whole_fit
 from .result import Fit
 from .rows import robust, search
@@ -101,7 +102,7 @@ class Part:
 
 def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
     """A curve fitted alone, by its points or as a whole record."""
-    ready = prepared(body, curve, settings)
+    ready = alone(preparing(body, curve, settings))
     if isinstance(ready, ForceCurve):
         whole = whole_fit(body, ready, settings)
         common = {"ln_s": "modulus", f"q:{whole.model.stretches[-1].kind}": "w"}
@@ -229,7 +230,7 @@ def joint_fit(
 
     rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
-    alone = tuple(_alone(part, shared, E_star) for part in parts)
+    singly = tuple(_alone(part, shared, E_star) for part in parts)
     warnings = [f"{one.where}: {line}" for one in fits for line in one.warnings]
     if chance <= STATISTICS_IMPROBABLE:
         names = " and ".join("E*" if item.name == "E_star" else item.name for item in estimates
@@ -238,7 +239,7 @@ def joint_fit(
         warnings.insert(0, f"{differ}; compare the separate fits")
     return JointFit(
         estimates=estimates, free=tuple(shared), covariance=intervals.covariance[:m, :m], dof=least.dof,
-        warnings=tuple(warnings), fits=fits, alone=alone, chance=chance, level=settings.level,
+        warnings=tuple(warnings), fits=fits, alone=singly, chance=chance, level=settings.level,
     )  # fmt: skip
 
 

@@ -164,18 +164,16 @@ class Parameter:
     def __post_init__(self) -> None:
         if not self.free and self.value is None:
             raise InputError(f"{self.name}: is fixed and needs a value")
-        if self.value is not None:
-            self._check(self.value)
+        if (value := self.value) is not None:
+            above = value > 0 if self.kind == "log" else value >= 0 or self.kind == "linear"
+            if not (math.isfinite(value) and above):
+                allowed = {"log": "> 0", "positive": "finite and >= 0", "linear": "finite"}[self.kind]
+                raise InputError(f"{self.name}: must be {allowed}, got {value:g}")
+            if self.free and not self.low <= value <= self.high:
+                ends = f"{self.low:g} to {self.high:g}"
+                raise InputError(f"{self.name}: the start {value:g} is outside its bounds {ends}")
         if not self.inner(self.low) < self.inner(self.high):
             raise InputError(f"{self.name}: bounds must increase and leave room, got {self.low:g} to {self.high:g}")
-
-    def _check(self, value: float) -> None:
-        above = value > 0 if self.kind == "log" else value >= 0 or self.kind == "linear"
-        if not (math.isfinite(value) and above):
-            allowed = {"log": "> 0", "positive": "finite and >= 0", "linear": "finite"}[self.kind]
-            raise InputError(f"{self.name}: must be {allowed}, got {value:g}")
-        if self.free and not self.low <= value <= self.high:
-            raise InputError(f"{self.name}: the start {value:g} is outside its bounds {self.low:g} to {self.high:g}")
 
     @property
     def kind(self) -> Kind:

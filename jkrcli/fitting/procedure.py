@@ -19,7 +19,7 @@ from ..base.lockstep import Flow, alone, together
 from ..base.numerics import LOOKED_AT, TOGETHER, UNSEEN, Array
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
-from ..bodies.problem import RADIUS, changed
+from ..bodies.problem import RADIUS, changed, checked_names
 from ..data.curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from ..data.segmentation import PERMANENT_SET as SET
 from ..data.segmentation import SUBTRACTED_TWICE, ForceCurve, segment_force_curve, with_zero_points
@@ -27,7 +27,7 @@ from ..data.tables import NO_UNIT
 from ..methods.radii import ROOM
 from ..resolve.resolve import sticking_effect, sticking_warnings
 from .checks import warnings_of
-from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember, check_parameters
+from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
 from .least_squares import (
     Intervals,
     State,
@@ -463,15 +463,12 @@ class Prepared:
     words: tuple[str, ...]
 
 
-def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | ForceCurve:
-    """What ``preparing`` leads to."""
-    return alone(preparing(body, curve, settings))
-
-
 def preparing(body: FittedBody, curve: Curve, settings: Settings) -> Flow[Prepared | ForceCurve]:
     """The points of a curve, or a raw record, which is fitted as a whole."""
     original = curve
-    check_parameters(body, [parameter.name for parameter in settings.parameters])
+    if (own := [parameter.name for parameter in settings.parameters if parameter.of_body]) and not body.own_parameters:
+        raise InputError(f"fit: {own[0]}: a finite cylinder is not solved anew; fit its modulus, or leave radius out")
+    checked_names(own, body.own_parameters)
     if (record := (yield from raw_force_curve(curve, settings))) is not None:
         if not beyond_the_record(settings):
             return record

@@ -82,27 +82,20 @@ def measured_work(
     """
     inputs = uncertain_inputs(solution, uncertain)
     try:
-        return _measured_work(solution, load, stiffness, slopes, modulus_factor, inputs, history)
+        unit = nonadhesive(solution, slopes)
+        inverse = _Inverse(solution.scaled(modulus_factor), unit.scaled(modulus_factor), load, stiffness, history)
+        w = inverse.work().w
+        result = adhesive(solution, unit, w, modulus_factor)
+        controls = sorted({*CONTROLS.values(), stiffness})
+        inverse = replace(inverse, body=with_history_solved(inverse.solution, inverse.body, history, w, controls))
+        work = inverse.work()
+        result = replace(result, curve=AdhesiveCurve(inverse.body, work.w))
+        at_point = history_error(history, inverse.body, work.curve, work.point, stiffness)
+        by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
+        series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
+        parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
     except InputError as error:
         raise InputError([f"{solution.record.path}: {line}" for line in error.lines]) from None
-
-
-def _measured_work(
-    solution: Solution, load: float, stiffness: float, slopes: str, modulus_factor: float, inputs: Mapping[str, float],
-    history: LoadingHistory,
-) -> MeasuredWork:  # fmt: skip
-    unit = nonadhesive(solution, slopes)
-    inverse = _Inverse(solution.scaled(modulus_factor), unit.scaled(modulus_factor), load, stiffness, history)
-    w = inverse.work().w
-    result = adhesive(solution, unit, w, modulus_factor)
-    controls = {*CONTROLS.values(), stiffness}
-    inverse = replace(inverse, body=with_history_solved(inverse.solution, inverse.body, history, w, sorted(controls)))
-    work = inverse.work()
-    result = replace(result, curve=AdhesiveCurve(inverse.body, work.w))
-    at_point = history_error(history, inverse.body, work.curve, work.point, stiffness)
-    by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
-    series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
-    parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
     return MeasuredWork(work, result, series, parts, history)
 
 

@@ -313,7 +313,15 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
     t, both = t_quantile(settings.level, dof), dof * chi2_increase(settings.level, dof, 2)  # w and the range together
     ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
     jacobian = minimum.distances.jacobian(minimum.objective.unknowns.names)
-    directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
+
+    # Derivatives of the residuals by the relative change of a parameter along the record
+    a, scales = minimum.distances.a, {p.name: p for p in minimum.objective.parameters}
+    along, columns = (a - a.min()) / max(float(np.ptp(a)), TINY), []
+    for name in wanted:
+        parameter, x = scales[name], minimum.x[name]
+        by_log = minimum.distances.jacobian([name])[:, 0] * parameter.outer(x) / parameter.derivative(x)
+        columns.append(by_log * np.tile(along - RIVALS[name][1], by_log.size // a.size))
+    directions = np.stack(columns, axis=1)
     alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
     rivals, close = [], ALTERNATIVE_CLOSE * math.sqrt(variance)
     untested = values.get("w", 0.0) > 0 and missed_pull_off(minimum.distances.a, minimum.distances.line()) is not None
@@ -367,13 +375,3 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     radii = np.array([there.a.min(), there.a.max()])  # the model's own, not those of before
     values[drift.name] *= float(drift.factor(radii) @ (1 - drift.centre, drift.centre))
     return values
-
-
-def _direction(minimum: Minimum, name: str) -> Array:
-    """Derivative of the residuals by the relative change of the parameter ``name`` along the record, (k n,)."""
-    parameter = next(one for one in minimum.objective.parameters if one.name == name)
-    x = minimum.x[name]
-    by_log = minimum.distances.jacobian([name])[:, 0] * parameter.outer(x) / parameter.derivative(x)
-    a = minimum.distances.a
-    place = (a - a.min()) / max(float(np.ptp(a)), TINY) - RIVALS[parameter.name][1]
-    return by_log * np.tile(place, by_log.size // place.size)

@@ -71,13 +71,6 @@ class Points:
     def __len__(self) -> int:
         return self.rows.size
 
-    def joined(self, other: Points, left_out: tuple[str, ...]) -> Points:
-        """These rows and then those of another direction."""
-        both = ((getattr(part, name) for part in (self, other)) for name in ("rows", "edges"))
-        rows, edges = (np.concatenate(list(columns)) for columns in both)
-        values = {name: np.concatenate([column, other.values[name]]) for name, column in self.values.items()}
-        return Points(values, rows, left_out, other.baseline if self.baseline is None else self.baseline, edges)
-
     def at(self, chosen: Array) -> Points:
         """The ``chosen`` rows, a mask or numbers."""
         values = {name: column[chosen] for name, column in self.values.items()}
@@ -163,7 +156,10 @@ def _of_a_cycle(curve: Curve, segment: SegmentName | None, rows_of: Callable[[Se
     if not others:
         return replace(first, left_out=(*first.left_out, *(one.removeprefix(f"{curve.where}: ") for one in reasons)))
     words = [f"{name}: {words}" for name, part in parts.items() for words in part.left_out if "segments" not in words]
-    return first.joined(others[0], tuple(words))
+    rows, edges = (np.concatenate([getattr(part, name) for part in parts.values()]) for name in ("rows", "edges"))
+    values = {name: np.concatenate([part.values[name] for part in parts.values()]) for name in first.values}
+    baseline = others[0].baseline if first.baseline is None else first.baseline
+    return Points(values, rows, tuple(words), baseline, edges)
 
 
 def orient(curve: Curve) -> Curve:

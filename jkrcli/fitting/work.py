@@ -230,9 +230,20 @@ def contact_radius(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Ar
     rises up to the nonadhesive contact at ``delta`` and falls beyond, where delta_H > delta. So there is one
     adhesive radius or none: one, if the load is below the nonadhesive load at the same displacement.
     """
-    nodes = body.a
-    before, last = _last_positive(body, delta, P)
-    end = nodes.size - 1
+    nodes, end = body.a, body.a.size - 1
+
+    # The last node with delta_H <= delta, and the last with F > 0 beyond that, or that one (-1: none): by bisection, as
+    # F falls there
+    delta_H, P_H, S, _, _ = body.parts(nodes)
+    before = np.searchsorted(delta_H, delta, side="right") - 1
+    last, beyond = before, np.full(delta.size, nodes.size)
+    while (beyond - last > 1).any():
+        middle = np.maximum((last + beyond) // 2, 0)
+        positive = P_H[middle] - P - S[middle] * (delta_H[middle] - delta) > 0
+        open_ = beyond - last > 1
+        last, beyond = np.where(open_ & positive, middle, last), np.where(open_ & ~positive, middle, beyond)
+
+    # Between that and the next
     low, high = nodes[np.maximum(last, 0)].copy(), nodes[np.minimum(last + 1, end)]
     top = (last == before) & (0 <= before) & (before < end)  # F may rise above 0 between two nodes
     low[top] = zeros_between(lambda a: body.parts(a).delta_H - delta[top], low[top], high[top], SETTLED * low[top])
@@ -247,20 +258,6 @@ def contact_radius(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Ar
     inside = low[between], high[between]
     a[between] = zeros_between(lambda a: _excess(body, a, delta[between], P[between])[0], *inside, SETTLED * inside[0])
     return np.where(state == OK, a, 0.0), state
-
-
-def _last_positive(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Array]:
-    """Rows of the last node of the series with delta_H <= ``delta``, and of the last with F > 0 beyond that, or that
-    one (-1: none): by bisection, as F falls there."""
-    delta_H, P_H, S, _, _ = body.parts(body.a)
-    before = np.searchsorted(delta_H, delta, side="right") - 1
-    low, high = before, np.full(delta.size, delta_H.size)
-    while (high - low > 1).any():
-        middle = np.maximum((low + high) // 2, 0)
-        positive = P_H[middle] - P - S[middle] * (delta_H[middle] - delta) > 0
-        open_ = high - low > 1
-        low, high = np.where(open_ & positive, middle, low), np.where(open_ & ~positive, middle, high)
-    return before, low
 
 
 def _excess(body: Nonadhesive, a: Array, delta: Array, P: Array) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
+from force_curves import Instrument, record
 from sources import nodes
 
 from jkrcli import api
@@ -190,3 +191,19 @@ def test_what_needs_no_fit_imports_nothing_of_scipy(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "HEAVY []"
+
+
+def test_a_plain_fit_imports_nothing_of_scipy(tmp_path: Path) -> None:
+    """Of one force curve: reading, fit, verdict, table and archive."""
+    columns = record(20e3, 5e-6, 5e-5, 1e-4, Instrument(0.05, 500, 3e-6, 1e-8, 1e-11), 1)
+    rows = zip(columns["t"], columns["z"], columns["P"], strict=True)
+    lines = ["t_s,delta_nm,P_nN", *(f"{t:.6f},{z * 1e9:.4f},{P * 1e9:.6f}" for t, z, P in rows)]
+    (tmp_path / "one.csv").write_text("\n".join(lines) + "\n")
+    command = ["fit", str(tmp_path / "one.csv"), "--stiffness", "0.05 N/m", "--shape", "paraboloid", "--radius", "5 um",
+               "--nu", "0.5", "--no-plots", "-o", str(tmp_path / "out")]  # fmt: skip
+    code = (
+        f"import sys\nfrom jkrcli.cli import call\nassert not call({command!r})\n"
+        "print('HEAVY', sorted(name for name in sys.modules if name.startswith('scipy.')))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1:] == ["HEAVY []"], done.stdout + done.stderr

@@ -84,6 +84,7 @@ class PiecewisePolynomial:
 
     def __init__(self, x: Array, c: Array):
         self.x, self.c = x, c
+        self._derivatives = dict[int, PiecewisePolynomial]()
 
     def __call__(self, x: Array, order: int = 0) -> Array:
         """Value (``order`` 0) or derivative of that order at ``x`` of any shape."""
@@ -93,15 +94,17 @@ class PiecewisePolynomial:
         highest, *others = self.derivative(order).c if order else self.c
         value = highest.take(at, axis=0)
         for c in others:
-            value = value * s
+            value *= s
             value += c.take(at, axis=0)
         return value
 
     def derivative(self, order: int) -> PiecewisePolynomial:
         """Its derivative of an ``order`` up to its degree."""
-        degree = len(self.c) - 1
-        factors = np.array([math.perm(degree - i, order) for i in range(degree + 1 - order)])
-        return PiecewisePolynomial(self.x, (factors * self.c[: factors.size].T).T)
+        if order not in self._derivatives:
+            degree = len(self.c) - 1
+            factors = np.array([math.perm(degree - i, order) for i in range(degree + 1 - order)])
+            self._derivatives[order] = PiecewisePolynomial(self.x, (factors * self.c[: factors.size].T).T)
+        return self._derivatives[order]
 
 
 class PiecewiseCubic(PiecewisePolynomial):

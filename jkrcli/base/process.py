@@ -35,7 +35,6 @@ def begin() -> None:
     if not sys.argv[0].endswith("__main__.py"):  # of python -m, which may find this package in the folder at hand
         os.environ["PYTHONSAFEPATH"] = "1"  # processes that are started here take no modules from there either
     gc.set_threshold(*RARELY)
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else it asks every installed package for some
     atexit.register(gc.freeze)  # else all is searched for cycles once more at the end: a quarter of a command's time
     _begun.append(True)
 

@@ -397,7 +397,7 @@ class _Ball:
     def of(cls, state: State, inner: Array, length: Array, squares: Array, slopes: Array) -> _Ball:
         """That of the ``inner`` unknowns in units of their ``length``."""
         unit = 1 / length[inner]
-        return cls(state, inner, unit, squares[np.ix_(inner, inner)] * np.outer(unit, unit), slopes[inner] * unit)
+        return cls(state, inner, unit, squares[inner][:, inner] * (unit[:, None] * unit), slopes[inner] * unit)
 
     @cached_property
     def whole(self) -> Array | None:
@@ -907,8 +907,9 @@ def _of_base_lines(runs: Sequence[Array], rounding: float) -> Octaves:
     that of ``rounding``, which a line that stands still does not show."""
     parts = []
     for off in runs:
-        line, taken = _line(off.size)
-        parts.append((frequencies(off.size), waves(off - line @ (line.T @ off)) ** 2, taken))
+        along = np.arange(off.size) - (off.size - 1) / 2
+        line = off.mean() + along * (along @ off / (along @ along))
+        parts.append((frequencies(off.size), waves(off - line) ** 2, taken_by_line(off.size)))
     f, power, taken = (np.concatenate(items) for items in zip(*parts, strict=True))
     order = np.argsort(f, kind="stable")
     octaves = Octaves.of(f[order], power[order], taken[order])
@@ -916,11 +917,12 @@ def _of_base_lines(runs: Sequence[Array], rounding: float) -> Octaves:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _line(rows: int) -> tuple[Array, Array]:
-    """An orthonormal base of straight lines over so many rows (rows, 2), and how much of each wave they take."""
-    along = np.arange(rows) - (rows - 1) / 2
-    line = np.stack([np.full(rows, 1 / math.sqrt(rows)), along / np.linalg.norm(along)], axis=1)
-    return line, np.sum(waves(line) ** 2, axis=1)
+def taken_by_line(rows: int) -> Array:
+    """How much of each wave a straight line over so many rows takes: of a constant the lowest, of a slope the odd ones,
+    whose transform goes with cos t/sin^2 t, t = pi k/(2 n)."""
+    taken, t = np.zeros(rows), np.pi / (2 * rows) * np.arange(1, rows, 2)
+    taken[0], taken[1::2] = 1.0, 6 / (rows**2 * (rows**2 - 1.0)) * (np.cos(t) / np.sin(t) ** 2) ** 2
+    return taken
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from fit_data import half_space, sphere, usual
 from force_curves import Instrument, record
+from scipy.fft import dct
 from scipy.signal import lfilter
 from scipy.stats import t as student
 from test_fit_intervals import BODIES, COLUMNS, body_and_curve, noise_of
@@ -36,6 +37,7 @@ from jkrcli.fitting.least_squares import (
     in_time,
     larger,
     t_quantile,
+    taken_by_line,
     variance_factor,
     wider,
 )
@@ -135,6 +137,13 @@ def test_lines_through_coloured_noise() -> None:
     for row, unknowns in zip(noise, off, strict=True):
         widths.append(np.sqrt(np.diag(covariance_coloured(row - J @ unknowns, J, (), Spectrum(1.0)).covariance)))
     assert_neither_doubled_nor_halved(mean_squares(off, widths))
+
+
+@pytest.mark.parametrize("rows", [3, 4, 41, 900])
+def test_what_a_line_takes_of_each_wave(rows: int) -> None:
+    """The squares of the cosine transforms of an orthonormal base of straight lines, in closed form."""
+    line = np.linalg.qr(np.stack([np.ones(rows), np.arange(rows)], axis=1))[0]
+    assert taken_by_line(rows) == pytest.approx(np.sum(dct(line, axis=0, norm="ortho") ** 2, axis=1), abs=1e-14)
 
 
 def test_noise_of_one_over_f_at_the_lowest_frequencies_of_runs_that_lost_a_line() -> None:

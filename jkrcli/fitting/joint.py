@@ -217,20 +217,23 @@ def joint_fit(
             f"fit: the force curves together do not determine {', '.join(shared)}: fix one of them (--fix)"
         )
     estimates = intervals.estimates()
-    known = {item.name: item.value for item in estimates}
-    fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
+    known = {item.name: item for item in estimates}
+    fixed = tuple(Parameter(p.name, False, known[p.name].value) if p.name in known else p for p in settings.parameters)
     sharing = replace(settings, parameters=fixed)
     # The fit of each record with the shared estimates in the place of those that were fixed in it.
-    shared_by_name = {item.name: item for item in estimates}
     fits = tuple(
-        replace(one, estimates=tuple(shared_by_name.get(item.name, item) for item in one.estimates))
+        replace(one, estimates=tuple(known.get(item.name, item) for item in one.estimates))
         for one in (fit(body, curve, sharing) for body, curve in zip(bodies, curves, strict=True))
     )
     from scipy.special import chdtrc
 
     rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
-    singly = tuple(_alone(part, shared, E_star) for part in parts)
+    singly = []  # the shared values by a record alone, E* for the modulus
+    for part in parts:
+        values = {name: part.value(name) for name in shared}
+        values |= {name: math.exp(x) for name, x in values.items() if Parameter(name, True).kind == LOG}
+        singly.append(({ALIAS: values.pop("modulus") * E_star} if "modulus" in values else {}) | values)
     warnings = [f"{one.where}: {line}" for one in fits for line in one.warnings]
     if chance <= STATISTICS_IMPROBABLE:
         names = " and ".join("E*" if item.name == "E_star" else item.name for item in estimates
@@ -239,12 +242,5 @@ def joint_fit(
         warnings.insert(0, f"{differ}; compare the separate fits")
     return JointFit(
         estimates=estimates, free=tuple(shared), covariance=intervals.covariance[:m, :m], dof=least.dof,
-        warnings=tuple(warnings), fits=fits, alone=singly, chance=chance, level=settings.level,
+        warnings=tuple(warnings), fits=fits, alone=tuple(singly), chance=chance, level=settings.level,
     )  # fmt: skip
-
-
-def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]:
-    """The shared values by a record alone, E* for the modulus."""
-    values = {name: part.value(name) for name in shared}
-    values |= {name: math.exp(x) for name, x in values.items() if Parameter(name, True).kind == LOG}
-    return ({ALIAS: values.pop("modulus") * E_star} if "modulus" in values else {}) | values

@@ -93,31 +93,30 @@ def _of_law(
 ) -> tuple[FreeRows, Mapping[str, float], float, float, float]:
     """An attraction by one law at the size of least chi^2, the outcome there, the sum of squares of the residuals and
     that of one row, and the standard error of the size, in those of the free rows."""
-    step, width = _least(lambda size: of(record.holding(held.stronger(size)))[::2])
-    held = held.stronger(step)
-    cost, outcome, best = of(record.holding(held))
-    return held, outcome, cost, best.sigma**2 * best.spread.tau, width
 
+    def cost_of(size: float) -> tuple[float, ForceCurveFit]:
+        return of(record.holding(held.stronger(size)))[::2]
 
-def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str, float]:
-    return {name: there[name] - value for name, value in here.items() if name in there}
-
-
-def _least(cost_of: Callable[[float], tuple[float, ForceCurveFit]]) -> tuple[float, float]:
-    """The size of least chi^2 and its standard error, in those of the free rows; as these have it where the record
-    has no least."""
-    tried = {size: cost_of(size) for size in (-1.0, 0.0, 1.0)}
+    tried, found = {size: cost_of(size) for size in (-1.0, 0.0, 1.0)}, (0.0, 1.0)  # the size and its standard error
     for _ in range(NUISANCE_ROUNDS):
         sizes = sorted(sorted(tried, key=lambda size: tried[size][0])[:3])
         best = min(tried.values(), key=lambda one: one[0])[1]
         per_row = best.sigma**2 * best.spread.tau
         bend, slope, _ = np.polyfit(sizes, [tried[size][0] / per_row for size in sizes], 2)
         if bend <= 0 or abs(least := -slope / (2 * bend)) > NUISANCE_FARTHEST:
-            return 0.0, 1.0
+            found = 0.0, 1.0  # as the free rows have it, where the record has no least
+            break
+        found = float(least), float(1 / math.sqrt(bend))
         if min(abs(least - size) for size in tried) < 0.3 / math.sqrt(bend):
             break
         tried[least] = cost_of(least)
-    return float(least), float(1 / math.sqrt(bend))
+    held = held.stronger(found[0])
+    cost, outcome, best = of(record.holding(held))
+    return held, outcome, cost, best.sigma**2 * best.spread.tau, found[1]
+
+
+def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str, float]:
+    return {name: there[name] - value for name, value in here.items() if name in there}
 
 
 def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:

@@ -402,7 +402,20 @@ def predict(
             u[rows], rates[:, rows] = np.log(piece.last[1]), y[:, None]
         elif isinstance(piece, Motion):
             u[rows], rates[:, rows], y, speed[rows] = _moving(edge, piece, law, w0, tilt, y, t[rows])
-    return _readings(edge, u, rates, x, (t - tilt[0]) / tilt[1], speed)
+
+    # Load and radius, and their derivatives, of log a and its derivatives
+    touching = u > -np.inf
+    ends = edge.body.a[[0, -1]]
+    a = np.clip(np.exp(np.where(touching, u, np.log(ends[0]))), *ends)
+    state, here = edge.state(a, x), edge.body.parts(a)
+    give = 1 / edge.stiffness
+    c = 1 + here.S * give
+    direct = np.zeros_like(rates)
+    direct[0] = state.P - here.S * (here.P_H - state.lag * here.S) * give / c
+    direct[1], direct[2] = here.S / c, here.S / c * ((t - tilt[0]) / tilt[1])
+    dP = direct - here.dS * state.lag * a / c * rates
+    P, a, dP, da = (np.where(touching, column, 0.0) for column in (state.P, a, dP, a * rates))
+    return Prediction(P, a, dP, da, speed)
 
 
 def _moving(
@@ -461,24 +474,6 @@ def _linear(s: Array, growth: Array, forcing: Array, y: Array) -> Array:
     for i, (factor, term) in enumerate(zip(gain.tolist(), added, strict=True)):
         y = solution[i + 1] = factor * y + term
     return np.clip(np.nan_to_num(solution.T), -LARGEST_SI, LARGEST_SI)  # a path far from any record runs away
-
-
-def _readings(edge: Edge, u: Array, rates: Array, x: Array, tilts: Array, speed: Array) -> Prediction:
-    """Load and radius, and their derivatives, of log a and its derivatives."""
-    touching = u > -np.inf
-    ends = edge.body.a[[0, -1]]
-    a = np.clip(np.exp(np.where(touching, u, np.log(ends[0]))), *ends)
-    state, here = edge.state(a, x), edge.body.parts(a)
-    give = 1 / edge.stiffness
-    c = 1 + here.S * give
-    direct = np.zeros_like(rates)
-    direct[0] = state.P - here.S * (here.P_H - state.lag * here.S) * give / c
-    direct[1], direct[2] = here.S / c, here.S / c * tilts
-    dP = direct - here.dS * state.lag * a / c * rates
-    P = np.where(touching, state.P, 0.0)
-    return Prediction(
-        P, np.where(touching, a, 0.0), np.where(touching, dP, 0.0), np.where(touching, a * rates, 0.0), speed
-    )
 
 
 # How the least sum of squares is sought, and when it is doubted.

@@ -199,16 +199,6 @@ def without_adhesion(curve: Curve) -> tuple[Curve, tuple[str, ...]]:
     return curve.rows(~later), (flag,)
 
 
-def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:
-    """Which of "P0" and "tilt" the loads ``P`` before contact show, at places ``x``."""
-    if P.size < ROWS_BEFORE:
-        return ()
-    shown = ["P0"] if abs(float(P.mean())) > ROWS_APART * noise / math.sqrt(P.size) else []
-    about = x - x.mean()
-    tilt = float(about @ P) / math.sqrt(max(float(about @ about), TINY))
-    return (*shown, "tilt") if abs(tilt) > ROWS_APART * noise else tuple(shown)
-
-
 def followed(t: Array, depth: Array) -> tuple[Array, Array]:
     """A motion by some of its places, that goes in up to its deepest and then out."""
     edges = np.unique(np.linspace(0, t.size, min(t.size, ROWS) + 1).astype(int))
@@ -663,8 +653,12 @@ def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> Relaxa
     shows = record.shows
     if settings.adheres:
         shows = _contact_seen(record.response, record.noise[1])[1]
-    before = slice(0, shows // 2)  # contact begins before it shows
-    shown = base_line(record.response[before], record.imposed[before], record.noise[1])
+    before, limit = slice(0, shows // 2), ROWS_APART * record.noise[1]  # contact begins before it shows
+    P, x, shown = record.response[before], record.imposed[before], list[str]()
+    if P.size >= ROWS_BEFORE:
+        about = x - x.mean()
+        tilt = float(about @ P) / math.sqrt(max(float(about @ about), TINY))
+        shown += ["P0"] * (abs(float(P.mean())) > limit / math.sqrt(P.size)) + ["tilt"] * (abs(tilt) > limit)
     return replace(settings, zeros=(*settings.zeros, *shown))
 
 

@@ -83,7 +83,12 @@ def work_along(
     is that of its position, and the noise of P is in the displacement too. InputError where no row gives a work of
     adhesion.
     """
-    used = _pair(curve, use)
+    possible = [pair for pair in PAIRS if set(pair) <= set(curve.measured)]
+    wanted = [pair for pair in possible if use is None or set(pair) == set(use)]
+    if not wanted:
+        need = "two of a, delta, P" if use is None else f"{use[0]} and {use[1]}"
+        raise InputError(f"{curve.where}: w follows from {need}, it holds {', '.join(curve.measured)}")
+    used = wanted[0]
     values = {name: getattr(curve, name) for name in used}
     if "a" in values:
         a, ends = values["a"].copy(), body.a[[0, -1]]
@@ -172,15 +177,6 @@ def along_file(path: Path, reading: Reading, evaluation: Evaluation, pool: Pool)
     if not works:
         raise InputError(some(skipped))
     return works, skipped
-
-
-def _pair(curve: Curve, use: tuple[str, str] | None) -> tuple[str, str]:
-    possible = [pair for pair in PAIRS if set(pair) <= set(curve.measured)]
-    wanted = [pair for pair in possible if use is None or set(pair) == set(use)]
-    if not wanted:
-        need = "two of a, delta, P" if use is None else f"{use[0]} and {use[1]}"
-        raise InputError(f"{curve.where}: w follows from {need}, it holds {', '.join(curve.measured)}")
-    return wanted[0]
 
 
 def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:

@@ -335,16 +335,17 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
                 found[name] = _plain(item.attrs[name])
             else:
                 numbers = np.empty(space.get_simple_extent_dims(), kind.dtype)
-                stored.read(numbers, kind)
+                stored.read(numbers, h5py.h5t.py_create(numbers.dtype))
                 found[name] = _plain(numbers[()])
     return found
 
 
 def values_of(data: h5py.Dataset) -> Any:
     """What a dataset holds: the same as ``data[()]``, by one call of the library where there are values."""
-    kind, shape = data.id.get_type(), data.id.shape
+    shape = data.id.shape
     if shape is None or 0 in shape:
         return data[()]
-    values = np.empty(shape, kind.dtype)
-    data.id.read(h5py.h5s.ALL, h5py.h5s.ALL, values, kind)
+    values = np.empty(shape, data.id.dtype)
+    # HDF5 converts: what a file holds need not be as wide as NumPy's type (truth values, short floats)
+    data.id.read(h5py.h5s.ALL, h5py.h5s.ALL, values, h5py.h5t.py_create(values.dtype))
     return values

@@ -58,7 +58,8 @@ class Nodes:
     @classmethod
     @lru_cache(maxsize=REMEMBERED)
     def of(cls, family: Family) -> Nodes:
-        return cls(family, grid(family), np.stack(on_grid(family), axis=1))
+        functions = np.stack(on_grid(family), axis=1)
+        return cls(family, grid(family), np.ascontiguousarray(functions))  # as those of several bodies lie
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +168,7 @@ class Branches:
         of_four[:, 0] = np.stack([np.ones_like(s), -r, s / k, -s * r / k], axis=1)
         of_four[:, 1, 2], of_four[:, 1, 3] = s, -s * r
         first, start = _folds(bodies, of_four[:, 0])
-        begin = int(first.min())
+        begin, turns = int(first.min()), first > 0
         path, n, first = bodies.combined(of_four, slice(None), begin), bodies.u.shape[1] - begin, first - begin
         at_fold = bodies.at(start)
         path[curves, :, :, first] = of_four @ at_fold.transpose(1, 2, 0)
@@ -182,7 +183,7 @@ class Branches:
         np.sqrt(np.maximum.accumulate(zeta, axis=1, out=zeta), out=zeta)
         steep = zeta * (dz > 0) / np.maximum(dz, TINY)
         bend = bend[curves, first]
-        parabola = (first > 0) & (bend > 0)  # its limit at the fold, where z is a parabola of u
+        parabola = turns & (bend > 0)  # its limit at the fold, where z is a parabola of u
         steep[curves[parabola], first[parabola]] = 1 / np.sqrt(2 * bend[parabola])
         slope, up = 2 * dP * steep, zeta[:, 1:] > zeta[:, :-1]
         stable = up.any(axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,22 +74,38 @@ def test_the_load_is_linear_in_w_through_0() -> None:
 
 
 def test_no_number_of_a_curve_depends_on_which_others_are_beside_it() -> None:
-    """Branches, edges at rest and loads of several curves, to the bit those of each alone; 1e-6 below 0 and one without
-    a stable contact among them."""
+    """Branches, edges at rest and loads of several curves of two bodies, from their folds on, to the bit those of each
+    alone; 1e-6 below 0 and one without a stable contact among them."""
+    blunter = replace(PROBLEM, indenter=Paraboloid(2.0))
+    series = ClosedForm()(blunter).series
+    other = Family.of(series, slopes(series))
     asked = [
-        (FAMILY, s, q, k) for s, q, k in ((1.0, 0.005, 0.5), (2.0, 0.0, math.inf), (0.7, -1e-6, 2.0), (1.0, 1e3, 1.0))
-    ]
-    z, blunt = np.linspace(0.05, 0.2, 7), np.full(4, 1e-4)
-    both = Branches.of(asked)
-    loads = both.at(np.repeat(np.arange(4), z.size), np.tile(z, 4), blunt).reshape(4, 4, z.size)
-    assert both.stable.tolist() == [True, True, True, False]
-    for i, one in enumerate(asked[:3]):
-        assert (loads[:, i] == Branches.of([one]).at(np.zeros(z.size, dtype=int), z, blunt[:1])).all()
+        (FAMILY, 1.0, 0.005, 0.5), (other, 1.3, 0.02, 0.1), (FAMILY, 2.0, 0.0, math.inf), (other, 0.8, 1e-4, 3.0),
+        (FAMILY, 0.7, -1e-6, 2.0), (FAMILY, 1.0, 1e3, 1.0),
+    ]  # fmt: skip
+    both, curves = Branches.of(asked), len(asked)
+    assert both.stable.tolist() == [True] * (curves - 1) + [False]
+    z, blunt = both.fold[:, None] + np.append(np.geomspace(1e-6, 0.01, 30), np.linspace(0.05, 0.2, 7)), np.full(6, 1e-4)
+    loads = both.at(np.repeat(np.arange(curves), z.shape[1]), z.ravel(), blunt).reshape(4, *z.shape)
+    for i, one in enumerate(asked[:-1]):
+        alone = Branches.of([one])
+        assert (loads[:, i] == alone.at(np.zeros(z.shape[1], dtype=int), z[i], blunt[:1])).all()
+        assert both.one(i).slope.tolist() == alone.one(0).slope.tolist()
     turns = [
-        (FAMILY, 1.0, 0.03, 0.1, 0.5, 0.15),
-        (FAMILY, 2.0, -0.01, 0.2, math.inf, 0.3),
-        (FAMILY, 1.0, 0.0, 0.1, 1.0, 9.0),
-    ]
-    resting = Rest.of(turns)
+        (FAMILY, 1.0, 0.03, 0.1, 0.5, 0.15), (other, 1.0, 0.02, 0.1, 0.5, 0.1),
+        (FAMILY, 2.0, -0.01, 0.2, math.inf, 0.3), (FAMILY, 1.0, 0.0, 0.1, 1.0, 9.0),
+    ]  # fmt: skip
+    resting, z = Rest.of(turns), np.linspace(0.05, 0.2, 7)
     for i, turn in enumerate(turns):
         assert resting.some(i).at(z)[0].tolist() == rest(*turn).at(z)[0].tolist()
+
+
+@pytest.mark.parametrize("k", [0.5, math.inf])
+def test_at_the_fold_loads_rise_as_a_root(k: float) -> None:
+    """dP/d zeta, zeta = sqrt(z - fold), at the fold itself: P and z are parabolas of u there, z'' = bend."""
+    receding = branch(FAMILY, 1.0, 0.005, k)
+    _, by_u, by_uu = (column[:, 0] for column in FAMILY.at(receding.u[:1]))
+    factors = np.array([1.0, -receding.r, 1 / k, -receding.r / k])
+    rise = np.array([0.0, 0.0, 1.0, -receding.r]) @ by_u
+    assert factors @ by_u == pytest.approx(0.0, abs=1e-8)
+    assert receding.slope[0] == pytest.approx(rise * math.sqrt(2 / (factors @ by_uu)), rel=1e-6)

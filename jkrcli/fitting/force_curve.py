@@ -529,41 +529,35 @@ class ForceCurveModel:
         return self._path(x)[0]
 
     def edges(self, x: Array) -> Sequence[Edges]:
-        """The edges of each stretch."""
-        return self._path(x)[1]
+        """Of each stretch the branch and the resting edge, the depth [m] of all rows, and the numbers of those at which
+        the edge moves, and of those at which it rests."""
+        edges: list[Edges] = []
+        values = self.values(x)
+        for part, kept in zip(self.stretches, self._path(x)[1], strict=True):
+            moving, resting = kept or (self.branch(part, values), self.rest(part, values))
+            depth = self.depth(part, values)
+            rows = part.contact if part.jumped else self.touching(part, depth, moving.fold).nonzero()[0]
+            rests = depth[rows] > (math.inf if resting is None else resting.end)
+            edges.append((moving, resting, depth, rows[~rests], rows[rests]))
+        return edges
 
-    def _path(self, x: Array) -> tuple[Array, Sequence[Edges]]:
-        """What ``by_position`` and ``edges`` give, of the last evaluation or of one more."""
+    def _path(self, x: Array) -> tuple[Array, Sequence[tuple[DeviceBranch, Rest | None] | None]]:
+        """``by_position``, and the branch and the resting edge of each stretch, None where its loads are not those of
+        the path: of the last evaluation or of one more."""
         if (key := x.tobytes()) not in self._paths:
             (answer,) = evaluated([(self, x, 0.0)])
             if isinstance(answer, Exception):
                 raise answer
         return self._paths[key]
 
-    def remember_path(self, x: Array, values: Mapping[str, float], on_path: Sequence[OnPath]) -> None:
-        """Keep the derivatives ``by_position`` [N/m] and the ``edges`` of what stretches do."""
-        edges = [
-            self.edges_of(part, values, *(one.edges or (self.branch(part, values), self.rest(part, values))))
-            for part, one in zip(self.stretches, on_path, strict=True)
-        ]
+    def remember_path(self, x: Array, on_path: Sequence[OnPath]) -> None:
+        """Keep the derivatives ``by_position`` [N/m] of what stretches do, and the edges that they are on."""
         self._paths.clear()
-        self._paths[x.tobytes()] = np.concatenate([one.columns[3] for one in on_path]), edges
+        self._paths[x.tobytes()] = np.concatenate([one.columns[3] for one in on_path]), [one.edges for one in on_path]
 
     @cached_property
-    def _paths(self) -> dict[bytes, tuple[Array, Sequence[Edges]]]:
+    def _paths(self) -> dict[bytes, tuple[Array, Sequence[tuple[DeviceBranch, Rest | None] | None]]]:
         return {}
-
-    def edges_of(
-        self, part: DirectionReadings, values: Mapping[str, float], moving: DeviceBranch, resting: Rest | None
-    ) -> Edges:
-        """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
-        the edge moves, and of those at which it rests."""
-        depth = self.depth(part, values)
-        rows = part.contact if part.jumped else self.touching(part, depth, moving.fold).nonzero()[0]
-        if resting is None:
-            return moving, None, depth, rows, rows[:0]
-        rests = depth[rows] > resting.end
-        return moving, resting, depth, rows[~rests], rows[rests]
 
     def _by_names(self, part: DirectionReadings, values: Mapping[str, float], columns: Array) -> dict[str, Array]:
         """Derivatives of the load of the contact at all rows of a stretch, by the names of the unknowns."""
@@ -734,7 +728,7 @@ def evaluated(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Excepti
             continue
         off, rates = model.assembled(*answer)
         if not blunt:
-            model.remember_path(x, *answer)
+            model.remember_path(x, answer[1])
         try:
             answers.append((off, model.completed(x, blunt, off, rates).T))
         except SolveError as error:

@@ -737,6 +737,7 @@ COLOURED_HIDDEN = 3.0
 COLOURED_WHITE = 0.5  # theory: before the data nothing speaks for a slow part of the noise or against it
 # choice: of the white part at the lowest frequency that free rows tell, the slow parts that may hide
 COLOURED_HEIGHTS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+COLOURED_IMPOSSIBLE = 1e-12  # choice: chance of a spectrum that is left out
 COLOURED_SINGULAR = 1e-12  # theory: of the largest singular value, round-off of some thousand rows, each 2e-16
 
 
@@ -792,12 +793,13 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Possible:
-    """Spectra that a noise may have, each with its ``chance``: A + B/(1 + (f/c)^2)^(b/2), the white one first, then
-    those of each ``corner`` c and ``power`` b, for one height of the slow part after the other."""
+    """Spectra that a noise may have, each with its ``chance``: A + B/(1 + (f/c)^2)^(b/2), the ``shape`` of which is the
+    number of its ``corner`` c and ``power`` b."""
 
     chance: Array
     A: Array
     B: Array
+    shape: Array
     corner: Array
     power: Array
 
@@ -805,15 +807,18 @@ class Possible:
         """The sums of ``squares`` (n, columns) of waves of frequencies ``f`` (n, columns), each by what a spectrum has
         there: (spectra, columns)."""
         slow = np.sum(_slow(f, self.corner[:, None, None], self.power[:, None, None]) * squares, axis=1)
-        every = np.tile(slow, ((self.A.size - 1) // len(slow), 1))
-        energy: Array = np.outer(self.A, squares.sum(axis=0))
-        energy[1:] += self.B[1:, None] * every
+        energy: Array = np.outer(self.A, squares.sum(axis=0)) + self.B[:, None] * slow[self.shape]
         return energy
 
 
 def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
-    falls: Array = 1 + (f / corner) ** 2
-    shape: Array = 1 / falls if np.ndim(power) == 0 and power == 2 else falls ** (-np.asarray(power) / 2)
+    """1/(1 + (f/c)^2)^(b/2) of frequencies, for each corner c and power b, of which most are 2."""
+    falls = 1 + (f / corner) ** 2
+    shape: Array = 1 / falls
+    if np.ndim(power) == 0:
+        return shape if power == 2 else shape ** (np.asarray(power) / 2)
+    other = np.flatnonzero(np.asarray(power) != 2)
+    shape[other] **= np.asarray(power)[other] / 2
     return shape
 
 
@@ -983,7 +988,9 @@ class Octaves:
         unlikely = _unlikely(self.mean, A[:, None] * (1 + ratio), self.count)
         chance = before * np.exp((unlikely.min() - unlikely) / 2)
         B = A * np.append(0.0, np.outer(heights, 1 / tops))
-        return Possible(chance / chance.sum(), A, B, corner, power)
+        shape = np.append(0, np.tile(np.arange(corner.size), heights.size))
+        kept = chance > COLOURED_IMPOSSIBLE * chance.sum()
+        return Possible(chance[kept] / chance[kept].sum(), A[kept], B[kept], shape[kept], corner, power)
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -22,11 +22,11 @@ BETA_TERMS = 10_000  # choice: guard; some sqrt(dof) terms are needed
 def _fisher(k: float, dof: float, F: float) -> tuple[float, float]:
     """The chance I_x(dof/2, k/2) that F of ``k`` and ``dof`` degrees of freedom is larger, x = dof/(dof + k F), and F
     times its density, x^a (1 - x)^b/B(a, b)."""
-    if not 0 < F < math.inf:
-        return (math.nan if not F >= 0 else float(F == 0)), 0.0
-    a, b, x, y = dof / 2, k / 2, 1 / (1 + k * F / dof), 1 / (1 + dof / (k * F))
-    if not x:
-        return 0.0, 0.0
+    if not (F >= 0 and 0 < dof < math.inf):
+        return math.nan, math.nan
+    a, b, x, y = dof / 2, k / 2, 1 / (1 + k * F / dof), (1 / (1 + dof / (k * F)) if F else 0.0)
+    if not x or not y:
+        return float(not y), 0.0
     density = math.exp(a * math.log(x) + b * math.log(y) - math.lgamma(a) - math.lgamma(b) + math.lgamma(a + b))
 
     # the continued fraction of the incomplete beta function (DLMF 8.17.22), of 1 - x where that converges faster, by
@@ -50,7 +50,7 @@ def _fisher(k: float, dof: float, F: float) -> tuple[float, float]:
 
 def f_tail(k: float, dof: float | Array, F: float | Array) -> Array:
     """The chances that F of ``k`` and ``dof`` degrees of freedom is above ``F`` >= 0, of any shape; nan of nan."""
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):
         return np.vectorize(lambda *at: _fisher(*at)[0], otypes=[float])(k, dof, F)
 
 

@@ -21,6 +21,12 @@ def test_tails_of_f(k: int, dof: float) -> None:
     assert f_tail(k, dof, F) == pytest.approx(fdtrc(k, dof, F), rel=LOST, abs=1e-290, nan_ok=True)
 
 
+@pytest.mark.parametrize(("dof", "F"), [(0.0, 1.0), (-1.0, 1.0), (math.nan, 1.0), (10.0, 1e-320), (10.0, 1e308)])
+def test_ends_of_the_range(dof: float, F: float) -> None:
+    assert float(f_tail(1, dof, F)) == pytest.approx(float(fdtrc(1, dof, F)), nan_ok=True)
+    assert math.isnan(f_quantile(1, dof, 0.95)) == (not dof > 0)
+
+
 def test_degrees_of_freedom_of_each() -> None:
     dof, F = np.array([3.0, 10.0, 1000.0]), np.array([2.0, math.nan, 4.0])
     assert f_tail(1, dof, F) == pytest.approx(fdtrc(1, dof, F), rel=LOST, nan_ok=True)

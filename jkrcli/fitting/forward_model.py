@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
-from typing import Any, Protocol, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -48,32 +48,6 @@ from ..series import Series, Solution
 FUNCTIONS = 4  # theory: D, T, H, V
 ADVANCING, RESTING, RECEDING = range(3)  # what the edge does at a row
 LOADS = np.array([[0.0], [0.0], [1.0], [1.0]])  # of these the parts of the load
-
-
-class Member(Protocol):
-    """One adhesive curve of a body over u, the log of a place on it [m]: states (a [m], delta [m], P [N])."""
-
-    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
-        """u between which measured points are sought, so far beyond the fold and the end of the series, and down to
-        the ``least`` radius that was measured [m], if any."""
-
-    def along(self, u: Array) -> tuple[Array, Array, Array]:
-        """The states and their first and second derivatives by u, each of shape (3, n)."""
-
-    def rates(self, u: Array) -> Mapping[str, Array]:
-        """Derivatives (3, n) of the states by the log of the modulus factor "modulus", by "w", and by the log of what
-        else the curve depends on, the body's own parameters that vary among it."""
-
-
-class Members(Protocol):
-    """The adhesive curves of one body by the values of the parameters, SI; ``plain``: its family without a range of
-    adhesion."""
-
-    @property
-    def plain(self) -> Family: ...
-
-    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> Member:
-        """The curve of these values, with a ``drift`` of one of them along the record where the family knows it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -527,6 +501,14 @@ class DugdaleCurve:
         if self.by_range:
             return {"modulus": P - by_tension, "w": by_tension / self.w, "range": by_length - by_tension}
         return {"modulus": P - by_tension, "w": by_length / self.w, "stress": by_tension - by_length}
+
+
+# One adhesive curve of a body over u, the log of a place on it [m]. ``along``: its states (a [m], delta [m], P [N]) and
+# their first and second derivatives by u, each (3, n). ``rates``: their derivatives (3, n) by the log of the modulus
+# factor "modulus", by "w", and by the log of what else it depends on. ``ends``: u between which measured points are
+# sought, so far beyond the fold and the end of the series, and down to the least radius that was measured.
+Member: TypeAlias = JKRMember | RestingMember | DugdaleCurve
+Members: TypeAlias = Family | DugdaleModel  # all curves of one body; ``plain``: its family without a range of adhesion
 
 
 # --------------------------------------------------------------------------------------------------

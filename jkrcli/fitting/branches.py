@@ -105,7 +105,7 @@ class Bodies:
         """D, T, H, V at one place of each curve, with two derivatives: (3, curves, 4), good to rounding: of their logs,
         quintics through values and two derivatives at the nodes beside it."""
         place, last, step = (u - self.u[self.which, 0]) / self.step, self.u.shape[1] - 1, self.step[:, None]
-        i = np.minimum(np.maximum(place, 0.0), last - 1).astype(int)
+        i = np.fmin(np.fmax(place, 0.0), last - 1).astype(int)  # of a place that is no number the first, and nan there
         value, by_u, by_uu = np.moveaxis(self.beside(i), -1, 0)
         # Logs and two derivatives by the place, (curves, 2, 3, 4):
         logs = np.empty((u.size, 2, 3, FUNCTIONS))

@@ -100,6 +100,13 @@ def test_no_number_of_a_curve_depends_on_which_others_are_beside_it() -> None:
         assert resting.some(i).at(z)[0].tolist() == rest(*turn).at(z)[0].tolist()
 
 
+def test_a_turn_that_is_no_number_spoils_no_other() -> None:
+    turns = [(FAMILY, 1.0, 0.03, 0.1, 0.5, 0.15), (FAMILY, 1.0, 0.03, 0.1, 0.5, math.nan)]
+    resting = Rest.of(turns)
+    assert math.isnan(resting.end[1])
+    assert resting.some(0).load(np.array([0.1])).tolist() == rest(*turns[0]).load(np.array([0.1])).tolist()
+
+
 @pytest.mark.parametrize("k", [0.5, math.inf])
 def test_at_the_fold_loads_rise_as_a_root(k: float) -> None:
     """dP/d zeta, zeta = sqrt(z - fold), at the fold itself: P and z are parabolas of u there, z'' = bend."""

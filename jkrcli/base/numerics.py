@@ -1,4 +1,4 @@
-"""Arrays, piecewise polynomials, quadrature and iteration of all rooms."""
+"""Arrays, piecewise polynomials, quadrature, iteration and Fisher's distribution, of all rooms."""
 
 from __future__ import annotations
 
@@ -289,3 +289,58 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, t
             inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
         part = np.where(monotone & np.isfinite(inverse), inverse, 0.5)
     return best
+
+
+# --------------------------------------------------------------------------------------------------
+# Fisher's distribution of F: as SciPy's, whose import takes longer than a fit.
+
+
+BETA_TERMS = 10_000  # choice: guard; some sqrt(dof) terms are needed
+
+
+def _fisher(k: float, dof: float, F: float) -> tuple[float, float]:
+    """The chance I_x(dof/2, k/2) that F of ``k`` and ``dof`` degrees of freedom is larger, x = dof/(dof + k F), and F
+    times its density, x^a (1 - x)^b/B(a, b)."""
+    if not (F >= 0 and 0 < dof < math.inf):
+        return math.nan, math.nan
+    a, b, x, y = dof / 2, k / 2, 1 / (1 + k * F / dof), (1 / (1 + dof / (k * F)) if F else 0.0)
+    if not x or not y:
+        return float(not y), 0.0
+    density = math.exp(a * math.log(x) + b * math.log(y) - math.lgamma(a) - math.lgamma(b) + math.lgamma(a + b))
+
+    # the continued fraction of the incomplete beta function (DLMF 8.17.22), of 1 - x where that converges faster, by
+    # the quotients c, d of successive numerators and denominators (Lentz, Appl. Opt. 15 (1976) 668)
+    upper = x > (a + 1) / (a + b + 2)
+    p, q, z = (b, a, y) if upper else (a, b, x)
+    c, d = 1.0, 1 / (1 - (p + q) / (p + 1) * z)
+    fraction = before = d
+    for m in range(1, BETA_TERMS):
+        for term in (
+            m * (q - m) / ((p + 2 * m - 1) * (p + 2 * m)), -(p + m) * (p + q + m) / ((p + 2 * m) * (p + 2 * m + 1))
+        ):  # fmt: skip
+            d, c = 1 / (1 + term * z * d), 1 + term * z / c
+            fraction *= c * d
+        if abs(fraction - before) <= ROUNDING * abs(fraction):
+            break
+        before = fraction
+    chance = density * fraction / p
+    return (1 - chance if upper else chance), density
+
+
+def f_tail(k: float, dof: float | Array, F: float | Array) -> Array:
+    """The chances that F of ``k`` and ``dof`` degrees of freedom is above ``F`` >= 0, of any shape; nan of nan."""
+    with np.errstate(all="ignore"):
+        return np.vectorize(lambda *at: _fisher(*at)[0], otypes=[float])(k, dof, F)
+
+
+def f_quantile(k: float, dof: float, level: float) -> float:
+    """The F of ``k`` and ``dof`` degrees of freedom below which a share ``level`` of it lies; for k = 1 the square of
+    half the two-sided interval of Student's t."""
+    ln_F = 0.0
+    for _ in range(MOST_STEPS):  # of Newton's for the log of the tail over that of F
+        tail, density = _fisher(k, dof, math.exp(ln_F))
+        step = min(max(tail / density * math.log(tail / (1 - level)), -1.0), 1.0)
+        ln_F += step
+        if abs(step) < SETTLED:
+            break
+    return math.exp(ln_F)

@@ -1,14 +1,106 @@
 """The sweep file as models: a base case, axes over its keys, samples of uncertain keys, the quantities wanted."""
 
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from ..base.distributions import DISTRIBUTIONS
+from ..base.errors import InputError
 from ..base.files import read_bytes
+from ..base.numerics import Array
 from .models import Length, RootTable, Table, as_tuple, one_or_more, parse_toml, quantity, validated, wrong
+
+# --------------------------------------------------------------------------------------------------
+# Distributions of uncertain numbers, and draws: inverse distribution functions of points in the unit cube.
+
+LIMITS = {"least": -math.inf, "most": math.inf}  # of what is cut off
+
+
+class Kind(NamedTuple):
+    """A kind of distribution: the parameters that it needs, the values ``at`` fractions of all draws (n,) by these and
+    its ``limits``, and the parameter that must be ``positive``."""
+
+    needed: tuple[str, ...]
+    at: Callable[..., Array]
+    positive: str = ""
+    limits: Mapping[str, float] = {}
+
+
+def _normal(u: Array, mean: float, sd: float, least: float, most: float) -> Array:
+    from scipy.special import ndtr, ndtri
+
+    low, high = ndtr((least - mean) / sd), ndtr((most - mean) / sd)
+    return np.clip(mean + sd * ndtri(low + (high - low) * u), least, most)
+
+
+DISTRIBUTIONS = {
+    "uniform": Kind(("from", "to"), lambda u, start, end: start + (end - start) * u),
+    "loguniform": Kind(("from", "to"), lambda u, start, end: start * (end / start) ** u, "from"),
+    "normal": Kind(("mean", "sd"), _normal, "sd", LIMITS),
+    "lognormal": Kind(
+        ("median", "factor"),
+        lambda u, median, factor, *limits: np.exp(
+            _normal(u, math.log(median), math.log(factor), *(math.log(x) if x > 0 else -math.inf for x in limits))
+        ),
+        "median",
+        LIMITS,
+    ),
+    "integer": Kind(("from", "to"), lambda u, start, end: (start + np.floor((end - start + 1) * u)).astype(int)),
+    "choice": Kind(("values",), lambda u, values: np.fromiter(values, object)[(len(values) * u).astype(int)]),
+}
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A ``kind`` with the parameters in SI; InputError where they describe none."""
+
+    kind: str
+    parameters: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        name = DISTRIBUTIONS[self.kind].positive
+        self._check_rise("from", "to")
+        if name and self.parameters[name] <= 0:
+            raise InputError(f"{self.kind}: {name} must be > 0, got {self.parameters[name]:g}")
+        self._check_rise("least", "most")
+
+    def _check_rise(self, low: str, high: str) -> None:
+        start, end = self.parameters.get(low, -math.inf), self.parameters.get(high, math.inf)
+        if not start < end:
+            raise InputError(f"{self.kind}: {low} must be below {high}, got {start:g} and {end:g}")
+
+    def at(self, u: Array) -> tuple[Any, ...]:
+        """The values below which the fractions ``u`` of all draws lie."""
+        needed, at, _, limits = DISTRIBUTIONS[self.kind]
+        values = {**limits, **self.parameters}
+        return tuple(at(u, *(values[name] for name in (*needed, *limits))).tolist())
+
+
+METHODS = ("random", "sobol", "latin-hypercube")
+
+
+def draw(distributions: list[Distribution], count: int, method: str, seed: int) -> list[tuple[Any, ...]]:
+    """``count`` draws of all distributions together, a tuple per draw."""
+    rng, size = np.random.default_rng(seed), len(distributions)
+    if method == "random":
+        points = rng.random((count, size))
+    else:
+        from scipy.stats import qmc
+
+        if method == "sobol":
+            points = qmc.Sobol(size, scramble=True, rng=rng).random_base2(max(count - 1, 0).bit_length())[:count]
+        else:
+            points = qmc.LatinHypercube(size, rng=rng).random(count)
+    points = np.clip(points, 1e-12, 1 - 1e-12)  # the normal distribution has no ends
+    return list(zip(*(item.at(u) for item, u in zip(distributions, points.T, strict=True)), strict=True))
+
+
+# --------------------------------------------------------------------------------------------------
+# The file's tables.
 
 MOST_CASES = 2_000_000  # of one sweep, about 2 kB of memory each in the process that collects their rows
 LIST, RANGE = {"key", "values"}, {"key", "from", "to", "count", "spacing"}

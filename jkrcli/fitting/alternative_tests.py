@@ -16,10 +16,10 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ..base.distributions import f_tail
+from ..base import numerics
 from ..base.errors import JkrError, SolveError
 from ..base.lockstep import Flow, ask, quiet, together
-from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array, composite_gauss, cosine_transform, fast_length
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
 from ..bodies.problem import GEL_TENSION
 from ..data.curve import APPROACH
 from .alternatives import (
@@ -286,14 +286,14 @@ def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array
     slow."""
     possible, noise = record.fit.spread.possible, record.fit.spread.noise
     if possible is None or unit is None:
-        return f_tail(1, np.array(dofs), taken)
+        return numerics.f_tail(1, np.array(dofs), taken)
     taken_at = record.model.rows[rows] - record.model.rows[rows].min()  # as white noise of those missing tells nothing
-    size = fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
+    size = numerics.fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
     if len(record.model.stretches) == 1 and record.model.stretches[0].kind == APPROACH:
         taken_at += size - 1 - taken_at.max()
     series = np.zeros((len(unit), size))
     series[:, taken_at] = unit[:, rows]
-    power = cosine_transform(series) ** 2
+    power = numerics.cosine_transform(series) ** 2
     edges, f = _octaves(power.shape[1]), frequencies(power.shape[1])
     energy = np.add.reduceat(power, edges, axis=1)
     centre = np.add.reduceat(f * power, edges, axis=1) / np.maximum(energy, TINY)
@@ -315,9 +315,9 @@ def _tails(taken: Array, dof: float) -> Array:
         return values
 
     # the tail at the nodes: its integral between them, from the last one inwards
-    between, weights = composite_gauss(nodes)
+    between, weights = numerics.composite_gauss(nodes)
     pieces = np.sum(weights * density(between), axis=1)
-    last = float(f_tail(1, dof, float(nodes[-1]) ** 2))
+    last = float(numerics.f_tail(1, dof, float(nodes[-1]) ** 2))
     tail = np.maximum(np.cumsum(np.append(last, pieces[::-1]))[::-1], TINY)
     slope, log = -SCORE_TAIL * density(nodes) / tail, np.log(tail)
     rise = np.diff(log)
@@ -331,7 +331,7 @@ def _tails(taken: Array, dof: float) -> Array:
 
 def chance_of(fit: ForceCurveFit, taken: float) -> float:
     """The chance that noise makes one number more take as much of chi^2."""
-    return float(f_tail(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0)))
+    return float(numerics.f_tail(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0)))
 
 
 def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
@@ -951,7 +951,7 @@ def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) ->
         full = fit(without, full.x, near=True)
     here = FittedRecord(record.body, reconverge(full))
     misfit, dof, loose = misfit_left(here, regular_rows(here))
-    chance = float(f_tail(dof, max(loose, 1), misfit / dof))
+    chance = float(numerics.f_tail(dof, max(loose, 1), misfit / dof))
     noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
     plain = misfit_of(record, common_rows(record, here), noise)
     falls = plain - misfit_of(here, common_rows(here, record), noise)

@@ -16,11 +16,21 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ..base.distributions import f_quantile
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.executors import Pool, batches_in_order
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, cosine_transform, median
+from ..base.numerics import (
+    MOST_STEPS,
+    NOTICEABLE,
+    REMEMBERED,
+    SAME,
+    TINY,
+    TOGETHER,
+    Array,
+    cosine_transform,
+    f_quantile,
+    median,
+)
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
 

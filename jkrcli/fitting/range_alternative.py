@@ -15,9 +15,8 @@ from functools import partial
 
 import numpy as np
 
-from ..base.distributions import f_tail
 from ..base.errors import JkrError, SolveError
-from ..base.numerics import MOST_SOLVES, NOTICEABLE, TINY, Array
+from ..base.numerics import MOST_SOLVES, NOTICEABLE, TINY, Array, f_tail
 from ..base.units import show
 from ..methods.layered.spectrum import spectrum_seconds
 from .forward_model import Drift

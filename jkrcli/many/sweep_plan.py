@@ -26,14 +26,22 @@ from ..adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint, Equilibrium, N
 from ..adhesion.device_path import stability_under
 from ..adhesion.slopes import checked_rule
 from ..adhesion.validity import strain_size, strain_words
-from ..base.distributions import DISTRIBUTIONS, Distribution, draw
 from ..base.errors import InputError, JkrError, Unknown, counted, did_you_mean
 from ..base.files import check_target
 from ..base.numerics import MOST_CELLS
 from ..bodies.problem import Problem
 from ..case.models import Case, CaseModel, method_of, model_of
 from ..case.store import read_solution, write_solution
-from ..case.sweep import MOST_CASES, AxisTable, DistributionTable, SweepModel, load_sweep
+from ..case.sweep import (
+    DISTRIBUTIONS,
+    MOST_CASES,
+    AxisTable,
+    Distribution,
+    DistributionTable,
+    SweepModel,
+    draw,
+    load_sweep,
+)
 from ..methods.protocol import Choice, Method, choose_method, least_first, survey
 from ..report import tables
 from ..resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points

@@ -20,8 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion.slopes import AS_THEY_ARE, TWO_SIDED_90, Ahead, NodeRadii, evenly_spaced, node_radii
-from ..base.distributions import f_tail
-from ..base.numerics import ROUNDED, Array, cubic_spline
+from ..base.numerics import ROUNDED, Array, cubic_spline, f_tail
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import Problem

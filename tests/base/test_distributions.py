@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import fdtrc, fdtri, stdtrit
 
-from jkrcli.base.distributions import f_quantile, f_tail
+from jkrcli.base.numerics import f_quantile, f_tail
 
 DOF = [1.0, 2.0, 3.5, 10.0, 57.0, 300.0, 2000.3, 1e5]
 LOST = 1e-9  # theory: of a difference of gamma functions' logs of 1e5, 1e6 epsilon

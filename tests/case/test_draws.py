@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.base.distributions import Distribution, draw
+from jkrcli.case.sweep import Distribution, draw
 
 
 @settings(deadline=None)

@@ -103,7 +103,7 @@ from .methods.fem import FEM
 from .methods.hybrid import Hybrid
 from .methods.layered.solver import Layered
 from .methods.protocol import Limits, Method
-from .report import rate
+from .report import law_fits, rate  # noqa: F401 - the first registers what fits of laws say
 from .report.check import Check
 from .report.forward import Compared, Cycled, CycledByProgram, MeasuredByHistory, MeasuredPullOff, Profile, PullOff
 from .report.inverse import Look, Work

@@ -30,7 +30,7 @@ from ..fitting.procedure import Failure, fit_all, friction_warnings, planned, pr
 from ..fitting.result import Fit
 from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
 from ..methods.protocol import Forecast, Limits
-from ..report.inverse import Fits, RelaxationFits, plan_table, rivals_table
+from ..report.inverse import Fits, plan_table, rivals_table
 from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import options
@@ -185,6 +185,7 @@ def fit_joint(request: FitRequest, settings: Settings) -> None:
 def fit_law(request: FitRequest) -> None:
     """w0, the law's parameters, E* and zeros from records at one or several speeds."""
     from ..fitting.rate import rate_fit, rate_settings
+    from ..report import law_fits  # noqa: F401 - what is written of the result
 
     asked = request.options
     how = {"level": asked.level, "segment": asked.segment, "confidence": asked.confidence}
@@ -214,6 +215,7 @@ def fit_relaxation(request: FitRequest) -> None:
     """The modulus, a law of relaxation and zeros from records over time, each for itself; curves that cannot be used
     are skipped and said."""
     from ..fitting.relaxation import relaxation_fit, relaxation_settings
+    from ..report.law_fits import RelaxationFits
 
     body, asked = request.body, request.options
     terms = {} if asked.terms is None else {"terms": asked.terms}

@@ -21,7 +21,7 @@ from jkrcli.base.numerics import Array
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody, body_of
 from jkrcli.fitting.relaxation import RelaxationFit, corners, relaxation_fit, relaxation_settings
-from jkrcli.report.inverse import RelaxationFits
+from jkrcli.report.law_fits import RelaxationFits
 
 SOLID = 0.25, (0.75,), (1.0,)
 HELD = np.array([0.0, 0.3, 4.0, 5.0]), np.array([0.0, 1.0, 1.0, 0.0])

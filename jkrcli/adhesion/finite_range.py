@@ -305,6 +305,8 @@ FINITE_RANGE_FEWEST = 12  # theory: points of a curve, every second of which has
 FINITE_RANGE_CLOSE = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
 # theory: of its radius; so near to a state the splines err by 1e-3 of what they do between states, 4e-10: rounding
 FINITE_RANGE_SOLVED = 1e-4
+# theory: of c, a contact radius below which loads go with its square by less than round-off
+FINITE_RANGE_BORN = math.sqrt(ROUNDED)
 # on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
 FINITE_RANGE_SAFETY = 4.0
 FINITE_RANGE_LOOKED_AT = 8  # contact radii at which separations are looked at; choice: for a warning
@@ -925,6 +927,8 @@ def _around_critical(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> tu
         for point in curve.critical(stiffness):
             if point.a == 0:
                 apart.append((point.place, math.inf, point == lost))
+                continue
+            if point.a < FINITE_RANGE_BORN * _reach(point):  # where states side by side differ by round-off alone
                 continue
             room = min((abs(kink / r - 1) / 2 for kink in kinks for r in (point.a, _reach(point))), default=math.inf)
             touching.append((point.a, room, point == lost))

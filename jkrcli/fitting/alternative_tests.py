@@ -306,7 +306,7 @@ def _tails(taken: Array, dof: float) -> Array:
     """The chances that the square of Student's t of ``dof`` degrees of freedom is above each of ``taken``: between even
     t by cubics of their logs through values and slopes, good to 1e-7; nan where nothing is known."""
     t = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf))
-    nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max()), SCORE_FARTHEST) / SCORE_TAIL) + 2)
+    nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max(initial=0.0)), SCORE_FARTHEST) / SCORE_TAIL) + 2)
     peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
 
     def density(t: Array) -> Array:

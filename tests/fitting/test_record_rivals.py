@@ -478,4 +478,5 @@ def test_a_column_that_the_model_itself_makes_has_no_chance_and_warns_of_nothing
         sizes, taken, _ = held.evidence
         assert (sizes[0], taken[0], held.alike(0)[0]) == (0.0, 0.0, 0.0)
         assert np.isnan(_tails(np.array([[np.nan, 1.0, 0.0]]), 50.0)).tolist() == [[True, False, False]]
+    assert _tails(np.empty((2, 0)), 50.0).shape == (2, 0)  # of a record that no alternative means anything for
     assert _tails(np.array([[4.0, 0.0]]), 50.0)[0] == pytest.approx([fdtrc(1, 50.0, 4.0), 1.0], rel=1e-6)

@@ -16,21 +16,11 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from ..base import numerics
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.executors import Pool, batches_in_order
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import (
-    MOST_STEPS,
-    NOTICEABLE,
-    REMEMBERED,
-    SAME,
-    TINY,
-    TOGETHER,
-    Array,
-    cosine_transform,
-    f_quantile,
-    median,
-)
+from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, f_quantile, median
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
 
@@ -834,7 +824,7 @@ def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
 
 def waves(columns: Array) -> Array:
     """The orthonormal cosine transform of columns of rows."""
-    return cosine_transform(columns.T).T
+    return numerics.cosine_transform(columns.T).T
 
 
 def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:

@@ -548,7 +548,7 @@ def _loose(record: FittedRecord) -> int:
 # --------------------------------------------------------------------------------------------------
 # The best rivals of each family, fitted in full where the data ask for them, and the one that is taken.
 #
-# The best one is taken where its misfit is lower than that of the plain model by more than ``SCORES.tied``, in chi^2,
+# The best one is taken where its misfit is lower than that of the plain model by more than ``SCORE_TIED``, in chi^2,
 # and what it leaves is no more than the noise of the free rows. Those within as much of it cannot be distinguished.
 
 # Which rivals are fitted in full, and when one is taken.

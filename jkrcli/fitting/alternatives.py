@@ -760,7 +760,7 @@ def neck(record: FittedRecord) -> float:
 
 
 def narrow_range(record: FittedRecord) -> float:
-    """The range z0 [m] of which the ring is ``CHANGES.small`` a_max wide there: d = pi E* z0^2/(4 w)."""
+    """The range z0 [m] of which the ring is ``CHANGE_SMALL`` a_max wide there: d = pi E* z0^2/(4 w)."""
     return math.sqrt(4 * CHANGE_SMALL * record.a_max * record.work / (math.pi * record.E_star))
 
 

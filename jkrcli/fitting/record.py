@@ -127,8 +127,8 @@ def judgement(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[s
 
     Each part is exp(-x^2/2) of a number x that is 1 where its flag is raised: misfit (slow residuals in contact over
     the range of the load), noise (over the range), base line (waviness over the range), contact (error of the contact
-    point over the depth); "record" is ``spoilt`` for each flag of the record itself but that of a missing direction.
-    ``quality`` is their product.
+    point over the depth); "record" is ``FLAG_SPOILT`` for each flag of the record itself but that of a missing
+    direction. ``quality`` is their product.
     """
     touching = a > 0
     span = max(float(np.ptp(part.P)) for part in best.model.stretches)

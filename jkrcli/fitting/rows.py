@@ -275,8 +275,8 @@ def noise_estimate(values: Mapping[str, Array], units: Mapping[str, float]) -> d
     """Standard deviation of the readings of each column from its third differences along the record.
 
     ``units``: size of the curve on each axis. Where rows are not in order of recording the differences show the curve
-    rather than the noise: beyond ``largest_noise`` of the unit on any axis the units themselves are returned. No axis
-    is taken as more exact than ``balance`` of the other, relative to the units.
+    rather than the noise: beyond ``ROWS_LARGEST_NOISE`` of the unit on any axis the units themselves are returned. No
+    axis is taken as more exact than ``ROWS_BALANCE`` of the other, relative to the units.
     """
     relative = {name: noise_from_third_differences(values[name]) / units[name] for name in values}
     largest = max(relative.values())

@@ -31,7 +31,6 @@ from ..base.numerics import (
     zeros_between,
 )
 from ..base.units import show
-from ..bodies.problem import Problem
 from ..formulas import shift
 from ..series import COLUMNS, Series
 from .slopes import Slopes
@@ -983,15 +982,12 @@ def _place_between(points: Array, x: Array) -> Array:
 
 
 # --------------------------------------------------------------------------------------------------
-# Contacts too small or too hard pressed for the theory: pull-off at radii below atoms, pressures that bodies yield
-# to.
+# Contacts too small for the theory: pull-off at radii below atoms.
 #
 # A cone has no length of its own, so that JKR theory goes on to any radius: a stiff one loses contact at picometres.
 
 # When a contact is no longer one of an elastic continuum.
 SHARP_NEAR = 3.0  # choice: distances of atoms z0 within which the end of a series is as good as pull-off itself
-SHARP_PRESSURE = 0.1  # theory: of E*, the order of the ideal strength; hardness is less (Johnson 1985, ch. 6)
-SHARP_STIFF = 1e8  # choice: Pa; gels and rubbers below it stretch instead of flowing
 
 
 def mask_below_atomic_spacing(
@@ -1011,18 +1007,3 @@ def mask_below_atomic_spacing(
         'mechanics does not hold: give the radius that every real tip has (shape = "sphere", or a profile as "table"); '
         "of a tip so small that its Tabor number is below 0.1, forces of finite range pull off at about 2 pi w R"
     )
-
-
-def yield_warning(problem: Problem, curve: EquilibriumCurve) -> list[str]:
-    """A warning where the mean pressure at the largest radius is one at which stiff bodies yield; confined layers,
-    whose pressure is hydrostatic, and gels are left out."""
-    a, P = float(curve.series.a[-1]), float(curve.series.P[-1])
-    mean = P / (math.pi * a**2 * problem.E_star)
-    confined = a > (problem.specimen.top_thickness or math.inf)
-    if mean <= SHARP_PRESSURE or problem.E_star < SHARP_STIFF or confined:
-        return []
-    return [
-        f"mean pressure {mean:.2g} E* at the largest contact radius is above "
-        f"{SHARP_PRESSURE:g} E*: most materials of "
-        "that stiffness flow plastically first, and the contact is then larger than an elastic one"
-    ]

@@ -406,3 +406,21 @@ def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float |
         )
         return Zone(small, small, small)
     return Zone(width, width / a, NO_LAYER if math.isinf(h) else width / h)
+
+
+SHARP_PRESSURE = 0.1  # theory: of E*, the order of the ideal strength; hardness is less (Johnson 1985, ch. 6)
+SHARP_STIFF = 1e8  # choice: Pa; gels and rubbers below it stretch instead of flowing
+
+
+def yield_warning(problem: Problem, series: Series) -> list[str]:
+    """A warning where the mean pressure at the largest radius is one at which stiff bodies yield; confined layers,
+    whose pressure is hydrostatic, and gels are left out."""
+    a, P = float(series.a[-1]), float(series.P[-1])
+    mean = P / (math.pi * a**2 * problem.E_star)
+    confined = a > (problem.specimen.top_thickness or math.inf)
+    if mean <= SHARP_PRESSURE or problem.E_star < SHARP_STIFF or confined:
+        return []
+    return [
+        f"mean pressure {mean:.2g} E* at the largest contact radius is above {SHARP_PRESSURE:g} E*: most materials of "
+        "that stiffness flow plastically first, and the contact is then larger than an elastic one"
+    ]

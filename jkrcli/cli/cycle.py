@@ -19,14 +19,7 @@ from ..base.registry import Result
 from ..base.units import show
 from ..methods.protocol import Limits
 from ..report.forward import Cycled, CycledByProgram
-from ..report.rate import (
-    CycledAdhering,
-    CycledAtSpeed,
-    CycledInLimits,
-    CycledRelaxing,
-    followed_with_limits,
-    traced_histories,
-)
+from ..report.rate import CycledAtSpeed, CycledInLimits, CycledRelaxing, followed_with_limits, traced_histories
 from ..report.result import PICTURES, Output
 from ..resolve.analysis import analyse, with_solved_points
 from ..resolve.histories import curves_from_rest, pull_off_in_limits, rest_of
@@ -179,7 +172,7 @@ def cycled(
 def followed(
     solution: Solution, works: tuple[float, float], stiffness: float, points: int, how: options.CurveOptions,
     rates: RateOptions, ranged: RangeRequest, rest: Rest | None, compare_rate: bool,
-) -> CycledAdhering:  # fmt: skip
+) -> Result:  # fmt: skip
     """Adhesion of a viscoelastic specimen over time, from ``rest`` on where there is one, with its limits."""
     law, slopes, factor, w = solution.problem.specimen.relaxation, how.slopes, how.modulus_factor, works[1]
     assert law is not None

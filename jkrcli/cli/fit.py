@@ -297,14 +297,15 @@ def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pict
     """Write table, summary, archive and pictures; what is said of the page of curves and the map. InputError, when all
     that can be written is, where no curve could be used."""
     from ..report import archive
-    from ..report.archive import LEAST_CURVES, map_of
 
     if not result.outcomes:
         raise InputError(some(reasons))
     targets, output, summary = request.targets, request.output, result.summary()
-    scan = map_of(result.outcomes) if output.plots else None
+    scan = archive.map_of(result.outcomes) if output.plots else None
     alone = scan is None and (
-        len(result.outcomes) < LEAST_CURVES or not result.fits or len({item.surface for item in result.fits}) > 1
+        len(result.outcomes) < archive.LEAST_CURVES
+        or not result.fits
+        or len({item.surface for item in result.fits}) > 1
     )
     of_map = None if alone or not output.plots else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
     several = output.plots and len(result.outcomes) > 1

@@ -15,9 +15,9 @@ from ..base.errors import InputError
 from ..base.executors import executor
 from ..case.models import load_case, method_of, plain_toml
 from ..case.store import solve
+from ..many import maps
 from ..many import sweep as running
 from ..many import sweep_plan as plans
-from ..many.maps import MAPS
 from ..many.studies import FEW, Bench
 from ..methods.protocol import METHODS, Limits
 from ..report import archive
@@ -30,15 +30,10 @@ from . import LateGroup, options
 from .inputs import announce_files, begin_reading, read_files, read_series, series_file
 from .printing import announce, answer, give, note, progress, warn
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from ..many import maps
-
-
 # --------------------------------------------------------------------------------------------------
 # Verbs of many problems: ``study`` (maps and meshes), ``sweep``, ``compare``, ``bench``.
 
-STUDIES = {f"{name}-map": words for name, words in MAPS.items()} | {
+STUDIES = {f"{name}-map": words for name, words in maps.MAPS.items()} | {
     "converge": "The same case on a sequence of meshes."
 }
 # Studies of the methods, and the targets of make that run them.
@@ -53,8 +48,6 @@ class Studies(LateGroup):
     def made(self, name: str) -> click.Command:
         if name == "converge":
             return study_converge
-        from ..many import maps
-
         return _command(maps.map_of(name.removesuffix("-map")))
 
     def unknown(self, name: str) -> str:

@@ -656,7 +656,6 @@ def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
     """The data sets of a file, whose columns are read at their first use; what 1 stands in for, if anything."""
     try:
         import afmformats
-        from afmformats import errors
     except ModuleNotFoundError:
         raise UnreadableError(f"{path}: needs the optional package afmformats: {installs('afm')}") from None
     if not path.is_file():
@@ -674,14 +673,14 @@ def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
             data_sets = _loaded(path)
             if data_sets and reading.sensitivity is not None:
                 raise InputError(f"{path}: {OWN_SENSITIVITY}")
-        except errors.MissingMetaDataError:
+        except afmformats.errors.MissingMetaDataError:
             if reading.incomplete:
                 lacks = " and ".join(key for key in calibration if key not in override)
                 override = dict.fromkeys(calibration, 1.0) | override
             if not override:
                 raise
             data_sets = _loaded(path, meta_override=override)
-    except errors.MissingMetaDataError as error:
+    except afmformats.errors.MissingMetaDataError as error:
         missing = ", ".join(error.meta_keys)
         raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
     if not data_sets:
@@ -692,7 +691,6 @@ def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
 def _loaded(path: Path, **options: Any) -> list[Any]:
     """What afmformats loads of a file."""
     import afmformats
-    from afmformats import errors
     from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
 
     if old := ArchiveCache.open_archives.pop(path, None):  # else it goes on to read what was there before
@@ -700,7 +698,7 @@ def _loaded(path: Path, **options: Any) -> list[Any]:
     with _guarded(str(path)):
         try:
             return list(afmformats.load_data(path, **options))
-        except errors.FileFormatNotSupportedError:
+        except afmformats.errors.FileFormatNotSupportedError:
             known = ", ".join(afmformats.supported_extensions)
             raise UnreadableError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
 

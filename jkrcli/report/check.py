@@ -10,6 +10,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Literal
 
@@ -240,8 +241,6 @@ def examine() -> Iterator[Finding]:
 
 def _package(package: str, extra: str = "", use: str = "") -> Finding:
     """A package; one of an ``extra`` is optional, with its ``use``."""
-    from importlib.metadata import PackageNotFoundError, version
-
     try:
         return Finding(package, "ok", f"{version(package)}{use}")
     except PackageNotFoundError:
@@ -250,8 +249,6 @@ def _package(package: str, extra: str = "", use: str = "") -> Finding:
 
 def _mesher() -> Finding:
     """gmsh is installed as a package but needs libraries of the system, which only loading it tells."""
-    from importlib.metadata import PackageNotFoundError, version
-
     try:
         importlib.import_module("gmsh")
         return Finding("gmsh", "ok", version("gmsh"))

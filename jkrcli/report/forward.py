@@ -11,19 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import device_path
-from ..adhesion.curve import (
-    LOAD_CONTROL,
-    AdhesiveCurve,
-    CriticalPoint,
-    Equilibrium,
-    EquilibriumCurve,
-    control,
-    yield_warning,
-)
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, control
 from ..adhesion.device_path import Jump, Program, cycle, trace
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.validity import Strains, faces, strain_words
+from ..adhesion.validity import Strains, faces, strain_words, yield_warning
 from ..base.errors import Estimate, InputError, Unknown, known
 from ..base.files import lists
 from ..base.numerics import ROWS, Array
@@ -381,7 +373,7 @@ def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
     judged = result.validity_at(*points)
     tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
-    warnings += [*yield_warning(result.problem, result.curve), *getattr(result.curve, "doubts", ())]
+    warnings += [*yield_warning(result.problem, result.curve.series), *getattr(result.curve, "doubts", ())]
     warnings += faces(result.problem, result.w)
     lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
     return [f"  {line}" for line in lines if line.strip()]

@@ -22,7 +22,6 @@ from ..adhesion.curve import (
     EquilibriumCurve,
     Nonadhesive,
     mask_below_atomic_spacing,
-    yield_warning,
 )
 from ..adhesion.device_path import Stability, behaviours, stable_radius
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range, RangeRequest
@@ -38,6 +37,7 @@ from ..adhesion.validity import (
     strain_size,
     unresolved,
     with_large_strains,
+    yield_warning,
 )
 from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
 from ..base.numerics import MOST_SOLVES, ROUNDED, ROWS, SAME, Array, composite_gauss
@@ -182,7 +182,7 @@ class Analysis(Reported):
         doubts = getattr(self.curve, "doubts", ())
         relaxes = relaxing(self.problem.specimen.relaxation)
         sentences = [*relaxes, *self.solution.warnings, *flags, *limits, *doubts]
-        sentences += [*yield_warning(self.problem, self.curve), *outside]
+        sentences += [*yield_warning(self.problem, self.curve.series), *outside]
         difference = None if comparison is None or isinstance(comparison.pull_off, Unknown) else comparison.pull_off
         parts = [part for part in vars(self.budget).values() if not isinstance(part, Unknown)]
         stated = max(2 * sum(parts), 1e-6) if parts else math.inf  # what was not estimated is not exceeded

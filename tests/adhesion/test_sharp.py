@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.curve import SHARP_PRESSURE, CriticalPoint
+from jkrcli.adhesion.curve import CriticalPoint
+from jkrcli.adhesion.validity import SHARP_PRESSURE
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

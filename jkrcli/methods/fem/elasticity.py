@@ -27,14 +27,7 @@ from ... import formulas
 from ...base.errors import InputError, Refusal, SolveError, installs
 from ...base.numerics import RESIDUAL_LIMIT, Array
 from ...base.process import one_thread
-from ...bodies.problem import (
-    AnyGraded,
-    AnyTransverse,
-    Elastic,
-    GradedTransverselyIsotropic,
-    Material,
-    TransverselyIsotropic,
-)
+from ...bodies.problem import AnyGraded, Elastic, GradedTransverselyIsotropic, Material, TransverselyIsotropic
 from ..protocol import Solver
 from .mesh import Grid, MeshedBody, require, sides
 
@@ -310,7 +303,7 @@ def _displacement_blocks(basis: skfem.Basis, constants: Array) -> csr_matrix:
 
 def _pressure_blocks(basis: skfem.Basis, grid: Grid, layer: int, material: Material) -> tuple[Any, Any, Any, Array]:
     """Divergence blocks, compressibility and nodes of the pressure in one layer: it may jump at interfaces."""
-    assert not isinstance(material, AnyTransverse)  # always compressible
+    assert not isinstance(material, TransverselyIsotropic | GradedTransverselyIsotropic)  # always compressible
     displacement, lower = (_restricted(basis, grid, layer, e) for e in (basis.elem, _of_pressure(basis, grid)))
     used = np.unique(lower.element_dofs)
     B_r, B_z = (form.assemble(displacement, lower)[used] for form in (pressure_r, pressure_z))

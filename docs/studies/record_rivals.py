@@ -30,7 +30,7 @@ from jkrcli.base.lockstep import Flow, alone
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import force_curve, verdict
+from jkrcli.fitting import force_curve, record
 from jkrcli.fitting.alternative_tests import RecordRivals, bounds, relative_errors, rivals_of_records
 from jkrcli.fitting.alternatives import AMOUNT, RIVALS, FittedRecord, Perturbation, RivalModel
 from jkrcli.fitting.forward_model import FittedBody
@@ -99,7 +99,7 @@ def timed_scores() -> None:
         yield from ()
         return found
 
-    vars(verdict).update(rivals_of_records=scores, bounds=timed)
+    vars(record).update(rivals_of_records=scores, bounds=timed)
 
 
 def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:

@@ -437,7 +437,12 @@ def series_differences(first: Series, second: Series) -> list[Difference]:
 
 
 def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -> list[Difference]:
-    """The columns that two adhesive curves share, at equal contact radius, over the common range."""
+    """The columns that two adhesive curves share, at equal contact radius, over the common range; of the rows without
+    contact, of adhesion of finite range, the last one alone."""
+    first, second = (
+        {name: column[np.append(np.diff(curve["a_m"]) > 0, True)] for name, column in curve.items()}
+        for curve in (first, second)
+    )
     x, inside = _common(first["a_m"], second["a_m"])
     differences = []
     for name in first:

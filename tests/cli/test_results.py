@@ -138,6 +138,14 @@ def test_differences_of_curves_are_over_the_largest_value_and_name_the_row() -> 
     assert found["delta_m"].worst == 0
 
 
+def test_curves_of_finite_range_are_compared_where_they_touch() -> None:
+    columns = {"a_m": [0.0, 0.0, 0.0, 1e-6, 2e-6], "P_N": [-1e-6, -2e-6, -3e-6, -2e-6, 1e-6]}
+    curve = {name: np.array(values) for name, values in columns.items()}
+    (found,) = curve_differences(curve, curve)
+    assert found.x.tolist() == [0.0, 1e-6, 2e-6]
+    assert found.worst == 0
+
+
 def test_series_that_do_not_overlap_are_refused() -> None:
     one = ClosedForm()(Problem(Sphere(R), GROUND, Loading.given("depth", (1e-8, 2e-8)))).series
     two = ClosedForm()(Problem(Sphere(R), GROUND, Loading.given("depth", (1e-6, 2e-6)))).series

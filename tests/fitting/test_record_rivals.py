@@ -51,10 +51,9 @@ from jkrcli.fitting.alternatives import (
 from jkrcli.fitting.forward_model import grid, on_grid
 from jkrcli.fitting.least_squares import Spectrum
 from jkrcli.fitting.procedure import fit
-from jkrcli.fitting.record import _fitted, _model, as_raw_force_curve, directions_of
+from jkrcli.fitting.record import _fitted, _model, as_raw_force_curve, directions_of, half_space_modulus
 from jkrcli.fitting.result import Fit
 from jkrcli.fitting.settings import Settings
-from jkrcli.fitting.verdict import half_space_modulus
 from jkrcli.report.inverse import fit_words, rivals_table, summary
 
 AT = Drawn(E=1e5, w=2e-4, radius=1.5e-6, k=1.0, largest=4e5 * 1.5e-6**3 / (3 * R), noise=3e-11, seed=5)

@@ -16,7 +16,7 @@ from ..adhesion.validity import large_strains, strain_words
 from ..base.errors import InputError, JkrError, SolveError, Unknown
 from ..base.executors import Pool, batches_completed, executor
 from ..base.lockstep import Flow, alone, together
-from ..base.numerics import LOOKED_AT, TOGETHER, UNSEEN, Array
+from ..base.numerics import LOOKED_AT, UNSEEN, Array
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.problem import RADIUS, changed, checked_names
@@ -212,7 +212,8 @@ OF_SHAPE = "the faces of the pyramid"
 OF_STRAINS = "large strains"
 NOTICED = 0.1  # choice: of the interval of w, the part by large strains from which on it is told
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
-SIDE_BY_SIDE = 50_000  # choice: rows of curves that are fitted together; their derivatives stay in the cache
+SIDE_BY_SIDE = 64  # choice: curves that are fitted together, which shares what each step costs besides its rows
+SIDE_BY_SIDE_ROWS = 150_000  # choice: of theirs in all; each row takes up to a kilobyte
 STIFFEST = 50.0  # choice: of the device, a contact's stiffness beyond which no E* is told
 STIFFNESS_PART = 0.2  # choice: of the range of the load, from the largest on, over which a contact's stiffness is taken
 SYMBOLS = {"E_star": "E*"}
@@ -274,7 +275,8 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     fits: dict[int, Fit | Failure] = {}
     with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
         work = partial(_fits_together, body, settings=settings, pool=None if outer is pool else pool)
-        for index, result in batches_completed(outer, work, curves, "fitting", TOGETHER):
+        most = min(SIDE_BY_SIDE, math.ceil(len(curves) / outer.workers)) or 1
+        for index, result in batches_completed(outer, work, curves, "fitting", most):
             if isinstance(result, JkrError):
                 lines = result.lines if isinstance(result, InputError) else (str(result),)
                 fits[index] = Failure(curves[index], lines)
@@ -291,7 +293,7 @@ def _fits_together(
     """The fits of some curves, side by side as far as their rows are few, exceptions in place of those that failed."""
     fits, batch, rows = list[Fit | Exception](), list[Curve](), 0
     for curve in (*curves, None):
-        if batch and (curve is None or rows + len(curve) > SIDE_BY_SIDE):
+        if batch and (curve is None or rows + len(curve) > SIDE_BY_SIDE_ROWS):
             fits += together([_fitting(body, one, settings, pool) for one in batch])
             batch, rows = [], 0
         if curve is not None:

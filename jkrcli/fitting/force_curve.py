@@ -1177,14 +1177,16 @@ def _windowed(best: ForceCurveFit, part: DirectionReadings) -> DirectionReadings
 
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
-    names = np.array(model.names, dtype=str)
-    reach = np.select([names == "ln_s", names == "ln_period"], [FIT_MODULI, FIT_PERIODS], np.inf)
-    lowest, highest = start - reach, start + reach
-    for prefix, high in (("q:", model.most), ("r:", math.sqrt(model.most)), ("turn", 1.0)):
-        own = np.char.startswith(names, prefix)
-        lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
-    least, most = np.array([model.limits.get(name, (-np.inf, np.inf)) for name in model.names]).T
-    return np.maximum(lowest, least), np.minimum(highest, most)
+    about, within = {"ln_s": FIT_MODULI, "ln_period": FIT_PERIODS}, {"q": model.most, "r": math.sqrt(model.most)}
+    limits, bounds = model.limits, []
+    for name, x in zip(model.names, start.tolist(), strict=True):
+        reach, (least, most) = about.get(name, math.inf), limits.get(name, (-math.inf, math.inf))
+        low, high = x - reach, x + reach
+        if (largest := 1.0 if name == "turn" else within.get(name.partition(":")[0])) is not None:
+            low, high = -largest, largest
+        bounds.append((max(low, least), min(high, most)))
+    least, most = np.array(bounds).T
+    return least, most
 
 
 def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit]:

@@ -65,7 +65,7 @@ SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from wh
 # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
 SCORE_BESIDE = 1.5
 SCORE_SEEN = 1e-7  # theory: of a column, what is left of it that differences of squares tell
-SCORE_TAIL = 0.125  # theory: of Student's t: cubics of logs of its tail between are good to 1e-7
+SCORE_TAIL = 0.125  # theory: of Student's t: cubics of logs of its tail between are good to 1e-6
 SCORE_FARTHEST = 1e3  # choice: of the same, beyond which a tail is as there
 
 
@@ -304,7 +304,7 @@ def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array
 
 def _tails(taken: Array, dof: float) -> Array:
     """The chances that the square of Student's t of ``dof`` degrees of freedom is above each of ``taken``: between even
-    t by cubics of their logs through values and slopes, good to 1e-7; nan where nothing is known."""
+    t by cubics of their logs through values and slopes, good to 1e-6; nan where nothing is known."""
     t = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf))
     nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max(initial=0.0)), SCORE_FARTHEST) / SCORE_TAIL) + 2)
     peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)

@@ -36,7 +36,6 @@ from .checks import warnings_of
 from .force_curve import (
     FIT_ENOUGH,
     TIMED,
-    DirectionReadings,
     ForceCurveFit,
     ForceCurveModel,
     Wave,
@@ -821,18 +820,16 @@ def receding_rows(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     if record is None or not any(usable(record, kind) for kind in requested(settings)):
         return curve
     _, best = alone(_fitted(body, _model(body, record, settings, {}, directions_of(record, settings)), settings))
-    curve = _in_contact(best, curve, best.model.stretches[-1:], still=False)
+    curve = _in_contact(best, curve, receding=True)
     return replace(curve, delta=curve.depth - curve.load / best.model.k)
 
 
-def _in_contact(best: ForceCurveFit, curve: Curve, parts: Sequence[DirectionReadings], still: bool = True) -> Curve:
-    """The rows in contact of some stretches, those on which the edge is ``still`` too, in order of recording: net load
-    over the position of the device from first touch."""
+def _in_contact(best: ForceCurveFit, curve: Curve, receding: bool = False) -> Curve:
+    """The rows in contact, or of the last direction those on which the edge is ``receding``, in order of recording: net
+    load over the position of the device from first touch."""
     values, each = best.model.values(best.x), []
-    for part, (a, rests) in zip(best.model.stretches, best.radii, strict=True):
-        if part not in parts:
-            continue
-        chosen = (a > 0) & (still | ~rests)
+    for part, (a, rests) in list(zip(best.model.stretches, best.radii, strict=True))[-1 if receding else 0 :]:
+        chosen = (a > 0) & ~rests if receding else a > 0
         depth, P = best.model.depth(part, values), part.P - base_line(part, values)[0]
         each.append((part.rows[chosen], depth[chosen], P[chosen], np.full(np.count_nonzero(chosen), part.kind)))
     rows, delta, P, words = (np.concatenate(columns) for columns in zip(*each, strict=True))
@@ -847,7 +844,7 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
     usual = tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))
     plain = replace(settings, parameters=usual, named=frozenset(), noise={}, branch="all", loss="linear")
     best = whole_fit(body, record, plain)
-    curve = _in_contact(best, record.curve, best.model.stretches)
+    curve = _in_contact(best, record.curve)
     outcome = outcome_of(best, best.x, body)
     chosen = {p.name: p for p in settings.parameters if p.name in settings.named}
     fixed_zeros = {name for name in ("delta0", "P0") if name in chosen and not chosen[name].free}

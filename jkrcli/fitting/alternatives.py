@@ -435,7 +435,7 @@ class FittedRecord:
     def retraction(self) -> DirectionReadings | None:
         return next((part for part in self.model.stretches if part.kind != APPROACH), None)
 
-    @property
+    @cached_property
     def edges(self) -> Sequence[Edges]:
         """The edges of each stretch, as the model gives them."""
         return self.model.edges(self.fit.x)

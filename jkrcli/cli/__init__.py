@@ -160,11 +160,12 @@ jkr = Verbs(
 click.version_option(__version__, prog_name="jkr")(jkr)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Entry point of ``jkr``: one line per mistake on stderr, never a traceback for what the user can mend."""
+def main() -> int:
+    """Carry out the words of the process and return its exit code: one line per mistake on stderr, never a traceback
+    for what the user can mend."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal's encoding lacks is no mistake
-    sys.exit(call(arguments))
+    return call()
 
 
 def call(arguments: Sequence[str] | None = None) -> int:

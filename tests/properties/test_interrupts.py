@@ -137,6 +137,30 @@ def test_an_interrupt_is_one_line(folder: Path, verb: str, moment: float) -> Non
     check(folder, verb, moment)
 
 
+@pytest.mark.parametrize(
+    ("moment", "code", "words"),
+    [
+        # Python answers for what a class calls while it is made with a RuntimeError of its own
+        ("cli.call = lambda: type('Half', (), {'read': type('', (), {'__set_name__': press})()})", CODE, LINE),
+        # as C code does that is initialised then
+        ("def call():\n try: press()\n except KeyboardInterrupt: raise ImportError('initialization failed')\n"
+         "cli.call = call", CODE, LINE),
+        # and what was loaded by half need not survive that Python clears up
+        ("import atexit; atexit.register(os.abort)\ncli.call = lambda: cli.INTERRUPTED", CODE, ""),
+        # while all that is done is cleared up there is nothing to interrupt
+        ("import atexit; atexit.register(press)\ncli.call = lambda: 0", 0, ""),
+    ],
+    ids=["class", "module", "clearing-up-half", "clearing-up"],
+)  # fmt: skip
+def test_an_interrupt_where_python_turns_it_into_another_error(moment: str, code: int, words: str) -> None:
+    program = (
+        "import os, signal\nfrom jkrcli import cli\nfrom jkrcli.__main__ import main\n"
+        f"def press(*_): os.kill(os.getpid(), signal.SIGINT)\n{moment}\nmain()\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (code, words)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("verb", VERBS)
 def test_interrupts_of_every_verb_are_one_line(folder: Path, verb: str) -> None:

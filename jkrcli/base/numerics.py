@@ -216,12 +216,21 @@ def cosine_transform(rows: Array) -> Array:
     n = rows.shape[-1]
     # even places, then odd ones backwards: the transform is the real part of the turned Fourier transform (Makhoul,
     # IEEE Trans. ASSP 28 (1980) 27), whose upper half is minus the imaginary part of the lower, in reverse
-    folded = np.concatenate([rows[..., ::2], rows[..., 1::2][..., ::-1]], axis=-1)
+    folded, half = np.empty(rows.shape), n - n // 2
+    folded[..., :half], folded[..., half:] = rows[..., ::2], rows[..., 1::2][..., ::-1]
     waves = np.fft.rfft(folded)
-    waves *= math.sqrt(2 / n) * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))
-    transform = np.concatenate([waves.real, -waves.imag[..., 1 : n - n // 2][..., ::-1]], axis=-1)
-    transform[..., 0] *= math.sqrt(0.5)
-    return transform
+    waves *= _turns(n)
+    folded[..., : n // 2 + 1] = waves.real
+    np.negative(waves.imag[..., 1:half][..., ::-1], out=folded[..., n // 2 + 1 :])
+    return folded
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _turns(n: int) -> Array:
+    """By what that turns and scales the Fourier transform of ``n`` numbers."""
+    turns: Array = math.sqrt(2 / n) * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))
+    turns[0] *= math.sqrt(0.5)
+    return turns
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -22,7 +22,7 @@ import re
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
 from concurrent.futures import wait as wait_for
 from contextlib import AbstractContextManager
@@ -59,6 +59,11 @@ class Pool(Executor):
     seconds = math.inf
     progress: Progress = staticmethod(silent)
     dashboard: str | None = None  # address of the page that shows what a cluster does
+
+    def withdraw(self, tasks: Iterable[Future[Any]]) -> None:
+        """Take back those of ``tasks`` that nobody works on yet."""
+        for task in tasks:
+            task.cancel()
 
     def abandon(self) -> None:
         """Give up what is in hand, at once."""
@@ -145,8 +150,7 @@ def batches_completed(
                         step(isinstance(result, Exception))
                         yield index, result
         finally:
-            for future in running:
-                future.cancel()
+            pool.withdraw(running)
 
 
 def _results(future: Future[Outcomes[Result]], alone: bool) -> Outcomes[Result] | None:
@@ -252,6 +256,10 @@ class _Processes(Pool):
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
+
+    def withdraw(self, tasks: Iterable[Future[Any]]) -> None:
+        """None of them: the thread that reports the end of its processes fails on tasks that others have cancelled.
+        The few that were handed out are finished, or given up with the pool."""
 
     def abandon(self) -> None:
         self._lifeline.close()

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -154,6 +155,24 @@ def _runs(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except OSError:
         return False
+
+
+def test_work_is_given_up_in_silence_however_the_threads_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes that end before their pool is told so are a broken pool, which reports to every task."""
+    shutdown, failures = ProcessPoolExecutor.shutdown, list[object]()
+
+    def late(pool: ProcessPoolExecutor, *arguments: bool, **named: bool) -> None:
+        time.sleep(0.3)
+        shutdown(pool, *arguments, **named)
+
+    monkeypatch.setattr(ProcessPoolExecutor, "shutdown", late)
+    monkeypatch.setattr(threading, "excepthook", failures.append)
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    with contextlib.suppress(KeyboardInterrupt), executor(2) as pool:
+        for _ in completed(pool, time.sleep, [0.0] + [10.0] * 40, "naps"):
+            signal.setitimer(signal.ITIMER_REAL, 0.1)  # while two tasks are in work and two wait for them
+    signal.signal(signal.SIGALRM, before)
+    assert not failures
 
 
 def test_progress_is_told_of_every_item_and_of_failures() -> None:

@@ -438,18 +438,6 @@ class _Ball:
         return inside
 
 
-def orthogonal(J: Array) -> tuple[Array, Array]:
-    """Q and R of columns of about unit length, J = Q R: by J^T J, a fifth of the work, unless that loses too many
-    digits."""
-    with contextlib.suppress(np.linalg.LinAlgError):
-        lower = np.linalg.cholesky(J.T @ J)
-        size = np.diag(lower)
-        if size.min(initial=1.0) > SEARCH_DIGITS * size.max(initial=1.0):
-            return J @ np.linalg.inv(lower.T), lower.T
-    Q, R = np.linalg.qr(J)
-    return Q, R
-
-
 def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:
     """The state of a model that gives residuals alone: derivatives by forward ``steps`` of the unknowns."""
     here = residuals(x)
@@ -749,7 +737,10 @@ class Spectrum:
     slow: tuple[tuple[float, float, float], ...] = ()
 
     def __call__(self, f: Array) -> Array:
-        density: Array = self.A + sum((B * _slow(f, corner, power) for B, corner, power in self.slow), np.zeros_like(f))
+        density, squares = np.full(f.shape, self.A), f * f
+        for B, corner, power in self.slow:
+            falls = 1 + squares / corner**2
+            density += B / (falls if power == 2 else falls ** (power / 2))
         return density
 
     def of_level(self, A: float) -> Spectrum:
@@ -766,13 +757,13 @@ class Spectrum:
         """Columns of rows in the order of time, (rows, ...), so that this noise has unit variance and no colour."""
         if not self.slow:
             return columns / math.sqrt(self.A)
-        return (waves(columns).T / np.sqrt(self(frequencies(len(columns))))).T
+        return (waves(columns).T / np.sqrt(density(self, len(columns)))).T
 
     def drawn(self, rng: np.random.Generator, rows: int) -> Array:
         """A series of so many ``rows`` of this noise."""
         from scipy.fft import idct
 
-        series: Array = idct(np.sqrt(self(frequencies(rows))) * rng.normal(size=rows), norm="ortho")
+        series: Array = idct(np.sqrt(density(self, rows)) * rng.normal(size=rows), norm="ortho")
         return series
 
 
@@ -811,15 +802,24 @@ class Possible:
         return energy
 
 
-def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
+def _slow(f: Array, corner: Array, power: Array) -> Array:
     """1/(1 + (f/c)^2)^(b/2) of frequencies, for each corner c and power b, of which most are 2."""
-    falls = 1 + (f / corner) ** 2
-    shape: Array = 1 / falls
-    if np.ndim(power) == 0:
-        return shape if power == 2 else shape ** (np.asarray(power) / 2)
-    other = np.flatnonzero(np.asarray(power) != 2)
-    shape[other] **= np.asarray(power)[other] / 2
+    shape: Array = 1 / (1 + (f / corner) ** 2)
+    other = np.flatnonzero(power != 2)
+    shape[other] **= power[other] / 2
     return shape
+
+
+@lru_cache(maxsize=REMEMBERED)
+def frequencies(rows: int) -> Array:
+    """Those of the cosine transform, per row."""
+    return np.arange(rows) / (2 * rows)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def density(noise: Spectrum, rows: int) -> Array:
+    """That of a ``noise`` at the frequencies of so many ``rows``."""
+    return noise(frequencies(rows))
 
 
 def waves(columns: Array) -> Array:
@@ -834,9 +834,10 @@ def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
     columns, rows = columns[order], rows[order] - rows.min()
     series = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
     series[rows] = columns
-    for i in np.flatnonzero(np.diff(rows) > 1) + 1:
-        count = int(rows[i] - rows[i - 1]) - 1
-        slow = 1 - noise.A / float(noise(np.array(1 / (2 * count))))
+    ends = np.flatnonzero(np.diff(rows) > 1) + 1
+    missing = rows[ends] - rows[ends - 1] - 1
+    shares = 1 - noise.A / noise(1 / (2 * missing))
+    for i, count, slow in zip(ends.tolist(), missing.tolist(), shares.tolist(), strict=True):
         beside = max(count, COLOURED_BESIDE)
         first, last = (slow * part.mean(axis=0) for part in (columns[max(i - beside, 0) : i], columns[i : i + beside]))
         share = np.arange(1, count + 1) / (count + 1)
@@ -844,40 +845,33 @@ def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
     return series
 
 
-def frequencies(rows: int) -> Array:
-    """Those of the cosine transform, per row."""
-    return np.arange(rows) / (2 * rows)
-
-
 def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:
     """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in the order of time, that were
     fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
     residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""
-    f, free = frequencies(off.size), [run for run in free if run.size > 2]  # of fewer a line leaves nothing
-    own = weight(f)
-    rows = waves(np.column_stack([J, off])) / np.sqrt(own)[:, None]
-    scale = np.linalg.norm(rows[:, :-1], axis=0)
-    scale[scale == 0] = 1.0
-    Q, triangle = orthogonal(rows[:, :-1] / scale)
-    U, s, V = np.linalg.svd(triangle)
-    U = Q @ U
-    root = (V / np.maximum(s, COLOURED_SINGULAR * s[0])[:, None] / scale).T
-    all_rows = Octaves.of(f, rows[:, -1] ** 2, np.einsum("ij,ij->i", U, U)).spectrum()
+    free = [run for run in free if run.size > 2]  # of fewer a line leaves nothing
+    own = density(weight, off.size) if weight.slow else weight.A
+    rows = numerics.cosine_transform(np.concatenate([J.T, off[None]]))
+    rows /= np.sqrt(own)
+    Q, inverse = _factors(rows[:-1].T)
+    f = frequencies(off.size)
+    octaves = Octaves.of(f, np.einsum("ij,ij->i", Q, Q))
+    all_rows = Periodogram(octaves, octaves.means(rows[-1] ** 2)).spectrum()
     every = all_rows(f) * own if all_rows.slow or weight.slow else all_rows.A * weight.A
     loose = sum(run.size for run in free)
     seen = _of_base_lines(free, rounding) if loose >= COLOURED_FREE else None
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
 
     def of(noise: Array | float) -> Array:
-        if isinstance(noise, float) and not weight.slow:  # U^T U = 1
-            plain: Array = noise / weight.A * (root @ root.T)
+        if isinstance(noise, float) and not weight.slow:  # Q^T Q = 1
+            plain: Array = noise / weight.A * (inverse @ inverse.T)
             return plain
-        matrix: Array = root @ (U.T * (noise / own)) @ U @ root.T
+        matrix: Array = inverse @ (Q.T * (noise / own)) @ Q @ inverse.T
         return matrix
 
     def of_spectrum(noise: Spectrum) -> tuple[Array, float]:
-        density = noise(f) if noise.slow else noise.A
-        return of(density), float(np.mean(density))
+        level = density(noise, off.size) if noise.slow else noise.A
+        return of(level), float(np.mean(level))
 
     beside, (covariance, level) = of(every), (of(every), float(np.mean(every))) if seen is None else of_spectrum(noise)
     if seen is not None and _rise(beside, covariance) < COLOURED_HIDDEN**2:
@@ -892,13 +886,29 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise, possible)
 
 
+def _factors(J: Array) -> tuple[Array, Array]:
+    """Q and R^-1 of J = Q R, its columns orthonormal: by J^T J, a fifth of the work, unless that loses too many digits;
+    very large along what J does not tell."""
+    squares = J.T @ J
+    size = np.sqrt(squares.diagonal())
+    size[size == 0] = 1.0
+    with contextlib.suppress(np.linalg.LinAlgError):
+        lower = np.linalg.cholesky(squares / (size[:, None] * size))
+        if (pivots := lower.diagonal()).min() > SEARCH_DIGITS * pivots.max():
+            inverse = np.linalg.inv(lower).T / size[:, None]
+            return J @ inverse, inverse
+    Q, R = np.linalg.qr(J / size)
+    U, s, V = np.linalg.svd(R)
+    return Q, (V.T / np.maximum(s, COLOURED_SINGULAR * s[0])) @ U.T / size[:, None]
+
+
 def _rise(one: Array, other: Array) -> float:
     """The median factor between the variances of two covariances."""
     known = np.diag(other) > 0
     return median((np.diag(one) / np.diag(other))[known]) if known.any() else 1.0
 
 
-def _hidden(seen: Octaves, noise: Spectrum, every: Spectrum) -> Spectrum:
+def _hidden(seen: Periodogram, noise: Spectrum, every: Spectrum) -> Spectrum:
     """The noise of free rows that were ``seen``; where their own ``noise`` is not slow, of the colour of
     ``every`` row if it is as likely in them: noise slower than they are long shows in the others."""
     if noise.slow or not every.A:
@@ -907,18 +917,24 @@ def _hidden(seen: Octaves, noise: Spectrum, every: Spectrum) -> Spectrum:
     return likely if seen.unlikely(likely) <= seen.unlikely(noise) else noise
 
 
-def _of_base_lines(runs: Sequence[Array], rounding: float) -> Octaves:
+def _of_base_lines(runs: Sequence[Array], rounding: float) -> Periodogram:
     """The residuals of runs of free rows, of each of which the fit has taken a straight line, their variance not below
     that of ``rounding``, which a line that stands still does not show."""
+    order, octaves = _beside_lines(tuple(run.size for run in runs))
     parts = []
     for off in runs:
         along = np.arange(off.size) - (off.size - 1) / 2
         line = off.mean() + along * (along @ off / (along @ along))
-        parts.append((frequencies(off.size), waves(off - line) ** 2, taken_by_line(off.size)))
-    f, power, taken = (np.concatenate(items) for items in zip(*parts, strict=True))
+        parts.append(numerics.cosine_transform(off - line) ** 2)
+    return Periodogram(octaves, np.maximum(octaves.means(np.concatenate(parts)[order]), max(rounding, TINY)))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _beside_lines(runs: tuple[int, ...]) -> tuple[Array, Octaves]:
+    """The order by frequency of the waves of runs of so many rows, and their octaves beside a line through each run."""
+    f, taken = (np.concatenate([of(rows) for rows in runs]) for of in (frequencies, taken_by_line))
     order = np.argsort(f, kind="stable")
-    octaves = Octaves.of(f[order], power[order], taken[order])
-    return replace(octaves, mean=np.maximum(octaves.mean, max(rounding, TINY)))
+    return order, Octaves.of(f[order], taken[order])
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -932,41 +948,71 @@ def taken_by_line(rows: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Octaves:
-    """The ``mean`` squares of the waves of a series in octaves about frequencies ``centre``, each from the ``count``
-    of them that the fit has left; ``lowest``: the lowest frequency above 0."""
+    """Octaves of the waves of a series, from those of number ``first`` on, about frequencies ``centre``: the ``count``
+    of waves that the fit has left of each; ``lowest``: the lowest frequency above 0."""
 
-    mean: Array
+    first: Array
     count: Array
     centre: Array
     lowest: float
 
     @classmethod
-    def of(cls, f: Array, power: Array, taken: Array) -> Octaves:
-        """By the squares of the ``waves`` at frequencies ``f``; ``taken``: how much of each of them the fit has."""
-        left, lowest = 1 - np.minimum(taken, 1.0), float(f[f > 0][0])
-        edges = _octaves(left)
-        count = np.add.reduceat(left, edges)
-        centre = count / np.add.reduceat(left / np.maximum(f, lowest / 2), edges)  # where 1/f is its mean
-        return cls(np.add.reduceat(power, edges) / count, count, centre, lowest)
+    def of(cls, f: Array, taken: Array) -> Octaves:
+        """Of frequencies ``f`` in increasing order; ``taken``: how much of each wave the fit has. An octave of which
+        too little is left joins the next."""
+        left, lowest = 1 - taken, float(f[np.searchsorted(f, 0.0, side="right")])
+        first, joined, so_far = _octaves(f.size), [0], 0.0
+        sums = np.add.reduceat(np.stack([left, left / np.maximum(f, lowest / 2)]), first, axis=1)
+        for i, more in enumerate(sums[0, :-1].tolist(), start=1):
+            so_far += more
+            if so_far > COLOURED_SHARE * (first[i] - first[joined[-1]]):
+                joined, so_far = [*joined, i], 0.0
+        count, over_f = np.add.reduceat(sums, joined, axis=1)
+        return cls(first[joined], count, count / over_f, lowest)  # the centre is where 1/f is its mean
+
+    def means(self, power: Array) -> Array:
+        """The mean squares of waves, of ``power`` each, in octaves."""
+        means: Array = np.add.reduceat(power, self.first) / self.count
+        return means
+
+    @cached_property
+    def slow(self) -> tuple[Array, Array]:
+        """Slow parts at the centres, (shapes, octaves), over what they are at the lowest, (shapes,)."""
+        corner, power = _shapes(self.lowest)
+        slow = _slow(self.centre, corner[:, None], power[:, None])
+        return slow / slow[:, :1], slow[:, 0]
+
+    @cached_property
+    def hidden(self) -> tuple[Array, Array, Array]:
+        """White spectra 1 or 1 + r with one slow part r: 1/(1 + r), (spectra, octaves), n ln(1 + r) of all n waves, and
+        the heights of r by its shape, (spectra,)."""
+        slow, tops = self.slow
+        heights = np.array(COLOURED_HEIGHTS)[:, None]
+        risen = 1 + np.vstack([0 * slow[:1], (heights[..., None] * slow).reshape(-1, slow.shape[1])])
+        return 1 / risen, np.log(risen) @ self.count, np.append(0.0, heights / tops)
+
+
+@dataclass(frozen=True, eq=False)
+class Periodogram:
+    """The ``mean`` squares of the waves of a series in ``octaves``."""
+
+    octaves: Octaves
+    mean: Array
 
     def unlikely(self, noise: Spectrum) -> float:
         """Minus twice the logarithm of Whittle's likelihood of a spectrum."""
-        return float(_unlikely(self.mean, noise(self.centre)[None], self.count)[0])
+        return float(_unlikely(self.mean, noise(self.octaves.centre)[None], self.octaves.count)[0])
 
     def spectrum(self) -> Spectrum:
         """The spectrum that is likeliest, with those that are nearly so; white where none that falls gains enough."""
-        mean, count, centre, lowest = self.mean, self.count, self.centre, self.lowest
+        mean, count = self.mean, self.octaves.count
         white = float(mean @ count / count.sum())
-        most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
-        if most[0] < most[1] + COLOURED_LEAST:
+        if count @ np.log(white / _falling(mean, count)) < COLOURED_LEAST:
             return Spectrum(white)  # no spectrum that falls gains as much
-        corner, power = _shapes(lowest)
-        slow = _slow(centre, corner[:, None], power[:, None])
-        tops = slow[:, 0].copy()
-        slow /= tops[:, None]
+        (corner, power), (slow, tops) = _shapes(self.octaves.lowest), self.octaves.slow
         A, B = _parts(slow, mean, count)
         deviance = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
-        if deviance.min() > most[0] - COLOURED_LEAST:
+        if deviance.min() > count.sum() * (np.log(white) + 1) - COLOURED_LEAST:
             return Spectrum(white)
         share = np.exp((deviance.min() - deviance) / 2)
         share = np.where(share > COLOURED_LIKELY, share, 0.0) / share[share > COLOURED_LIKELY].sum()
@@ -976,21 +1022,26 @@ class Octaves:
     def possible(self) -> Possible:
         """Spectra with their chances after the data: white or with one slow part, those of one correlation time and
         those of 1/f being as likely before."""
-        (corner, power), heights = _shapes(self.lowest), np.array(COLOURED_HEIGHTS)
-        slow = _slow(self.centre, corner[:, None], power[:, None])
-        tops = slow[:, 0]
-        ratio = np.vstack([np.zeros(self.centre.size), *(heights[:, None, None] * (slow / tops[:, None]))])
-        A = self.mean / (1 + ratio) @ self.count / self.count.sum()
-        kinds = (
-            np.repeat([1 / COLOURED_CORNERS, 1 / len(COLOURED_POWERS)], [COLOURED_CORNERS, len(COLOURED_POWERS)]) / 2
-        )
-        before = np.append(COLOURED_WHITE, np.tile((1 - COLOURED_WHITE) / heights.size * kinds, heights.size))
-        unlikely = _unlikely(self.mean, A[:, None] * (1 + ratio), self.count)
+        (corner, power), (level, rise, over_A) = _shapes(self.octaves.lowest), self.octaves.hidden
+        before, shape = _before()
+
+        # the likeliest A of A (1 + r) is the mean square over 1 + r, and minus twice the logarithm of Whittle's
+        # likelihood there n ln A + the sum of ln(1 + r), but for a constant
+        waves = self.octaves.count.sum()
+        A = level @ (self.octaves.count * self.mean) / waves
+        unlikely = waves * np.log(A) + rise
         chance = before * np.exp((unlikely.min() - unlikely) / 2)
-        B = A * np.append(0.0, np.outer(heights, 1 / tops))
-        shape = np.append(0, np.tile(np.arange(corner.size), heights.size))
         kept = chance > COLOURED_IMPOSSIBLE * chance.sum()
-        return Possible(chance[kept] / chance[kept].sum(), A[kept], B[kept], shape[kept], corner, power)
+        return Possible(chance[kept] / chance[kept].sum(), A[kept], (A * over_A)[kept], shape[kept], corner, power)
+
+
+@lru_cache(maxsize=1)
+def _before() -> tuple[Array, Array]:
+    """Chances of spectra, white or with one slow part, before the data, and the number of its shape."""
+    corners, powers, heights = COLOURED_CORNERS, len(COLOURED_POWERS), len(COLOURED_HEIGHTS)
+    kinds = np.repeat([1 / corners, 1 / powers], [corners, powers]) / 2
+    chance = np.append(COLOURED_WHITE, np.tile((1 - COLOURED_WHITE) / heights * kinds, heights))
+    return chance, np.append(0, np.tile(np.arange(corners + powers), heights))
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -1015,14 +1066,10 @@ def _falling(mean: Array, count: Array) -> Array:
     return np.maximum(np.repeat(levels, octaves), COLOURED_SINGULAR * mean.max())
 
 
-def _octaves(left: Array) -> Array:
-    """First index of each octave of frequencies; one of which too little is ``left`` joins the next."""
-    edges, first = [0], 1
-    while 2 * first < left.size:
-        if left[edges[-1] : first].sum() > max(COLOURED_SHARE * (first - edges[-1]), COLOURED_SHARE):
-            edges.append(first)
-        first *= 2
-    return np.array(edges)
+@lru_cache(maxsize=REMEMBERED)
+def _octaves(n: int) -> Array:
+    """The first of ``n`` frequencies of each octave."""
+    return np.append(0, 2 ** np.arange(max(math.ceil(math.log2(n)) - 1, 0)))
 
 
 def _unlikely(mean: Array, S: Array, count: Array) -> Array:

@@ -12,14 +12,14 @@ import contextlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
 from ..base import numerics
 from ..base.errors import JkrError, SolveError
 from ..base.lockstep import Flow, ask, quiet, together
-from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, REMEMBERED, TINY, UNSEEN, Array
 from ..bodies.problem import GEL_TENSION
 from ..data.curve import APPROACH
 from .alternatives import (
@@ -207,21 +207,19 @@ def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Ex
 def _scored(record: FittedRecord) -> RecordRivals:
     rows, noise, own = regular_rows(record), record.fit.spread.noise, 1 + record.fit.x.size
     table = _weighted(record, record.table, rows) if noise.slow else record.table
-    linear = Linearised.by(record, rows, table) if noise.slow else Linearised.of(record, rows, rivals=True)
+    linear = Linearised.of_table(record, rows, table) if noise.slow else Linearised.of(record, rows, rivals=True)
     sizes, along, moves = linear.evidence
-    unit = None
-    if noise.slow or record.fit.spread.possible is not None:
-        scale = np.where(sizes > 0, sizes, np.inf) * (1.0 if noise.slow else math.sqrt(noise.A))
-        unit = (table[own:] + moves @ table[1:own]) / scale[:, None]  # c'/|c'|, 0 where there is none
-    dofs = _noise_dofs(record.fit, unit, sizes.size)
-    evidence = zip(sizes.tolist(), along.tolist(), linear.whole.tolist(), dofs,
-                   _chances(record, unit, rows, along**2, dofs).tolist(), strict=True)  # fmt: skip
+    coloured = noise.slow or record.fit.spread.possible is not None
+    left = table[own:] + moves @ table[1:own] if coloured else None  # c'
+    dofs, misfit = _noise_dofs(record.fit, left, sizes), linear.left
+    chances = _chances(record, left, rows, sizes, along**2, dofs)
+    evidence = zip(sizes.tolist(), along.tolist(), linear.whole.tolist(), dofs.tolist(), chances.tolist(), strict=True)
     rates, errors = (moves @ _by_moves(record.fit).T).tolist(), relative_errors(record.fit)
-    misfit, dof = linear.left, max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
     scores = [
-        _score(record, rival, _Evidence(*items, len(record.columns), misfit), (E, w), errors)
-        for rival, items, (E, w) in zip(record.columns, evidence, rates, strict=True)
+        _score(record, rival, _Evidence(*items, len(record.alternatives), misfit), (E, w), errors)
+        for rival, items, (E, w) in zip(record.alternatives, evidence, rates, strict=True)
     ]
+    dof = max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
     return RecordRivals(tuple(scores), _named(scores, linear.alike), misfit, dof, _loose(record))
 
 
@@ -262,41 +260,45 @@ def _score(
     return Score(*labels, amount, error, by.chance, taken, share, *rates, *likely, word, quantile)
 
 
-def _noise_dofs(fit: ForceCurveFit, unit: Array | None, count: int) -> list[float]:
-    """The degrees of freedom of the noise at the frequencies of each of ``count`` ``unit`` columns: waves of the free
-    rows in each octave, of which a share has as much of the variance, at least one."""
-    if unit is None or not fit.spread.noise.slow:
-        return [fit.spread.dof] * count
-    rows = unit.shape[1]
+def _noise_dofs(fit: ForceCurveFit, left: Array | None, sizes: Array) -> Array:
+    """The degrees of freedom of the noise at the frequencies of what is ``left`` of each column, as large as ``sizes``:
+    waves of the free rows in each octave, of which a share has as much of the variance, at least one."""
+    spread = fit.spread
+    if left is None or not spread.noise.slow:
+        return np.full(sizes.size, float(spread.dof))
+    rows = left.shape[1]
     edges = _octaves(rows)
-    share = np.add.reduceat(unit**2, edges, axis=1)
-    counts = np.maximum(np.diff(np.append(edges, rows)) * fit.spread.dof / rows, 1)
-    share = np.maximum((share**2 / counts).sum(axis=1), 1 / max(fit.spread.dof, 1.0))
-    return (1 / share).tolist()
+    share = np.add.reduceat((left / np.where(sizes > 0, sizes, np.inf)[:, None]) ** 2, edges, axis=1)
+    counts = np.maximum(np.diff(np.append(edges, rows)) * spread.dof / rows, 1)
+    return 1 / np.maximum((share**2 / counts).sum(axis=1), 1 / max(spread.dof, 1.0))
 
 
+@lru_cache(maxsize=REMEMBERED)
 def _octaves(n: int) -> Array:
     """The first of ``n`` frequencies of each octave."""
     return np.append(0, 2 ** np.arange(math.ceil(math.log2(n))))
 
 
-def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array, dofs: Sequence[float]) -> Array:
-    """The chances that noise makes one number more, along each ``unit`` column, take as much of chi^2: the mean over
-    the spectra that are possible where white noise is likeliest, each of which raises it as much as the column is
-    slow."""
+def _chances(
+    record: FittedRecord, left: Array | None, rows: Array, sizes: Array, taken: Array, dofs: Array
+) -> Array:  # fmt: skip
+    """The chances that noise makes one number more, along what is ``left`` of each column, as large as ``sizes``, take
+    as much of chi^2: the mean over the spectra that are possible where white noise is likeliest, each of which raises
+    it as much as the column is slow."""
     possible, noise = record.fit.spread.possible, record.fit.spread.noise
-    if possible is None or unit is None:
-        return numerics.f_tail(1, np.array(dofs), taken)
+    if possible is None or left is None:
+        return numerics.f_tail(1, dofs, taken)
     taken_at = record.model.rows[rows] - record.model.rows[rows].min()  # as white noise of those missing tells nothing
     size = numerics.fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
     if len(record.model.stretches) == 1 and record.model.stretches[0].kind == APPROACH:
         taken_at += size - 1 - taken_at.max()
-    series = np.zeros((len(unit), size))
-    series[:, taken_at] = unit[:, rows]
+    series = np.zeros((len(left), size))
+    series[:, taken_at] = left[:, rows]
     power = numerics.cosine_transform(series) ** 2
-    edges, f = _octaves(power.shape[1]), frequencies(power.shape[1])
+    edges = _octaves(size)
     energy = np.add.reduceat(power, edges, axis=1)
-    centre = np.add.reduceat(f * power, edges, axis=1) / np.maximum(energy, TINY)
+    centre = np.add.reduceat(frequencies(size) * power, edges, axis=1) / np.maximum(energy, TINY)
+    energy /= (noise.A * np.where(sizes > 0, sizes, np.inf) ** 2)[:, None]  # of c'/|c'|, 0 where there is none
     raised = possible.of_waves(centre.T, energy.T) / noise.A
     mean: Array = possible.chance @ _tails(taken / np.maximum(raised, TINY), record.fit.spread.dof)
     return mean
@@ -305,8 +307,20 @@ def _chances(record: FittedRecord, unit: Array | None, rows: Array, taken: Array
 def _tails(taken: Array, dof: float) -> Array:
     """The chances that the square of Student's t of ``dof`` degrees of freedom is above each of ``taken``: between even
     t by cubics of their logs through values and slopes, good to 1e-6; nan where nothing is known."""
-    t = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf))
-    nodes = SCORE_TAIL * np.arange(math.ceil(min(float(t.max(initial=0.0)), SCORE_FARTHEST) / SCORE_TAIL) + 2)
+    place = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf)) / SCORE_TAIL
+    farthest = min(float(place.max(initial=0.0)), SCORE_FARTHEST / SCORE_TAIL)
+    cubics = _log_tails(dof, 1 << math.ceil(farthest).bit_length())  # as many as several records may share
+    last = cubics.shape[1]
+    i = np.minimum(place, last - 1.0).astype(int)
+    x, (c0, c1, c2, c3) = np.minimum(place, last) - i, cubics.take(i, axis=1)
+    chances: Array = np.exp(c0 + x * (c1 + x * (c2 + x * c3)))
+    return np.where(np.isnan(taken), math.nan, np.where(c0 > math.log(TINY), chances, 0.0))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _log_tails(dof: float, count: int) -> Array:
+    """Coefficients of those cubics, (4, count)."""
+    nodes = SCORE_TAIL * np.arange(count + 1)
     peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
 
     def density(t: Array) -> Array:
@@ -321,12 +335,7 @@ def _tails(taken: Array, dof: float) -> Array:
     tail = np.maximum(np.cumsum(np.append(last, pieces[::-1]))[::-1], TINY)
     slope, log = -SCORE_TAIL * density(nodes) / tail, np.log(tail)
     rise = np.diff(log)
-    cubics = np.stack([log[:-1], slope[:-1], 3 * rise - 2 * slope[:-1] - slope[1:], slope[:-1] + slope[1:] - 2 * rise])
-    place = np.minimum(t / SCORE_TAIL, nodes.size - 1.0)
-    i = np.minimum(place.astype(int), nodes.size - 2)
-    x, (c0, c1, c2, c3) = place - i, cubics.take(i, axis=1)
-    chances: Array = np.exp(c0 + x * (c1 + x * (c2 + x * c3)))
-    return np.where(np.isnan(taken), math.nan, np.where(c0 > math.log(TINY), chances, 0.0))
+    return np.stack([log[:-1], slope[:-1], 3 * rise - 2 * slope[:-1] - slope[1:], slope[:-1] + slope[1:] - 2 * rise])
 
 
 def chance_of(fit: ForceCurveFit, taken: float) -> float:
@@ -337,9 +346,9 @@ def chance_of(fit: ForceCurveFit, taken: float) -> float:
 def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
     """chi^2 of what a fit leaves on some ``rows``, its degrees of freedom, and how many rows the noise is estimated
     from."""
-    weighted = _weighted(record, np.vstack([record.residuals, record.jacobian.T]), rows)
-    dof = max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
-    return Linearised.by(record, rows, weighted).left, dof, _loose(record)
+    own = np.vstack([record.residuals, record.jacobian.T])
+    left = Linearised.of_table(record, rows, _weighted(record, own, rows)).left
+    return left, max(int(np.count_nonzero(rows)) - record.fit.x.size, 1), _loose(record)
 
 
 def misfit_of(record: FittedRecord, rows: Array, noise: Spectrum) -> float:
@@ -380,12 +389,11 @@ def regular_rows(record: FittedRecord) -> Array:
 class Linearised:
     """A fit with its derivatives in units of the noise, for steps of models that differ a little, on some ``rows``.
     ``gram``: products of the residuals, these derivatives and the columns of rivals, as far as they are asked for, in
-    these units; ``own``: the derivatives, (unknowns, rows). J = Q R over the lengths ``scale`` of its columns, R the
-    ``triangle``; ``along``: what of all columns is along Q."""
+    these units. J = Q R over the lengths ``scale`` of its columns, R the ``triangle``; ``along``: what of all columns
+    is along Q."""
 
     record: FittedRecord
     rows: Array
-    own: Array
     gram: Array
     scale: Array
     triangle: Array
@@ -394,33 +402,40 @@ class Linearised:
     @classmethod
     def of(cls, record: FittedRecord, rows: Array | None = None, rivals: bool = False) -> Linearised:
         """That of all rows or some, of which the others count as exact; with the columns of ``rivals`` or without."""
-        rows = np.ones(record.residuals.size, dtype=bool) if rows is None else rows
-        noise, table = (
-            record.fit.spread.noise,
-            record.table if rivals else np.vstack([record.residuals, record.jacobian.T]),
-        )
-        if noise.slow:
-            return cls.by(record, rows, record.model.whitened((table * rows).T, noise).T)
-        weighted = (table[: 1 + record.fit.x.size] if rivals else table) * (rows / math.sqrt(noise.A))
-        return cls.by(record, rows, weighted, record.products(rows) / noise.A if rivals else None)
+        rows, noise = np.ones(record.residuals.size, dtype=bool) if rows is None else rows, record.fit.spread.noise
+
+        def weighted() -> Array:
+            table = record.table if rivals else np.vstack([record.residuals, record.jacobian.T])
+            return record.model.whitened((table * rows).T, noise).T
+
+        if rivals and not noise.slow:
+            return cls._by(record, rows, record.products(rows) / noise.A, weighted)
+        return cls.of_table(record, rows, weighted())
 
     @classmethod
-    def by(cls, record: FittedRecord, rows: Array, weighted: Array, gram: Array | None = None) -> Linearised:
-        """That of residuals, derivatives and columns of rivals in units of the noise (columns, rows), of which the last
-        may be left out where ``gram`` is known. By J^T J, unless that loses too many digits."""
-        gram, own = weighted @ weighted.T if gram is None else gram, weighted[1 : record.fit.x.size + 1]
-        p = slice(1, len(own) + 1)
-        scale = np.maximum(np.sqrt(np.diag(gram)[p]), TINY)
+    def of_table(cls, record: FittedRecord, rows: Array, weighted: Array) -> Linearised:
+        """That of residuals, derivatives and columns of rivals in units of the noise (columns, rows)."""
+        return cls._by(record, rows, weighted @ weighted.T, lambda: weighted)
+
+    @classmethod
+    def _by(cls, record: FittedRecord, rows: Array, gram: Array, weighted: Callable[[], Array]) -> Linearised:
+        """By J^T J, unless that loses too many digits."""
+        p = slice(1, 1 + record.fit.x.size)
+        scale = np.maximum(np.sqrt(gram.diagonal()[p]), TINY)
         with contextlib.suppress(np.linalg.LinAlgError):
             lower = np.linalg.cholesky(gram[p, p] / np.outer(scale, scale))
-            size = np.diag(lower)
+            size = lower.diagonal()
             if size.min(initial=1.0) > SEARCH_DIGITS * size.max(initial=1.0):
-                along = np.linalg.solve(lower, gram[p] / scale[:, None])
-                return cls(record, rows, own, gram, scale, lower.T, along)
-        Q, R = np.linalg.qr((own / scale[:, None]).T)
-        if len(weighted) < len(gram):
-            weighted = record.table * (rows / math.sqrt(record.fit.spread.noise.A))
-        return cls(record, rows, own, gram, scale, R, Q.T @ weighted.T)
+                return cls(record, rows, gram, scale, lower.T, np.linalg.solve(lower, gram[p] / scale[:, None]))
+        table = weighted()
+        Q, R = np.linalg.qr((table[p] / scale[:, None]).T)
+        return cls(record, rows, gram, scale, R, Q.T @ table.T)
+
+    @cached_property
+    def own(self) -> Array:
+        """The derivatives in units of the noise, (unknowns, rows)."""
+        own: Array = self.record.model.whitened((self.record.jacobian.T * self.rows).T, self.record.fit.spread.noise).T
+        return own
 
     @cached_property
     def left(self) -> float:

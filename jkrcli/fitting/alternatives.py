@@ -8,6 +8,7 @@ at fixed positions of the device. The data are asked for each by its score (``al
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -22,7 +23,18 @@ from ..adhesion.device_path import Program
 from ..adhesion.relaxation import RelaxingContact
 from ..adhesion.validity import EXCESS, LIMITS, STRAINED
 from ..base.errors import InputError, JkrError, SolveError
-from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, PiecewiseCubic, cubic_spline
+from ..base.numerics import (
+    MOST_STEPS,
+    REMEMBERED,
+    SAME,
+    SETTLED,
+    UNSEEN,
+    Array,
+    PiecewiseCubic,
+    PiecewisePolynomial,
+    cubic_spline,
+    median,
+)
 from ..bodies.problem import (
     HalfSpace,
     Layer,
@@ -376,7 +388,7 @@ class Known:
     tension: float = 0.0
     level: float = 0.95
 
-    @property
+    @cached_property
     def quantile(self) -> float:
         """Half-width of intervals, in standard errors."""
         return NormalDist().inv_cdf((1 + self.level) / 2)
@@ -409,11 +421,21 @@ class FittedRecord:
         """Their derivatives by the unknowns, (rows, unknowns)."""
         return self.model.residuals(self.fit.x, 0.0)[1]
 
-    @cached_property
+    @property
+    def alternatives(self) -> tuple[AlternativeModel, ...]:
+        """Those that mean anything for it."""
+        return self.tabled[0]
+
+    @property
     def table(self) -> Array:
-        """Residuals, their derivatives by the unknowns and the columns of all rivals, one after the other: (columns,
-        rows)."""
-        return np.vstack([self.residuals, self.jacobian.T, *self.columns.values()])
+        """Residuals, their derivatives by the unknowns and the columns of these alternatives, one after the other:
+        (columns, rows)."""
+        return self.tabled[1]
+
+    @cached_property
+    def tabled(self) -> tuple[tuple[AlternativeModel, ...], Array]:
+        """Both."""
+        return tables([self])[0]
 
     def products(self, rows: Array) -> Array:
         """Products of all columns of the ``table`` over some ``rows`` [N^2]: from those over about the same rows."""
@@ -478,7 +500,7 @@ class FittedRecord:
     def P_H(self) -> Array:
         """Load [N] of all rows at their contact radii without adhesion."""
         load, touching = np.zeros(self.a.size), np.flatnonzero(self.a)
-        load[touching] = self.modulus * self.model.family.values(np.log(self.a[touching]))[2]
+        load[touching] = self.modulus * np.exp(_log_load(self.model.family)(np.log(self.a[touching])))
         return load
 
     @cached_property
@@ -503,11 +525,6 @@ class FittedRecord:
         """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
         return 1 - self.by_position / self.model.k
 
-    @cached_property
-    def columns(self) -> dict[AlternativeModel, Array]:
-        """The columns of all rivals that mean anything for it, by rival."""
-        return columns(self)
-
     def column(self, change: Perturbation) -> Array | None:
         """Derivative of the loads [N] by the amount of a change, at 0 unless the change has a column of its own; None
         of one of the body, which has ``bodies``."""
@@ -516,22 +533,6 @@ class FittedRecord:
         model = RivalModel.of(self.model, change)
         x = np.concatenate([self.fit.x, [LITTLE, *change.starts[0][1:]]])
         return (model.off(x, 0.0) - self.residuals) / LITTLE
-
-    def bodies(self, changes: Sequence[Perturbation]) -> Array:
-        """Changes of the logs of the body (changes, stretches, 4, n) per amount of each of the ``changes`` of it."""
-        family, parts = self.model.family, self.model.stretches
-        bodies = np.zeros((len(changes), len(parts), FUNCTIONS, grid(family).size))
-        shaped = [i for i, change in enumerate(changes) if change.shape is not None]
-        if shaped:
-            shapes = [one.shape(family, LITTLE) for one in changes if one.shape is not None]
-            D, S = (np.array(logs) for logs in zip(*shapes, strict=True))
-            bodies[shaped] = (perturbed_logs(family, D, S) / LITTLE)[:, None]
-        for body, change in zip(bodies, changes, strict=True):
-            if change.per_amount is not None:
-                body[:] = change.per_amount
-            elif change.shape is None:
-                body[:] = self.bodies_at(change, [LITTLE])[0] / LITTLE
-        return bodies
 
     def bodies_at(self, change: Perturbation, amounts: Sequence[float]) -> Array:
         """Changes of the logs of the body (amounts, stretches, 4, n) at some amounts of a change, the other unknowns as
@@ -561,9 +562,7 @@ class FittedRecord:
     @cached_property
     def history(self) -> _History | None:
         """What memories act on; None where there are not two directions or next to no contact."""
-        if len(self.model.stretches) < 2 or min(np.count_nonzero(a) for a, _ in self.radii) < 4:
-            return None
-        return _History.of(self)
+        return histories([self])[0]
 
     @cached_property
     def reach(self) -> float:
@@ -599,8 +598,17 @@ class FittedRecord:
         return min(float(np.ptp(one.t)) for one in self.model.stretches) > 0
 
 
+@lru_cache(maxsize=REMEMBERED)
+def _log_load(family: Family) -> PiecewisePolynomial:
+    """The log of the load without adhesion over that of the contact radius."""
+    return PiecewisePolynomial(family.logs.x, np.ascontiguousarray(family.logs.c[..., 2]))
+
+
 def prepare(records: Sequence[FittedRecord]) -> None:
-    """Find the short rings of attraction of some records together, which are remembered."""
+    """Find what memories of some records act on, their short rings of attraction and their columns together, which are
+    remembered."""
+    for record, history in zip(records, histories(records), strict=True):
+        vars(record)["history"] = history
     changes = [(record, finite_range(record)) for record in records]
     rings = [
         change.rings(record.model.family, {**record.values, AMOUNT: LITTLE})
@@ -608,6 +616,8 @@ def prepare(records: Sequence[FittedRecord]) -> None:
         if change is not None and change.rings is not None
     ]
     ring_changes([ring for ring in rings if ring is not None])
+    for record, tabled in zip(records, tables(records), strict=True):
+        vars(record)["tabled"] = tabled
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -679,16 +689,19 @@ def work_over_speed(record: FittedRecord) -> Perturbation | None:
 def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
     """Logs of the speed of the edge over that of the device, da/dz as the device moves evenly: their median, and those
     of all rows less it; None where no position has a neighbour on either side."""
-    if not (np.diff(z) > 0).all():  # readings of a position repeat
+    steps, positions = np.diff(z), z
+    if repeats := not (steps > 0).all():  # readings of a position
         positions, rows = np.unique(z, return_index=True)
-        a = a[rows]
-    else:
-        positions = z
+        a, steps = a[rows], np.diff(positions)
     if positions.size < 3:
         return None
-    log = np.log(np.maximum(np.abs(np.gradient(a, positions)), 1e-9))
-    median = float(np.median(log))
-    return median, np.interp(z, positions, log - median)
+    # slopes of the parabolas through three neighbours, at the ends of the straight lines through two
+    secants = np.diff(a) / steps
+    inner = (steps[1:] * secants[:-1] + steps[:-1] * secants[1:]) / (steps[1:] + steps[:-1])
+    log = np.log(np.maximum(np.abs(np.concatenate([secants[:1], inner, secants[-1:]])), 1e-9))
+    middle = median(log)
+    log -= middle
+    return middle, np.interp(z, positions, log) if repeats else log
 
 
 def _gent_schultz(typical: float) -> Perturbation:
@@ -1225,37 +1238,64 @@ class _History:
     rows: tuple[Array, Array]
     at: tuple[Array, Array]
 
-    @classmethod
-    def of(cls, record: FittedRecord) -> _History:
-        each, some, first = [], [], 0
-        for part, (a, _), order in zip(record.model.stretches, record.radii, (1, -1), strict=True):
-            touching, t = a > 0, record.time(part)
-            rows = np.flatnonzero(touching)[::order]
-            thin = rows[np.unique(np.linspace(0, rows.size - 1, RELAXATION_INSTANTS).astype(int))]
-            P = part.P + record.residuals[first : first + a.size]
-            base = P[~touching].mean() if rows.size < a.size else 0.0
-            depth = record.depth[first + thin] - (P[thin] - base) / record.model.k
-            times = -t if part.kind == APPROACH else t
-            some.append((times[thin], depth, a[thin], record.P_H[first + thin]))
-            each.append((first + rows, times[rows]))
-            first += a.size
-        (t, depth, a, P_H), (t_out, depth_out, a_out, _) = some
-        middle = np.append(t[0], (t[1:] + t[:-1]) / 2)
-        dP = np.diff(P_H, prepend=0.0)
-        met = np.interp(a_out, np.maximum.accumulate(a), t)[:, None]  # t1
-        times = np.concatenate([middle, (t_out + np.append(0.0, t_out[:-1])) / 2])
-        steps = np.diff(np.concatenate([depth, depth_out]), prepend=depth[0])
-        _, T, _, V = record.model.family.values(np.log(a_out))
-        S = record.modulus * V / T
-        counts = np.where(times > met, S[:, None] * steps, np.append(dP, np.zeros(t_out.size)))
-        ages = np.maximum(t[:, None] - middle, 0.0), np.maximum(t_out[:, None] - times, 0.0)
-        (rows, at), (rows_out, at_out) = each
-        return cls((t, t_out), ages, (np.broadcast_to(dP, ages[0].shape), counts), (rows, rows_out), (at, at_out))
-
     def changed(self, memory: Memory) -> Iterator[tuple[Array, Array]]:
         """Rows in contact, and the changes of their loads [N] per amount of a memory, which is 0 of no age."""
         for rows, at, t, ages, counts in zip(self.rows, self.at, self.t, self.ages, self.counts, strict=True):
             yield rows, np.interp(at, t, -np.einsum("ij,ij->i", memory(ages), counts))
+
+
+def histories(records: Sequence[FittedRecord]) -> list[_History | None]:
+    """Those of some records, None where there are not two directions or next to no contact."""
+    found: list[_History | None] = [None] * len(records)
+    alike: dict[tuple[Family, int, int], list[int]] = {}  # records of a body with as many instants
+    each = {}
+    for place, record in enumerate(records):
+        if len(record.model.stretches) < 2 or min(np.count_nonzero(a) for a, _ in record.radii) < 4:
+            continue
+        each[place] = way, back = [_instants(record, *one) for one in enumerate(record.model.stretches)]
+        alike.setdefault((record.model.family, way[2].shape[1], back[2].shape[1]), []).append(place)
+    for (family, n, _), places in alike.items():
+        (t, depth, a, P_H), (t_out, depth_out, a_out, _) = (
+            np.stack([each[place][i][2] for place in places], axis=1) for i in (0, 1)
+        )
+        middle = np.concatenate([t[:, :1], (t[:, 1:] + t[:, :-1]) / 2], axis=1)
+        before = np.concatenate([np.zeros((len(places), 1)), t_out[:, :-1]], axis=1)
+        times = np.concatenate([middle, (t_out + before) / 2], axis=1)[:, None]
+        largest = np.maximum.accumulate(a, axis=1)
+        t1 = np.array([np.interp(*columns) for columns in zip(a_out, largest, t, strict=True)])
+        _, T, _, V = family.values(np.log(a_out).ravel()).reshape(FUNCTIONS, *a_out.shape)
+        S = np.array([[records[place].modulus] for place in places]) * V / T
+
+        # what each change counts: dP_H up to t1, S d(delta) later
+        steps = np.diff(np.concatenate([depth, depth_out], axis=1), prepend=depth[:, :1])[:, None]
+        dP = np.zeros(steps.shape)
+        dP[:, 0, :n] = np.diff(P_H, prepend=0.0)
+        counts = np.where(times > t1[..., None], S[..., None] * steps, dP)
+        ages = (np.maximum(now[..., None] - past, 0.0) for now, past in ((t, middle[:, None]), (t_out, times)))
+        for place, *one in zip(places, t, t_out, *ages, dP, counts, strict=True):
+            (rows, at, _), (rows_out, at_out, _) = each[place]
+            found[place] = _History((one[0], one[1]), (one[2], one[3]), (one[4][:, :n], one[5]), (rows, rows_out),
+                                    (at, at_out))  # fmt: skip
+    return found
+
+
+def _instants(record: FittedRecord, which: int, part: DirectionReadings) -> tuple[Array, Array, Array]:
+    """The rows in contact of a stretch in order of time, when they were, and at some of them that time, the depth, the
+    contact radius and P_H, (4, instants)."""
+    a, rows = record.radii[which][0], slice(record.model.ends[which], record.model.ends[which + 1])
+    touching, t = a > 0, record.time(part) * (-1 if part.kind == APPROACH else 1)
+    inside = np.flatnonzero(touching)[:: 1 if which == 0 else -1]
+    thin = inside[_some_of(inside.size)]
+    P = part.P + record.residuals[rows]
+    base = P[~touching].mean() if inside.size < a.size else 0.0
+    depth = record.depth[rows][thin] - (P[thin] - base) / record.model.k
+    return inside + rows.start, t[inside], np.array([t[thin], depth, a[thin], record.P_H[rows][thin]])
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _some_of(count: int) -> Array:
+    """Numbers of ``RELAXATION_INSTANTS`` of so many, or all."""
+    return np.unique(np.linspace(0, count - 1, RELAXATION_INSTANTS).astype(int))
 
 
 def _first_order(record: FittedRecord, memory: Memory) -> Array | None:
@@ -1406,7 +1446,7 @@ RIVALS: tuple[AlternativeModel, ...] = (
         "large strains", BODY, "of what is known of them", strains, likely_strains, (0.0, ALTERNATIVE_STRAINS)),
     AlternativeModel("relaxation over a factor of time", MEMORY, "fall per factor e", partial(
         relaxing,
-        memory=lambda t: np.log1p(100 * t),
+        memory=lambda t: np.log(1 + 100 * t),
         law=lambda values, duration: PowerRelaxation(duration, values[AMOUNT]),
         search=Perturbation(((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)})
     )),
@@ -1434,19 +1474,67 @@ RIVALS: tuple[AlternativeModel, ...] = (
 
 
 def columns(record: FittedRecord, rivals: Sequence[AlternativeModel] = RIVALS) -> dict[AlternativeModel, Array]:
-    """The columns of all rivals that mean anything for a record, by rival; those of changed bodies are taken together,
-    by one look at where the rows lie on their branches."""
-    by_rival, bodies = dict[AlternativeModel, Array | None](), dict[AlternativeModel, Perturbation]()
-    for rival in rivals:
-        try:
-            effect = rival.effect(record)
-            by_rival[rival] = column = record.column(effect) if isinstance(effect, Perturbation) else effect
-        except (JkrError, FloatingPointError):
-            continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
-        if column is None and isinstance(effect, Perturbation):
-            bodies[rival] = effect
-    if bodies:
-        by_rival |= dict(zip(bodies, record.by_bodies(record.bodies([*bodies.values()])), strict=True))
-    found = {rival: column for rival, column in by_rival.items() if column is not None}
-    sums = np.array([column @ column for column in found.values()])  # of what is 0 throughout or has no meaning, too
-    return {rival: found[rival] for rival, size in zip(found, sums.tolist(), strict=True) if 0 < size < math.inf}
+    """The columns of all rivals that mean anything for a record, by rival."""
+    ((found, table),) = tables([record], rivals)
+    return dict(zip(found, table[1 + record.fit.x.size :], strict=True))
+
+
+def tables(
+    records: Sequence[FittedRecord], rivals: Sequence[AlternativeModel] = RIVALS
+) -> list[tuple[tuple[AlternativeModel, ...], Array]]:
+    """Of some records the rivals that mean anything and the ``table``; columns of changed bodies are taken together, by
+    one look at where the rows lie on their branches."""
+    each, bodies = [], list[dict[AlternativeModel, Perturbation]]()
+    for record in records:
+        by_rival, of_body = dict[AlternativeModel, Array | None](), dict[AlternativeModel, Perturbation]()
+        for rival in rivals:
+            try:
+                effect = rival.effect(record)
+                by_rival[rival] = column = record.column(effect) if isinstance(effect, Perturbation) else effect
+            except (JkrError, FloatingPointError):
+                continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
+            if column is None and isinstance(effect, Perturbation):
+                of_body[rival] = effect
+        each.append(by_rival)
+        bodies.append(of_body)
+    answers = []
+    for record, by_rival, of_body, changes in zip(records, each, bodies, changed_bodies(records, bodies), strict=True):
+        if of_body:
+            by_rival |= dict(zip(of_body, record.by_bodies(changes), strict=True))
+        found = {rival: column for rival, column in by_rival.items() if column is not None}
+        own = 1 + record.fit.x.size
+        table = np.vstack([record.residuals, record.jacobian.T, *found.values()])
+        sums = np.einsum("ij,ij->i", table[own:], table[own:])
+        means = (0 < sums) & (sums < math.inf)  # of what is 0 throughout or has no meaning, too
+        if not means.all():
+            table = np.delete(table, own + np.flatnonzero(~means), axis=0)
+        answers.append((tuple(itertools.compress(found, means.tolist())), table))
+    return answers
+
+
+def changed_bodies(
+    records: Sequence[FittedRecord], changes: Sequence[Mapping[AlternativeModel, Perturbation]]
+) -> Iterator[Array]:
+    """Of each of some records the changes of the logs of its body (changes, stretches, 4, n) per amount of each of the
+    ``changes`` of it."""
+    # changes that follow from those of displacement and stiffness, of each body together
+    shapes: dict[Family, list[tuple[Array, Array]]] = {}
+    for record, some in zip(records, changes, strict=True):
+        family = record.model.family
+        shapes.setdefault(family, []).extend(one.shape(family, LITTLE) for one in some.values() if one.shape)
+    shaped = {
+        family: iter(perturbed_logs(family, *(np.array(logs) for logs in zip(*some, strict=True))) / LITTLE)
+        for family, some in shapes.items()
+        if some
+    }
+    for record, some in zip(records, changes, strict=True):
+        family = record.model.family
+        bodies = np.empty((len(some), len(record.model.stretches), FUNCTIONS, grid(family).size))
+        for body, change in zip(bodies, some.values(), strict=True):
+            if change.per_amount is not None:
+                body[:] = change.per_amount
+            elif change.shape is not None:
+                body[:] = next(shaped[family])
+            else:
+                body[:] = record.bodies_at(change, [LITTLE])[0] / LITTLE
+        yield bodies

@@ -53,6 +53,19 @@ def alone(flow: Flow[End]) -> End:
     return end
 
 
+def beside(flows: Sequence[Flow[End]]) -> Flow[list[End]]:
+    """The results of several flows within a flow, which go on beside each other and those of others that wait as well;
+    the first of their exceptions is raised."""
+    ends: list[End] = yield from ask(_beside, flows)
+    return ends
+
+
+def _beside(groups: list[Sequence[Flow[Any]]]) -> list[list[Any] | Exception]:
+    found = iter(together([flow for flows in groups for flow in flows]))
+    each = [[next(found) for _ in flows] for flows in groups]
+    return [next((end for end in ends if isinstance(end, Exception)), ends) for ends in each]
+
+
 def together(flows: Sequence[Flow[End]]) -> list[End | Exception]:
     """Carry out ``flows``, as of fits in lockstep, and return their results in their order, exceptions in place of
     those that failed.

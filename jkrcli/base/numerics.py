@@ -336,10 +336,15 @@ def _fisher(k: float, dof: float, F: float) -> tuple[float, float]:
     return (1 - chance if upper else chance), density
 
 
+def f_chance(k: float, dof: float, F: float) -> float:
+    """The chance that F of ``k`` and ``dof`` degrees of freedom is above ``F`` >= 0; nan of nan."""
+    return _fisher(k, dof, F)[0]
+
+
 def f_tail(k: float, dof: float | Array, F: float | Array) -> Array:
     """The chances that F of ``k`` and ``dof`` degrees of freedom is above ``F`` >= 0, of any shape; nan of nan."""
     with np.errstate(all="ignore"):
-        return np.vectorize(lambda *at: _fisher(*at)[0], otypes=[float])(k, dof, F)
+        return np.vectorize(f_chance, otypes=[float])(k, dof, F)
 
 
 def f_quantile(k: float, dof: float, level: float) -> float:

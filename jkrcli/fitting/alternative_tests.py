@@ -18,7 +18,7 @@ import numpy as np
 
 from ..base import numerics
 from ..base.errors import JkrError, SolveError
-from ..base.lockstep import Flow, ask, quiet, together
+from ..base.lockstep import Flow, answers, ask, beside, quiet, together
 from ..base.numerics import MOST_SOLVES, MOST_STEPS, REMEMBERED, TINY, UNSEEN, Array
 from ..bodies.problem import GEL_TENSION
 from ..data.curve import APPROACH
@@ -193,21 +193,28 @@ class Verdict:
 
 def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
     """The scores of all rivals of some fits, each by itself."""
-    answers: list[RecordRivals | Exception] = []
+    found: list[RecordRivals | Exception] = []
     with contextlib.suppress(JkrError, ArithmeticError):  # of one of them, which tells so itself
         prepare(records)
+    white = [record for record in records if not record.fit.spread.noise.slow]
+    linear = dict(zip(white, answers(linearised, [(one, [regular_rows(one)]) for one in white]), strict=True))
     for record in records:
+        one = linear.get(record)
         try:
-            answers.append(_scored(record))
+            found.append(one if isinstance(one, Exception) else _scored(record, None if one is None else one[0]))
         except (JkrError, ArithmeticError, np.linalg.LinAlgError) as error:
-            answers.append(error)
-    return answers
+            found.append(error)
+    return found
 
 
-def _scored(record: FittedRecord) -> RecordRivals:
-    rows, noise, own = regular_rows(record), record.fit.spread.noise, 1 + record.fit.x.size
-    table = _weighted(record, record.table, rows) if noise.slow else record.table
-    linear = Linearised.of_table(record, rows, table) if noise.slow else Linearised.of(record, rows, rivals=True)
+def _scored(record: FittedRecord, linear: Linearised | None) -> RecordRivals:
+    """The scores of one; ``linear``: of noise that is white, on the rows that columns are trusted in."""
+    table, noise, own = record.table, record.fit.spread.noise, 1 + record.fit.x.size
+    if linear is None:
+        rows = regular_rows(record)
+        table = _weighted(record, table, rows)
+        linear = Linearised.of_table(record, rows, table)
+    rows = linear.rows
     sizes, along, moves = linear.evidence
     coloured = noise.slow or record.fit.spread.possible is not None
     left = table[own:] + moves @ table[1:own] if coloured else None  # c'
@@ -331,7 +338,7 @@ def _log_tails(dof: float, count: int) -> Array:
     # the tail at the nodes: its integral between them, from the last one inwards
     between, weights = numerics.composite_gauss(nodes)
     pieces = np.sum(weights * density(between), axis=1)
-    last = float(numerics.f_tail(1, dof, float(nodes[-1]) ** 2))
+    last = numerics.f_chance(1, dof, float(nodes[-1]) ** 2)
     tail = np.maximum(np.cumsum(np.append(last, pieces[::-1]))[::-1], TINY)
     slope, log = -SCORE_TAIL * density(nodes) / tail, np.log(tail)
     rise = np.diff(log)
@@ -340,7 +347,7 @@ def _log_tails(dof: float, count: int) -> Array:
 
 def chance_of(fit: ForceCurveFit, taken: float) -> float:
     """The chance that noise makes one number more take as much of chi^2."""
-    return float(numerics.f_tail(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0)))
+    return numerics.f_chance(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0))
 
 
 def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
@@ -402,34 +409,50 @@ class Linearised:
     @classmethod
     def of(cls, record: FittedRecord, rows: Array | None = None, rivals: bool = False) -> Linearised:
         """That of all rows or some, of which the others count as exact; with the columns of ``rivals`` or without."""
-        rows, noise = np.ones(record.residuals.size, dtype=bool) if rows is None else rows, record.fit.spread.noise
-
-        def weighted() -> Array:
-            table = record.table if rivals else np.vstack([record.residuals, record.jacobian.T])
-            return record.model.whitened((table * rows).T, noise).T
-
-        if rivals and not noise.slow:
-            return cls._by(record, rows, record.products(rows) / noise.A, weighted)
-        return cls.of_table(record, rows, weighted())
+        rows = np.ones(record.residuals.size, dtype=bool) if rows is None else rows
+        if rivals:
+            ((one,),) = linearised([(record, [rows])])
+            return one
+        own = np.vstack([record.residuals, record.jacobian.T])
+        return cls.of_table(record, rows, record.model.whitened((own * rows).T, record.fit.spread.noise).T)
 
     @classmethod
     def of_table(cls, record: FittedRecord, rows: Array, weighted: Array) -> Linearised:
         """That of residuals, derivatives and columns of rivals in units of the noise (columns, rows)."""
-        return cls._by(record, rows, weighted @ weighted.T, lambda: weighted)
+        return cls.several([record], [rows], (weighted @ weighted.T)[None], [lambda: weighted])[0]
 
     @classmethod
-    def _by(cls, record: FittedRecord, rows: Array, gram: Array, weighted: Callable[[], Array]) -> Linearised:
-        """By J^T J, unless that loses too many digits."""
-        p = slice(1, 1 + record.fit.x.size)
-        scale = np.maximum(np.sqrt(gram.diagonal()[p]), TINY)
-        with contextlib.suppress(np.linalg.LinAlgError):
-            lower = np.linalg.cholesky(gram[p, p] / np.outer(scale, scale))
-            size = lower.diagonal()
-            if size.min(initial=1.0) > SEARCH_DIGITS * size.max(initial=1.0):
-                return cls(record, rows, gram, scale, lower.T, np.linalg.solve(lower, gram[p] / scale[:, None]))
-        table = weighted()
-        Q, R = np.linalg.qr((table[p] / scale[:, None]).T)
-        return cls(record, rows, gram, scale, R, Q.T @ table.T)
+    def several(
+        cls, records: Sequence[FittedRecord], rows: Sequence[Array], grams: Array,
+        weighted: Sequence[Callable[[], Array]],
+    ) -> list[Linearised]:  # fmt: skip
+        """Those of some records with as many columns each, by J^T J of their ``grams``; by a QR decomposition of what
+        is ``weighted`` where J^T J loses too many digits."""
+        p = slice(1, 1 + records[0].fit.x.size)
+        scales = np.maximum(np.sqrt(np.diagonal(grams, 0, 1, 2)[:, p]), TINY)
+        lower, each = np.zeros((len(grams), scales.shape[1], scales.shape[1])), range(len(grams))
+        try:
+            lower = np.linalg.cholesky(grams[:, p, p] / (scales[:, :, None] * scales[:, None]))
+        except np.linalg.LinAlgError:
+            if len(grams) > 1:
+                return [
+                    one for i in each for one in cls.several([records[i]], [rows[i]], grams[i, None], [weighted[i]])
+                ]
+        sizes = np.diagonal(lower, 0, 1, 2)
+        good = sizes.min(axis=1, initial=1.0) > SEARCH_DIGITS * sizes.max(axis=1, initial=1.0)
+        lower[~good] = np.eye(scales.shape[1])
+        alongs = np.linalg.solve(lower, grams[:, p] / scales[..., None])
+        triangles, found = lower.transpose(0, 2, 1), list[Linearised]()
+        evidence = zip(*_evidence(grams, scales, alongs, np.linalg.inv(triangles)), strict=True)
+        for i, of_rivals in enumerate(evidence):
+            if good[i]:
+                found.append(cls(records[i], rows[i], grams[i], scales[i], triangles[i], alongs[i]))
+                vars(found[-1])["evidence"] = of_rivals
+                continue
+            table = weighted[i]()
+            Q, R = np.linalg.qr((table[p] / scales[i, :, None]).T)
+            found.append(cls(records[i], rows[i], grams[i], scales[i], R, Q.T @ table.T))
+        return found
 
     @cached_property
     def own(self) -> Array:
@@ -484,14 +507,9 @@ class Linearised:
 
     @cached_property
     def evidence(self) -> tuple[Array, Array, Array]:
-        """Of the columns c of rivals, c' what is left of them beyond the model's: |c'|, what of the residuals is along
-        it, and by how much the unknowns move per amount (rivals, unknowns)."""
-        c = self.along[:, 1 + len(self.scale) :]
-        sizes = np.sqrt(np.maximum(self.whole**2 - np.einsum("ij,ij->j", c, c), 0.0))
-        seen = sizes > SCORE_SEEN * self.whole
-        shared = self.gram[0, 1 + len(self.scale) :] - self.along[:, 0] @ c
-        along = np.where(seen, shared, 0.0) / np.where(seen, sizes, 1.0)
-        return np.where(seen, sizes, 0.0), along, -(self.inverse @ c).T / self.scale
+        """The ``_evidence`` of its rivals."""
+        sizes, along, moves = _evidence(self.gram, self.scale, self.along, self.inverse)
+        return sizes, along, moves
 
     def alike(self, which: int) -> Array:
         """The correlations of what is left of the columns of rivals with that of one."""
@@ -504,6 +522,43 @@ class Linearised:
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""
         return float(np.linalg.norm(self.triangle @ (self.scale * step)))
+
+
+def linearised(asked: Sequence[tuple[FittedRecord, Sequence[Array]]]) -> list[list[Linearised]]:
+    """Fits with the columns of rivals, each on several choices of its rows; those of as many columns together."""
+    each = [(record, rows) for record, choices in asked for rows in choices]
+    alike: dict[tuple[int, int], list[int]] = {}
+    for place, (record, _) in enumerate(each):
+        alike.setdefault((record.fit.x.size, len(record.table)), []).append(place)
+    found: dict[int, Linearised] = {}
+    for places in alike.values():
+        records, rows = zip(*(each[place] for place in places), strict=True)
+        weighted = [partial(_on_rows, *each[place]) for place in places]
+        grams = [
+            (table := of()) @ table.T if record.fit.spread.noise.slow
+            else record.products(some) / record.fit.spread.noise.A
+            for record, some, of in zip(records, rows, weighted, strict=True)
+        ]  # fmt: skip
+        found |= dict(zip(places, Linearised.several(records, rows, np.stack(grams), weighted), strict=True))
+    ordered = iter([found[place] for place in range(len(each))])
+    return [[next(ordered) for _ in choices] for _, choices in asked]
+
+
+def _on_rows(record: FittedRecord, rows: Array) -> Array:
+    """The table in units of the noise, where the other rows count as exact."""
+    return record.model.whitened((record.table * rows).T, record.fit.spread.noise).T
+
+
+def _evidence(gram: Array, scale: Array, along: Array, inverse: Array) -> tuple[Array, Array, Array]:
+    """Of the columns c of rivals, c' what is left of them beyond the model's: |c'|, what of the residuals is along it,
+    and by how much the unknowns move per amount (rivals, unknowns); of one ``Linearised`` or of several."""
+    rivals = slice(1 + scale.shape[-1], None)
+    c, r, whole = along[..., rivals], along[..., :1], np.sqrt(np.diagonal(gram, 0, -2, -1)[..., rivals])
+    sizes = np.sqrt(np.maximum(whole**2 - np.sum(c * c, axis=-2), 0.0))
+    seen = sizes > SCORE_SEEN * whole
+    shared = gram[..., 0, rivals] - np.sum(r * c, axis=-2)
+    moves = -(inverse @ c).swapaxes(-1, -2) / scale[..., None, :]
+    return np.where(seen, sizes, 0.0), np.where(seen, shared, 0.0) / np.where(seen, sizes, 1.0), moves
 
 
 def _named(scores: Sequence[Score], alike: Callable[[int], Array]) -> tuple[Score, ...]:
@@ -625,10 +680,12 @@ def _bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
         return rivals
-    off, near = (Linearised.of(record, rows, rivals=True) for rows in (off_folds(record), None))
-    scores = []
-    for i, score in enumerate(rivals.scores):
-        scores.append((yield from _bounded(off if score.name in (RANGE.name, TENSION.name) else near, score, i)))
+    every = np.ones(record.residuals.size, dtype=bool)
+    off, near = yield from ask(linearised, (record, [off_folds(record), every]))
+    scores = yield from beside(
+        [quiet(_bounded(off if one.name in (RANGE.name, TENSION.name) else near, one, i))
+         for i, one in enumerate(rivals.scores)]
+    )  # fmt: skip
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 
@@ -966,7 +1023,7 @@ def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) ->
         full = fit(without, full.x, near=True)
     here = FittedRecord(record.body, reconverge(full))
     misfit, dof, loose = misfit_left(here, regular_rows(here))
-    chance = float(numerics.f_tail(dof, max(loose, 1), misfit / dof))
+    chance = numerics.f_chance(dof, max(loose, 1), misfit / dof)
     noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
     plain = misfit_of(record, common_rows(record, here), noise)
     falls = plain - misfit_of(here, common_rows(here, record), noise)

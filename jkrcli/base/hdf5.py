@@ -263,6 +263,8 @@ class _Check:
             raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
         self.seen.add(link.u)
         opened = h5py.h5o.open(group.id, stored)
+        if isinstance(opened, h5py.h5g.GroupID):
+            return h5py.Group(opened)
         if not isinstance(opened, h5py.h5d.DatasetID):
             return group[name]
         item = h5py.Dataset(opened, readonly=True)
@@ -331,12 +333,12 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
             fits = each <= (process.TEXT if is_text else WIDEST) and 0 < count <= MOST_VALUES
             if sort not in KINDS or not fits or stored.get_storage_size() != count * each:
                 raise ValueError(f"the attribute {name} is damaged")
-            if is_text:
-                found[name] = _plain(item.attrs[name])
-            else:
-                numbers = np.empty(space.get_simple_extent_dims(), kind.dtype)
-                stored.read(numbers, h5py.h5t.py_create(numbers.dtype))
-                found[name] = _plain(numbers[()])
+            values = np.empty(space.get_simple_extent_dims(), stored.dtype)
+            stored.read(values)
+            if values.dtype.hasobject:  # texts of any length
+                texts = [text.decode("utf-8", "surrogateescape") for text in values.flat]
+                values = np.array(texts, dtype=object).reshape(values.shape)
+            found[name] = _plain(values[()])
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -112,7 +113,7 @@ class Curve:
         """The times [s], which were measured."""
         return self.column("t")
 
-    @property
+    @cached_property
     def device(self) -> Array:
         """Position of the device [m], its deflection added again; needs displacement and load."""
         return self.depth if self.stiffness is None else self.depth + self.load / self.stiffness

@@ -615,13 +615,17 @@ class FittedBody:
         layers = self.layer_names[: len(self.problem.specimen.layers)]
         return (*(f"E:{name}" for name in self.layer_names), *(f"h:{name}" for name in layers))
 
+    @cached_property
+    def _moduli(self) -> dict[str, float]:
+        problem = self.problem
+        materials = () if problem.indenter.material is not None else problem.specimen.materials
+        own = {f"E:{name}": one.surface.E for name, one in zip(self.layer_names, materials, strict=False)}
+        return {"E_star": problem.E_star, **own}
+
     def moduli(self, s: float) -> dict[str, float]:
         """E* and the moduli of all layers [Pa] by name, those of the problem times ``s``; of an indenter that is
         elastic too, which is scaled with them, E* alone."""
-        problem = self.problem
-        materials = () if problem.indenter.material is not None else problem.specimen.materials
-        own = {f"E:{name}": s * one.surface.E for name, one in zip(self.layer_names, materials, strict=False)}
-        return {"E_star": s * problem.E_star, **own}
+        return {name: s * E for name, E in self._moduli.items()}
 
     def nominal(self, name: str) -> float:
         """The value of "E:layer" [Pa], "h:layer" [m], "nu:layer" or "radius" [m] in the problem."""

@@ -350,9 +350,9 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
         # dP/d delta of the fitted curve over the deepest part of its contact, if that holds two depths
         P, delta = fitted.line["P"], fitted.line["delta"]
         top = (fitted.line["a"] > 0) & (P > P.max() - STIFFNESS_PART * np.ptp(P))
-        if (way := float(np.ptp(delta[top]))) > 0:
-            slope = np.polyfit((delta[top] - delta[top].mean()) / way, P[top], 1)[0]
-            ratio = abs(float(slope)) / way / stiffness
+        if np.ptp(delta[top]) > 0:
+            along = delta[top] - delta[top].mean()
+            ratio = abs(float(along @ P[top] / (along @ along))) / stiffness
     if ratio is not None:
         of_error = f" (1 % changes E* by {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} %)"
         missing += [

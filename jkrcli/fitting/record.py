@@ -74,14 +74,16 @@ class AddedParameter:
         rows, products = fit.weighted
         c = fit.model.whitened(column, fit.spread.noise)
         by_c, p = rows @ c, len(rows) - 1
-        squares = np.block([[products[:p, :p], by_c[:p, None]], [by_c[:p], c @ c]])
+        squares, slopes = products.copy(), np.append(products[:p, p], by_c[p])
+        squares[p, :p], squares[:p, p], squares[p, p] = by_c[:p], by_c[:p], c @ c
         scale = np.sqrt(squares.diagonal())
         scale[scale == 0] = 1.0
         with contextlib.suppress(np.linalg.LinAlgError):
-            lower = np.linalg.cholesky(squares / np.outer(scale, scale))
+            lower = np.linalg.cholesky(squares / (scale[:, None] * scale))
             if lower.diagonal().min() > SEARCH_DIGITS:
-                along = np.linalg.solve(lower, np.append(products[:p, p], by_c[p]) / scale)
-                return cls(fit, column, -np.linalg.solve(lower.T, along) / scale, abs(float(along[-1])))
+                inverse = np.linalg.inv(lower)
+                along = inverse @ (slopes / scale)
+                return cls(fit, column, -(along @ inverse) / scale, abs(float(along[-1])))
         Q, R = np.linalg.qr(np.vstack([rows[:p], c]).T / scale)
         along = Q.T @ rows[p]
         return cls(fit, column, -np.linalg.lstsq(R, along, rcond=None)[0] / scale, abs(float(along[-1])))
@@ -582,7 +584,7 @@ def as_fit(
         directions=_directions(record, best, settings),
     )
     named = (f"{name}: {sentence}" for name, sentence in flags.items())
-    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], best.model.moduli, rtol=SAME).any())
+    at_bound = ["modulus"] * any(math.isclose(values["modulus"], end, rel_tol=SAME) for end in best.model.moduli)
     more = warnings_of(result, body, body.family, at_bound)
     return replace(result, warnings=(*named, *sentences(best, settings), *more))
 
@@ -628,10 +630,11 @@ def _intervals(
     """What is known of the outcome ``here``, of which some are ``fixed``."""
     quantities = [_quantity(name, best) for name in here]
     fixed_values = {name: value for name, value in here.items() if name in fixed}
+    bent = [item for item in quantities if item.kind in (LOG, ROOT)]
 
     def meaning(x: Array) -> dict[str, float]:
         outcome = outcome_of(best, x, body) | fixed_values
-        return {item.name: item.inner(outcome[item.name]) for item in quantities}
+        return outcome | {item.name: item.inner(outcome[item.name]) for item in bent}
 
     samples = None
     if settings.confidence == "bootstrap" and best.ended:

@@ -17,7 +17,19 @@ from functools import cached_property, partial
 import numpy as np
 
 from ..base.errors import InputError, JkrError
-from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, NOTICEABLE, ROUNDED, SAME, SETTLED, TINY, UNSEEN, Array, evenly
+from ..base.numerics import (
+    FEWEST_ROWS,
+    MOST_SOLVES,
+    NOTICEABLE,
+    ROUNDED,
+    SAME,
+    SETTLED,
+    TINY,
+    UNSEEN,
+    Array,
+    evenly,
+    median,
+)
 from ..base.units import show
 from ..data.curve import APPROACH, RETRACT, Curve
 from .forward_model import ADVANCING, RECEDING, RESTING, Drift, Family, FittedBody, Member, Members, RestingMember
@@ -290,7 +302,7 @@ def noise_from_third_differences(column: Array) -> float:
     for independent normal noise scatter sqrt(20) times as much; infinite below 5 rows."""
     if column.size <= 4:
         return np.inf
-    return float(np.median(np.abs(np.diff(column, 3)))) / (STATISTICS_NORMAL_MEDIAN * math.sqrt(20))
+    return median(np.abs(np.diff(column, 3))) / (STATISTICS_NORMAL_MEDIAN * math.sqrt(20))
 
 
 # --------------------------------------------------------------------------------------------------

@@ -1115,7 +1115,7 @@ def stiffness(record: FittedRecord) -> Perturbation | None:
     resting = record.edges[-1][1]
     if resting is not None and "z0" in record.fit.names:
         by_turn = -record.by_unknown("z0") - record.by_position
-        column = column + by_turn * float(resting.at(np.array(part.turn - record.values["z0"]))[0])
+        column = column + by_turn * float(resting.at(np.array([part.turn - record.values["z0"]]))[0, 0])
     return Perturbation(
         limits={AMOUNT: (LITTLE - 1, math.inf)},
         model=lambda plain, part, values: replace(plain, k=plain.k * (1 + values[AMOUNT])),

@@ -404,19 +404,29 @@ class Rest:
         """The root of q that a row at ``z`` [m] holds, where ``receding`` is that at the end."""
         return float(receding + (self.end - z) * self.by_u[2] / self.by_u[1])
 
-    def load(self, z: Array) -> Array:
-        """Load at positions ``z`` [m]."""
-        P: Array = (self.P_H - self.S * (self.D - z)) / (1 + self.S / self.k)
-        return P
+    @cached_property
+    def lines(self) -> Array:
+        """The straight lines over D - z [m], what they begin with and rise by, (2, 6, curves): the load and its
+        derivatives by ln s, q of the edge that moves (none), z, the root of q before, and the position of the turn."""
+        y = 1 / (1 + self.S / self.k)
+        lines = np.zeros((2, 6, *np.shape(y)))
+        lines[:, 0] = y * self.P_H, -y * self.S
+        by_u = -self.dS * y**2 * np.stack([self.P_H / self.k, np.ones_like(y)])  # at a fixed z
+        for line, rate in zip((1, 4, 5), self.by_u, strict=True):
+            lines[:, line] = by_u * rate
+        lines[:, 1] += y * lines[:, 0]
+        lines[0, 3] = y * self.S
+        return lines
 
-    def at(self, z: Array) -> tuple[Array, Array]:
-        """Load at positions ``z`` [m], and its derivatives by ln s, the root of q, z, and the position of the turn."""
-        yields, P = 1 / (1 + self.S / self.k), self.load(z)
-        of_u = -self.dS * (self.D - z + P / self.k) * yields
-        by_s, by_root, by_turn = (of_u * rate for rate in self.by_u)
-        by = np.empty((4, *P.shape))
-        by[0], by[1], by[2], by[3] = P * yields + by_s, by_root, self.S * yields, by_turn
-        return P, by
+    def at(self, z: Array, own: Array | None = None) -> Array:
+        """Load at positions ``z`` [m] and its derivatives, as of ``lines``, (6, rows), of curves ``own``, or of one."""
+        if own is None:
+            begin, rise = self.lines
+            return begin[:, None] + rise[:, None] * (self.D - z)
+        begin, rise = self.lines.take(own, axis=2)
+        rise *= self.D[own] - z
+        begin += rise
+        return begin
 
     def by_body(self, z: Array, u: Array, changes: Array) -> Array:
         """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
@@ -424,7 +434,7 @@ class Rest:
         i = min(max(int(np.searchsorted(u, self.u)) - 1, 0), u.size - 2)
         share = (self.u - u[i]) / (u[i + 1] - u[i])
         D, T, H, V = (changes[..., i] + share * (changes[..., i + 1] - changes[..., i])).T[..., None]
-        P, (_, _, _, by_turn) = self.at(z)
+        P, _, _, _, _, by_turn = self.at(z)
         turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
         off = (V - T) * (self.D - z + P / self.k) + D * self.D
         dP: Array = (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns

@@ -671,13 +671,9 @@ def contact_loads(
         end, number = np.full(len(each), np.inf), np.zeros(len(each), dtype=int)
         end[resting], number[resting] = edge.end, np.arange(len(resting))
         still = z > end[own]
-        P, by = edge.some(number[own[still]]).at(z[still])
-        columns[0, rows[still]] = P
-        if slopes:
-            by_s, by_before, by_z, by_turn = by
-            columns[1, rows[still]], columns[3, rows[still]] = by_s, by_z
-            columns[4, rows[still]], columns[5, rows[still]] = by_before, by_turn
-        rows, own, z = rows[~still], own[~still], z[~still]
+        moves, rests = np.flatnonzero(~still), np.flatnonzero(still)
+        columns[:, rows[rests]] = edge.at(z[rests], number[own[rests]])[: len(columns)]
+        rows, own, z = rows[moves], own[moves], z[moves]
     columns[: 4 if slopes else 1, rows] = moving.at(own, z, np.array(widths), slopes)
     for i, place in enumerate(places):
         if not moving.stable[i]:
@@ -1146,7 +1142,7 @@ def _rests_throughout(model: ForceCurveModel, x: Array, most: float, weight: Spe
     if resting is None:
         return False
     never = off.copy()
-    never[model.ends[-2] + rows] = (base_line(last, values)[0] - last.P)[rows] + resting.load(depth[rows])
+    never[model.ends[-2] + rows] = (base_line(last, values)[0] - last.P)[rows] + resting.at(depth[rows])[0]
     recedes, rests = (float(np.sum(model.whitened(one, weight) ** 2)) for one in (off, never))
     return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
 

@@ -270,46 +270,31 @@ class LeastSquares:
     def _of_squares(self, x: Array, state: State) -> Flow[Least]:
         """The least of squares by steps of Gauss and Newton within a radius, in units of the columns' lengths, that
         grows and shrinks with how well each foretells the cost (More, Lecture Notes in Mathematics 630 (1978) 105)."""
-        cost, most, (low, high) = state.cost, self.evaluations or MOST_STEPS * x.size, self.bounds
+        cost, most = state.cost, self.evaluations or MOST_STEPS * x.size
         units, radius, steps = np.zeros_like(x), math.inf, 1
         while steps < most:
-            squares, slopes = state.squares, state.slopes
-            inner = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
-            if not np.abs(slopes[inner]).max(initial=0.0) > self.converged:
+            step = yield from ask(steps_within, (self, x, state, units, radius))
+            units, radius = step.units, step.radius
+            if not step.left > self.converged or (
+                0 <= step.predicted < self.cost * cost and SEARCH_LONGER * step.moved < radius
+            ):
+                return self._ended(x, state, steps, True)  # the step to the least is not worth taking
+            there, steps = None, steps + 1
+            with contextlib.suppress(SolveError):  # where there is no state the next step is shorter
+                there = yield from ask(states, (self.model, step.new))
+            reduction = -math.inf if there is None else cost - there.cost
+            ratio = reduction / step.predicted if step.predicted > 0 else 0.0
+            little = max(self.cost, self.converged) * cost
+            foretold = SEARCH_POOR < ratio or (step.predicted < little and reduction > -little)
+            ended = step.share < self.converged or (foretold and reduction < little)
+            if ratio < SEARCH_POOR:
+                radius = SEARCH_POOR * step.moved
+            elif ratio > SEARCH_GOOD and SEARCH_LONGER * step.moved > radius:
+                radius = 2 * radius
+            if there is not None and reduction > 0:
+                x, state, cost = step.new, there, there.cost
+            if ended:
                 return self._ended(x, state, steps, True)
-            units = np.maximum(units, np.sqrt(squares.diagonal()))
-            length = np.where(units > 0, units, 1.0)
-            radius = min(radius, math.hypot(*(x * length)) or 1.0)
-            ball = _Ball.of(state, inner, length, squares, slopes)
-            while steps < most:
-                new = x.copy()
-                new[inner] -= ball.step(radius) / length[inner]
-                new = np.minimum(np.maximum(new, low), high)
-                change = new - x
-                moved = math.hypot(*(change * length))
-                along = state.jacobian @ change
-                predicted = -float(along @ (state.residuals + along / 2))
-                if 0 <= predicted < self.cost * cost and SEARCH_LONGER * moved < radius:
-                    return self._ended(x, state, steps, True)  # the step to the least is not worth taking
-                there, steps = None, steps + 1
-                with contextlib.suppress(SolveError):  # where there is no state the next step is shorter
-                    there = yield from ask(states, (self.model, new))
-                reduction = -math.inf if there is None else cost - there.cost
-                ratio = reduction / predicted if predicted > 0 else 0.0
-                close = math.hypot(*change) < self.converged * (self.converged + math.hypot(*x))
-                little = max(self.cost, self.converged) * cost
-                foretold = SEARCH_POOR < ratio or (predicted < little and reduction > -little)
-                ended = close or (foretold and reduction < little)
-                if ratio < SEARCH_POOR:
-                    radius = SEARCH_POOR * moved
-                elif ratio > SEARCH_GOOD and SEARCH_LONGER * moved > radius:
-                    radius = 2 * radius
-                if there is not None and reduction > 0:
-                    x, state, cost = new, there, there.cost
-                if ended:
-                    return self._ended(x, state, steps, True)
-                if reduction > 0:
-                    break
         return self._ended(x, state, steps, False)
 
     def _ended(self, x: Array, state: State, steps: int, ended: bool) -> Least:
@@ -383,59 +368,101 @@ class Least:
 
 
 @dataclass(frozen=True, eq=False)
-class _Ball:
-    """Where the squares of a ``state``, linear in the ``inner`` unknowns, are least within a radius; ``squares`` J^T J
-    and ``slopes`` J^T r of them, scaled by ``unit``."""
+class Step:
+    """A step of a search to ``new`` unknowns: ``moved``: its length in ``units`` of the columns' lengths, within a
+    ``radius``; ``share``: its length over that of the unknowns as they are; ``predicted``: how much it would lower the
+    cost; ``left``: largest derivative of the cost by an unknown that no bound holds."""
 
-    state: State
-    inner: Array
-    unit: Array
-    squares: Array
-    slopes: Array
+    new: Array
+    units: Array
+    radius: float
+    moved: float
+    share: float
+    predicted: float
+    left: float
 
-    @classmethod
-    def of(cls, state: State, inner: Array, length: Array, squares: Array, slopes: Array) -> _Ball:
-        """That of the ``inner`` unknowns in units of their ``length``."""
-        unit = 1 / length[inner]
-        return cls(state, inner, unit, squares[inner][:, inner] * (unit[:, None] * unit), slopes[inner] * unit)
 
-    @cached_property
-    def whole(self) -> Array | None:
-        """The step of Gauss and Newton, None where squares lose too many digits."""
-        with contextlib.suppress(np.linalg.LinAlgError):
-            size = np.linalg.cholesky(self.squares).diagonal()
-            if size.min() > SEARCH_DIGITS * size.max():
-                step: Array = np.linalg.solve(self.squares, self.slopes)
-                return step
-        return None
+def steps_within(asked: Sequence[tuple[LeastSquares, Array, State, Array, float]]) -> list[Step]:
+    """The steps to where the squares of some problems, linear in the unknowns, are least within a radius, each from its
+    unknowns and their state on, with the columns' lengths so far."""
+    answers: dict[int, Step] = {}
+    for size in {x.size for _, x, _, _, _ in asked}:
+        places = [place for place, (_, x, _, _, _) in enumerate(asked) if x.size == size]
+        problems, starts, at, lengths, radii = zip(*(asked[place] for place in places), strict=True)
+        x, units, radius = np.array(starts), np.array(lengths), np.array(radii)
+        low, high = np.array([problem.bounds for problem in problems]).transpose(1, 0, 2)
+        squares, slopes = np.array([state.squares for state in at]), np.array([state.slopes for state in at])
+        units = np.maximum(units, np.sqrt(np.diagonal(squares, axis1=1, axis2=2)))
+        unit = 1 / np.where(units > 0, units, 1.0)
+        inner = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
+        left, reach = np.max(np.abs(slopes), axis=1, where=inner, initial=0.0), _lengths(x / unit)
+        radius = np.minimum(radius, np.where(reach > 0, reach, 1.0))
+        # The step of Gauss and Newton where no bound holds an unknown, and squares keep digits enough.
+        scaled, along = squares * (unit[:, :, None] * unit[:, None]), slopes * unit
+        pivots = _pivots(scaled)
+        whole = inner.all(axis=1) & (pivots.min(axis=1, initial=1.0) > SEARCH_DIGITS * pivots.max(axis=1, initial=0.0))
+        step = np.zeros_like(x)
+        step[whole] = np.linalg.solve(scaled[whole], along[whole, :, None])[..., 0]
+        whole &= _lengths(step) <= SEARCH_LONGER * radius
+        others = np.flatnonzero(~whole & (left > 0)).tolist()
+        for i in others:
+            some, most = inner[i], float(radius[i])
+            step[i], step[i, some] = (
+                0.0,
+                _shorter(at[i], some, unit[i, some], scaled[i][some][:, some], along[i, some], most),
+            )
+        new = np.minimum(np.maximum(x - step * unit, low), high)
+        change = new - x
+        predicted = -np.einsum("bi,bi->b", change, slopes + (squares @ change[..., None])[..., 0] / 2)
+        for i in others:
+            off = at[i].jacobian @ change[i]
+            predicted[i] = -(off @ (at[i].residuals + off / 2))
+        moved = _lengths(change / unit)
+        share = _lengths(change) / (np.array([problem.converged for problem in problems]) + _lengths(x))
+        each = zip(new, units, *(item.tolist() for item in (radius, moved, share, predicted, left)), strict=True)
+        answers |= zip(places, (Step(*items) for items in each), strict=True)
+    return [answers[place] for place in range(len(asked))]
 
-    @cached_property
-    def directions(self) -> tuple[Array, Array, Array]:
-        """What is left along right singular vectors of the derivatives, their singular values, and they themselves; by
-        J itself where squares lose too many digits."""
-        each, V = np.linalg.eigh(self.squares)
-        if each[0] > SEARCH_DIGITS**2 * each[-1]:
-            sizes = np.sqrt(each)
-            return self.slopes @ V / sizes, sizes, V.T
-        Q, triangle = np.linalg.qr(self.state.jacobian[:, self.inner] * self.unit)
+
+def _lengths(vectors: Array) -> Array:
+    lengths: Array = np.sqrt(np.einsum("bi,bi->b", vectors, vectors))
+    return lengths
+
+
+def _pivots(squares: Array) -> Array:
+    """The diagonals of the Cholesky factors of matrices, 0 of those that are not positive definite."""
+    try:
+        pivots: Array = np.diagonal(np.linalg.cholesky(squares), axis1=1, axis2=2)
+    except np.linalg.LinAlgError:
+        if len(squares) == 1:
+            return np.zeros(squares.shape[:2])
+        pivots = np.concatenate([_pivots(one[None]) for one in squares])
+    return pivots
+
+
+def _shorter(state: State, inner: Array, unit: Array, squares: Array, slopes: Array, radius: float) -> Array:
+    """The step, in ``unit`` of the ``inner`` unknowns, to where the squares of a state are least within a radius, by
+    Newton's method for the inverse of its length; ``squares`` J^T J and ``slopes`` J^T r in these units."""
+    # What is left along right singular vectors of J, their singular values, and they themselves; by J itself where
+    # squares lose too many digits.
+    each, V = np.linalg.eigh(squares)
+    if each[0] > SEARCH_DIGITS**2 * each[-1]:
+        sizes, rows = np.sqrt(each), V.T
+        along = slopes @ V / sizes
+    else:
+        Q, triangle = np.linalg.qr(state.jacobian[:, inner] * unit)
         U, sizes, rows = np.linalg.svd(triangle)
-        return U.T @ (Q.T @ self.state.residuals), np.maximum(sizes, SEARCH_SINGULAR * sizes[0]), rows
-
-    def step(self, radius: float) -> Array:
-        """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
-        if self.whole is not None and math.hypot(*self.whole) <= SEARCH_LONGER * radius:
-            return self.whole
-        along, sizes, rows = self.directions
-        more, coordinates = 0.0, along / sizes
-        for _ in range(MOST_STEPS):
-            length = math.hypot(*coordinates)
-            if length <= SEARCH_LONGER * radius:
-                break
-            rate = float(np.sum(coordinates**2 / (sizes**2 + more))) / length
-            more += (length / radius - 1) * length / rate
-            coordinates = sizes * along / (sizes**2 + more)
-        inside: Array = coordinates @ rows
-        return inside
+        along, sizes = U.T @ (Q.T @ state.residuals), np.maximum(sizes, SEARCH_SINGULAR * sizes[0])
+    more, coordinates = 0.0, along / sizes
+    for _ in range(MOST_STEPS):
+        length = math.hypot(*coordinates)
+        if length <= SEARCH_LONGER * radius:
+            break
+        rate = float(np.sum(coordinates**2 / (sizes**2 + more))) / length
+        more += (length / radius - 1) * length / rate
+        coordinates = sizes * along / (sizes**2 + more)
+    inside: Array = coordinates @ rows
+    return inside
 
 
 def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:

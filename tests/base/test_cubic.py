@@ -109,6 +109,16 @@ def test_quintics_and_their_two_derivatives(step: list[float], seed: int) -> Non
         assert ours(wanted, order) == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(theirs(x, order)).max())
 
 
+def test_slopes_between_close_knots_do_not_hold_the_errors_of_values() -> None:
+    """A value wrong by 1e-12 is a secant wrong by 1e-6 between knots 1e-6 apart."""
+    x = np.array([0.7, 0.7 + 1e-6])
+    y = np.sin(x) + np.array([1e-12, -1e-12])
+    quintic = PiecewiseQuintic(x, y, np.cos(x), -np.sin(x), close=1e-3)
+    for order, expected in ((1, np.cos), (2, lambda x: -np.sin(x))):
+        assert quintic(x.mean(), order) == pytest.approx(expected(x.mean()), abs=1e-9)
+    assert quintic(x[0]) == pytest.approx(y[0], abs=1e-15)
+
+
 HARD: dict[str, tuple[Callable[[Array], Array], float, float]] = {
     "smooth": (lambda x: np.cos(x) - x**3, 0.0, 5.0),
     "steep": (lambda x: np.exp(50 * x) - 3, -1.0, 1.3),

@@ -106,7 +106,9 @@ class ChangedFamily(Family):
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
         near = np.clip(u, self.spline.x[0], self.spline.x[-1])
-        return _changed(super().at(u), *(self.spline(near, order).T for order in range(3)))
+        g, first, second = (self.spline(near, order).T for order in range(3))
+        value, by_u, by_uu = _changed(np.stack(super().at(u)), g, first, second, np.empty((3, *g.shape)))
+        return value, by_u, by_uu
 
     def values(self, u: Array) -> Array:
         values: Array = super().values(u) * np.exp(self.spline(np.clip(u, self.spline.x[0], self.spline.x[-1])).T)
@@ -114,32 +116,37 @@ class ChangedFamily(Family):
 
     @cached_property
     def functions(self) -> Array:
-        """The four and their derivatives at the nodes of its grid, (3, 4, nodes)."""
-        return next(_changed_functions([self]))
+        """The four and their derivatives at the nodes of its grid, (4, 3, nodes)."""
+        return _changed_functions([self])[0]
 
-    def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
-        value, by_u, by_uu = self.functions
-        return value, by_u, by_uu
+    def at_nodes(self, u: Array) -> Array:
+        return self.functions
 
 
-def _changed_functions(families: Sequence[ChangedFamily]) -> Iterator[Array]:
+def _changed_functions(families: Sequence[ChangedFamily]) -> Array:
     """The ``functions`` of families."""
-    bodies, g = [one.body for one in families if one.body is not None], np.stack([one.changes for one in families])
-    steps = np.array([(u[-1] - u[0]) / (u.size - 1) for u in map(grid, bodies)])
-    value, by_u, by_uu = (np.stack(columns) for columns in zip(*map(on_grid, bodies), strict=True))
-    yield from np.stack(_changed((value, by_u, by_uu), g, *_rates(g, steps[:, None, None])), axis=1)
+    bodies, g = [one.body for one in families if one.body is not None], np.array([one.changes for one in families])
+    each = {body: i for i, body in enumerate(dict.fromkeys(bodies))}
+    which = [each[body] for body in bodies] if len(each) > 1 else slice(None)
+    steps = np.array([(u[-1] - u[0]) / (u.size - 1) for u in map(grid, each)])[which]
+    functions = np.empty((len(g), FUNCTIONS, 3, g.shape[-1]))
+    plain = np.stack([on_grid(body) for body in each], axis=1)[:, which]
+    _changed(plain, g, *_rates(g, steps[:, None, None]), functions.transpose(2, 0, 1, 3))
+    return functions
 
 
-def _changed(
-    functions: tuple[Array, Array, Array], g: Array, first: Array, second: Array
-) -> tuple[Array, Array, Array]:
-    """Functions f e^g and their two derivatives by u, from those of f and of ``g``."""
+def _changed(functions: Array, g: Array, first: Array, second: Array, changed: Array) -> Array:
+    """Functions f e^g and their two derivatives by u, from those of f and of ``g``, as ``changed`` (3, ...)."""
     value, by_u, by_uu = functions
-    factor = np.exp(g)
-    return (
-        factor * value, factor * (by_u + first * value),
-        factor * (by_uu + 2 * first * by_u + (second + first**2) * value),
-    )  # fmt: skip
+    rise = first * value
+    changed[0] = value
+    np.add(by_u, rise, out=changed[1])
+    rise += 2 * by_u
+    rise *= first
+    rise += by_uu
+    np.add(rise, second * value, out=changed[2])
+    changed *= np.exp(g)
+    return changed
 
 
 def _rates(g: Array, step: Array | float) -> tuple[Array, Array]:

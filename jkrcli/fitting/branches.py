@@ -58,8 +58,7 @@ class Nodes:
     @classmethod
     @lru_cache(maxsize=REMEMBERED)
     def of(cls, family: Family) -> Nodes:
-        functions = np.stack(on_grid(family), axis=1)
-        return cls(family, grid(family), np.ascontiguousarray(functions))  # as those of several bodies lie
+        return cls(family, grid(family), np.ascontiguousarray(on_grid(family).swapaxes(0, 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +90,9 @@ class Bodies:
         """Sums of D, T, H, V of each curve with ``factors`` (curves, sums, 4), those ``orders`` of derivatives, from
         the ``first`` node on: (curves, sums, orders, nodes)."""
         functions = self.functions[:, :, orders, first:]
-        sums = np.empty((*factors.shape[:2], *functions.shape[2:]))
-        for i, columns in enumerate(functions):
-            own = slice(None) if len(functions) == 1 else np.flatnonzero(self.which == i)
-            sums[own] = (factors[own] @ columns.reshape(1, FUNCTIONS, -1)).reshape(-1, *sums.shape[1:])
-        return sums
+        columns = functions.reshape(len(functions), FUNCTIONS, -1)
+        sums: Array = factors @ (columns if len(columns) == 1 else columns[self.which])
+        return sums.reshape(*factors.shape[:2], *functions.shape[2:])
 
     def beside(self, i: Array) -> Array:
         """D, T, H, V and two derivatives at node ``i`` of each curve and the next one, (curves, 2, 4, 3)."""

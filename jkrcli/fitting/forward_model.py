@@ -116,9 +116,9 @@ class Family:
     def _values(self) -> PiecewisePolynomial:
         return PiecewisePolynomial(self.logs.x, np.ascontiguousarray(self.logs.c[..., :FUNCTIONS]))
 
-    def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
-        """The same as ``at`` at evenly spaced nodes."""
-        return self.at(u)
+    def at_nodes(self, u: Array) -> Array:
+        """The same as ``at`` at evenly spaced nodes, (4, 3, nodes)."""
+        return np.stack(self.at(u), axis=1)
 
     def own_rates(self, u: Array) -> Mapping[str, Array]:
         """Derivatives of log (D, T, H, V) (4, n) by the logs of the body's own parameters."""
@@ -530,9 +530,9 @@ def _between(low: float, high: float) -> Array:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def on_grid(family: Family) -> tuple[Array, Array, Array]:
-    """The functions of a body there, as ``Family.at`` gives them."""
-    return family.at_nodes(grid(family))
+def on_grid(family: Family) -> Array:
+    """The functions of a body there, as ``Family.at`` gives them, (3, 4, nodes)."""
+    return family.at_nodes(grid(family)).swapaxes(0, 1)
 
 
 # --------------------------------------------------------------------------------------------------

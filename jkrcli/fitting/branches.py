@@ -159,27 +159,27 @@ class Branches:
         families, *numbers = zip(*asked, strict=True)
         bodies, (s, q, k) = Bodies.of(families), np.array(numbers)
         r, curves = np.sqrt(np.maximum(q, 0.0)), np.arange(len(asked))
-        # Positions z = D - r T + s (H - r V)/k and loads s (H - r V), with two derivatives by u, at the nodes from the
-        # first fold on: (curves, 2, 3, nodes).
+        # Positions z = D - r T + s (H - r V)/k and loads s (H - r V), with their derivatives by u, at the nodes from
+        # the first fold on: (curves, 2, 2, nodes).
         of_four = np.zeros((curves.size, 2, FUNCTIONS))
         of_four[:, 0] = np.stack([np.ones_like(s), -r, s / k, -s * r / k], axis=1)
         of_four[:, 1, 2], of_four[:, 1, 3] = s, -s * r
         first, start = _folds(bodies, of_four[:, 0])
         begin, turns = int(first.min()), first > 0
-        path, n, first = bodies.combined(of_four, slice(None), begin), bodies.u.shape[1] - begin, first - begin
+        path, n, first = bodies.combined(of_four, slice(2), begin), bodies.u.shape[1] - begin, first - begin
         at_fold = bodies.at(start)
-        path[curves, :, :, first] = of_four @ at_fold.transpose(1, 2, 0)
+        there = of_four @ at_fold.transpose(1, 2, 0)
+        path[curves, :, :, first], bend = there[..., :2], there[:, 0, 2]
         T, V = bodies.functions[:, 1, :2, begin:], bodies.functions[:, 3, :2, begin:]
         u, released = bodies.u[bodies.which, begin:], (V[:, 1] * T[:, 0] - V[:, 0] * T[:, 1])[bodies.which]
         (_, T, _, V), (_, dT, _, dV) = at_fold[0].T, at_fold[1].T
         u[curves, first], released[curves, first] = start, dV * T - V * dT
-        (z, dz, bend), (P, dP, _) = path.transpose(1, 2, 0, 3)
+        (z, dz), (P, dP) = path.transpose(1, 2, 0, 3)
         fold, before = z[curves, first], np.arange(n) < first[:, None]
         zeta = z - fold[:, None]
         zeta[before] = 0.0
         np.sqrt(np.maximum.accumulate(zeta, axis=1, out=zeta), out=zeta)
         steep = zeta * (dz > 0) / np.maximum(dz, TINY)
-        bend = bend[curves, first]
         parabola = turns & (bend > 0)  # its limit at the fold, where z is a parabola of u
         steep[curves[parabola], first[parabola]] = 1 / np.sqrt(2 * bend[parabola])
         slope, up = 2 * dP * steep, zeta[:, 1:] > zeta[:, :-1]

@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
+from typing import cast
 
 import numpy as np
 
@@ -457,8 +458,7 @@ class Linearised:
     @cached_property
     def own(self) -> Array:
         """The derivatives in units of the noise, (unknowns, rows)."""
-        own: Array = self.record.model.whitened((self.record.jacobian.T * self.rows).T, self.record.fit.spread.noise).T
-        return own
+        return self.whitened(self.record.jacobian.T)
 
     @cached_property
     def left(self) -> float:
@@ -490,14 +490,28 @@ class Linearised:
     @np.errstate(all="ignore")
     def step(self, residuals: Array) -> tuple[Array, float]:
         """What the unknowns are to fall by for ``residuals`` [N] of all rows, and chi^2 of what is left then."""
-        r = self.record.model.whitened(residuals * self.rows, self.record.fit.spread.noise)
-        along = self.Q.T @ r
+        r = self.whitened(residuals)
+        along = r @ self.Q
         return self.inverse @ along / self.scale, float(r @ r - along @ along)
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns of all rows [N], (..., rows), in units of the noise, where those left out count as exact."""
+        noise = self.record.fit.spread.noise
+        if not noise.slow:
+            return columns * self.weights
+        weighted: Array = self.record.model.whitened((columns * self.rows).T, noise).T
+        return weighted
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of each row, of noise that is white."""
+        weights: Array = self.rows / math.sqrt(self.record.fit.spread.noise.A)
+        return weights
 
     @cached_property
     def residuals(self) -> Array:
         """What the fit leaves of the rows, in units of the noise."""
-        return self.record.model.whitened(self.record.residuals * self.rows, self.record.fit.spread.noise)
+        return self.whitened(self.record.residuals)
 
     @cached_property
     def whole(self) -> Array:
@@ -682,21 +696,23 @@ def _bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
         return rivals
     every = np.ones(record.residuals.size, dtype=bool)
     off, near = yield from ask(linearised, (record, [off_folds(record), every]))
-    scores = yield from beside(
-        [quiet(_bounded(off if one.name in (RANGE.name, TENSION.name) else near, one, i))
-         for i, one in enumerate(rivals.scores)]
-    )  # fmt: skip
+    each = [_bounded(off if one.name in (RANGE.name, TENSION.name) else near, one, i)
+            for i, one in enumerate(rivals.scores)]  # fmt: skip
+    followed = yield from beside([quiet(one) for one in each if not isinstance(one, Score)])
+    ends = iter(followed)
+    scores = [one if isinstance(one, Score) else next(ends) for one in each]
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 
 
-def _bounded(near: Linearised, score: Score, which: int) -> Flow[Score]:
-    """The score with the moves at the largest amount that is possible: to first order where they are small by it, and
-    long ranges of adhesion, of which it says nothing, are excluded. ``which`` of the columns is the rival's."""
-    ranged, tense, rival, record = score.name == RANGE.name, score.name == TENSION.name, _rival(score), near.record
-    if not (score.most > 0 or ranged or tense):
+def _bounded(near: Linearised, score: Score, which: int) -> Score | Flow[Score]:
+    """The score with the moves at the largest amount that is possible, or what leads to it: to first order where they
+    are small by it, and long ranges of adhesion, of which it says nothing, are excluded. ``which`` of the columns is
+    the rival's."""
+    ranged, tense = score.name == RANGE.name, score.name == TENSION.name
+    if not (ranged or tense or score.most > 0):
         return score
-    sizes, along, moves = near.evidence
+    (sizes, along, moves), rival, record = near.evidence, _rival(score), near.record
     ahead, error = moves[which], 1 / max(float(sizes[which]), math.sqrt(TINY))
     best = -float(along[which]) * error
     falls = (max(best, 0.0) / error) ** 2
@@ -713,9 +729,9 @@ def _bounded(near: Linearised, score: Score, which: int) -> Flow[Score]:
     if not isinstance(change, Perturbation):
         return score
     if not (ranged or tense):
-        return (yield from _at_most(near, change, ahead, score))
+        return _at_most(near, change, ahead, score)
     tried = _Amounts(near, change, ahead)
-    return (yield from _of_ranges(tried, score, certain, long) if ranged else _of_tension(tried, score))
+    return _of_ranges(tried, score, certain, long) if ranged else _of_tension(tried, score)
 
 
 def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
@@ -769,12 +785,11 @@ class _Amounts:
         """About by how much chi^2 rises at some amounts, whose moves of the unknowns are known then to first order in
         the loads."""
         near = self.near
-        columns = near.record.by_bodies(near.record.bodies_at(self.change, amounts)) * near.rows
-        c = near.record.model.whitened(columns.T, near.record.fit.spread.noise)
-        own, r = near.Q.T @ c, near.residuals
-        self.first.update(zip(amounts, -(near.inverse @ own).T / near.scale, strict=True))
-        rises = (2 * r + c.T) @ c
-        return (np.diag(rises) - np.einsum("ij,ij->j", 2 * (near.Q.T @ r)[:, None] + own, own)).tolist()
+        c = near.whitened(near.record.by_bodies(near.record.bodies_at(self.change, amounts)))
+        own, r = c @ near.Q, near.residuals
+        self.first.update(zip(amounts, -(own @ near.inverse.T) / near.scale, strict=True))
+        rises = np.sum((2 * r + c) * c, axis=1) - np.sum((2 * (r @ near.Q) + own) * own, axis=1)
+        return cast("list[float]", rises.tolist())
 
     def _first(self, amount: float) -> Array:
         """Moves of the unknowns to first order, between amounts that were looked at on straight lines."""
@@ -906,7 +921,7 @@ def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
 
 def _with_amount(record: FittedRecord, change: Perturbation, amount: float) -> RivalModel:
     """The model with an amount of a change that is known."""
-    return replace(RivalModel.of(record.model, change), known={**record.model.known, AMOUNT: amount})
+    return RivalModel.of(record.model, change, {AMOUNT: amount})
 
 
 def _followed(

@@ -293,9 +293,11 @@ class RivalModel(ForceCurveModel):
     change: Perturbation = Perturbation()
 
     @classmethod
-    def of(cls, plain: ForceCurveModel, change: Perturbation) -> RivalModel:
-        """The ``plain`` model, of a rival or not, with a change in place of its own."""
+    def of(cls, plain: ForceCurveModel, change: Perturbation, known: Values | None = None) -> RivalModel:
+        """The ``plain`` model, of a rival or not, with a change in place of its own, of whose unknowns some may be
+        ``known``."""
         inputs = _inputs(plain)
+        inputs["known"] = {**plain.known, **(known or {})}
         if change.loads is not None:  # which knows no adhesion
             inputs["works"] = {part.kind: 0.0 for part in plain.stretches}
         if change.loads_back is not None:

@@ -14,7 +14,7 @@ import numpy as np
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, ROUNDED, SAME, UNSEEN, Array
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, ROUNDED, SAME, TINY, UNSEEN, Array
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
@@ -733,7 +733,9 @@ RECORD_PLACED_ROWS = 0.05  # choice: of the loads' relative scatter, that of pos
 RECORD_APART = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
 RECORD_UNDETERMINED = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
 RECORD_HALF = 0.5  # choice: of the range of the load, from the largest on, over which a device's line is looked at
-RECORD_RIGID = 0.02  # theory: of the device's stiffness, what its line lacks beside a contact fifty times stiffer
+# theory: of the device's stiffness, what its line lacks beside a contact fifty times stiffer; choice: and what it may
+# exceed it by, as sensitivities err
+RECORD_RIGID = 0.02
 RECORD_DIFFERS = 0.01  # choice: of a modulus, a difference that is none
 # Where a search ends at rest in noise though the edge recedes: w of the retraction to begin anew with.
 RECORD_RECEDES = (1.05, 1.2, 1.6)  # tuned on curves of large noise, by `make dirt`: of what its last row holds
@@ -771,21 +773,27 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
 
 
 def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
-    """InputError where the rows determine no modulus."""
-    if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= RECORD_UNDETERMINED:
+    """InputError where the rows determine no modulus: its error, or loads that rise faster than beside a rigid body."""
+    if "ln_s" not in joint.names:
         return
-    times = f"{error:.2g}" if error < 1000 else "more than 1000"
+    model, part, error = joint.model, joint.model.stretches[-1], joint.error("ln_s")
+    top = part.P > part.P.max() - RECORD_HALF * np.ptp(part.P)
+    along = part.z[top] - part.z[top].mean()
+    squares = max(float(along @ along), TINY)
+    rigid = (float(along @ part.P[top]) / squares - part.line.tilt) / model.k - 1  # how much steeper than the device
+    unsure = RECORD_APART * joint.sigma / math.sqrt(squares) / model.k
+    if error <= RECORD_UNDETERMINED and rigid < RECORD_RIGID + unsure:
+        return
     other = "fit both directions, or " if len(joint.model.stretches) == 1 else ""
     reason = f"the rows in contact do not separate it from w and the contact point: {other}fix w (--fix w=...)"
-    model, part = joint.model, joint.model.stretches[-1]
-    top = part.P > part.P.max() - RECORD_HALF * np.ptp(part.P)
-    slope = float(np.polyfit(part.z[top] - part.z[top].mean(), part.P[top], 1)[0]) if np.ptp(part.z[top]) > 0 else 0.0
-    if math.isfinite(model.k) and slope > (1 - RECORD_RIGID) * model.k:
+    if rigid > -RECORD_RIGID:
         reason = (
             f"compared with a cantilever of {show(model.k, 'stiffness')} the specimen is nearly rigid: check "
             "--stiffness and units"
         )
-    raise InputError(f"{curve.where}: E* is not determined, its standard error is {times} times its value: {reason}")
+    times = "" if error <= RECORD_UNDETERMINED else f"{error:.2g}" if error < 1000 else "more than 1000"
+    times = f", its standard error is {times} times its value" if times else ""
+    raise InputError(f"{curve.where}: E* is not determined{times}: {reason}")
 
 
 def _of_directions(

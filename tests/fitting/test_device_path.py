@@ -57,11 +57,12 @@ def test_derivatives_are_those_of_the_loads() -> None:
     def load(s: float = 2.0, root: float = 0.03, turn: float = 0.15) -> np.ndarray:
         return rest(FAMILY, s, root, 0.1, 0.5, turn).at(z)[0]
 
-    by_s, by_root, by_z, by_turn = rest(FAMILY, 2.0, 0.03, 0.1, 0.5, 0.15).at(z)[1]
+    _, by_s, by_q, by_z, by_root, by_turn = rest(FAMILY, 2.0, 0.03, 0.1, 0.5, 0.15).at(z)
     assert by_s == pytest.approx((load(s=2 * (1 + step)) - load(s=2 * (1 - step))) / (2 * step), rel=1e-6)
     assert by_root == pytest.approx((load(root=0.03 + step) - load(root=0.03 - step)) / (2 * step), rel=1e-6)
     assert by_turn == pytest.approx((load(turn=0.15 + step) - load(turn=0.15 - step)) / (2 * step), rel=1e-6)
     assert by_z == pytest.approx(np.diff(load())[0] / 0.02, rel=1e-9)
+    assert not by_q.any()
 
 
 def test_the_load_is_linear_in_w_through_0() -> None:
@@ -97,14 +98,14 @@ def test_no_number_of_a_curve_depends_on_which_others_are_beside_it() -> None:
     ]  # fmt: skip
     resting, z = Rest.of(turns), np.linspace(0.05, 0.2, 7)
     for i, turn in enumerate(turns):
-        assert resting.some(i).at(z)[0].tolist() == rest(*turn).at(z)[0].tolist()
+        assert resting.some(i).at(z).tolist() == rest(*turn).at(z).tolist() == resting.at(z, np.full(7, i)).tolist()
 
 
 def test_a_turn_that_is_no_number_spoils_no_other() -> None:
     turns = [(FAMILY, 1.0, 0.03, 0.1, 0.5, 0.15), (FAMILY, 1.0, 0.03, 0.1, 0.5, math.nan)]
     resting = Rest.of(turns)
     assert math.isnan(resting.end[1])
-    assert resting.some(0).load(np.array([0.1])).tolist() == rest(*turns[0]).load(np.array([0.1])).tolist()
+    assert resting.some(0).at(np.array([0.1])).tolist() == rest(*turns[0]).at(np.array([0.1])).tolist()
 
 
 @pytest.mark.parametrize("k", [0.5, math.inf])

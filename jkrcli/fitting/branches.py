@@ -40,7 +40,10 @@ DEVICE_PATH_QUINTIC = np.array(
         [0.0, 0.0, 0.0, -4.0, 7.0, -3.0],
         [0.0, 0.0, 0.0, 0.5, -1.0, 0.5],
     ]
-)
+).T
+_RISING = np.diag(np.arange(1.0, 6.0), 1)  # what a derivative makes of coefficients
+# the same of the value, the derivative and the second one, side by side
+DEVICE_PATH_QUINTICS = np.hstack([np.linalg.matrix_power(_RISING, n) @ DEVICE_PATH_QUINTIC for n in range(3)])
 
 Moving: TypeAlias = tuple[Family, float, float, float]  # body, factor s of its moduli, q = w/s, stiffness k
 Resting: TypeAlias = tuple[Family, float, float, float, float, float]  # body, s, sqrt(q) before and after, k, turn
@@ -103,18 +106,14 @@ class Bodies:
         quintics through values and two derivatives at the nodes beside it."""
         place, last, step = (u - self.u[self.which, 0]) / self.step, self.u.shape[1] - 1, self.step[:, None]
         i = np.fmin(np.fmax(place, 0.0), last - 1).astype(int)  # of a place that is no number the first, and nan there
-        value, by_u, by_uu = np.moveaxis(self.beside(i), -1, 0)
+        value, by_u, by_uu = self.beside(i).transpose(3, 0, 1, 2)
         # Logs and two derivatives by the place, (curves, 2, 3, 4):
         logs = np.empty((u.size, 2, 3, FUNCTIONS))
         logs[:, :, 0], per = np.log(value), step[:, None] / value
         first = np.multiply(by_u, per, out=logs[:, :, 1])
         logs[:, :, 2] = by_uu * per * step[:, None] - first**2
-        # Powers of the place within the cell and their two derivatives, (curves, 3, 6):
-        powers = np.zeros((u.size, 3, 6))
-        powers[:, 0] = (place - i)[:, None] ** np.arange(6)
-        powers[:, 1, 1:] = powers[:, 0, :-1] * np.arange(1, 6)
-        powers[:, 2, 2:] = powers[:, 1, 1:-1] * np.arange(2, 6)
-        log, first, second = np.moveaxis(powers @ DEVICE_PATH_QUINTIC.T @ logs.reshape(-1, 6, FUNCTIONS), 1, 0)
+        weights = (((place - i)[:, None] ** np.arange(6))[:, None] @ DEVICE_PATH_QUINTICS).reshape(-1, 3, 6)
+        log, first, second = (weights @ logs.reshape(-1, 6, FUNCTIONS)).transpose(1, 0, 2)
         at = np.empty((3, u.size, FUNCTIONS))
         value, first = np.exp(log, out=at[0]), first / step
         at[1], at[2] = value * first, value * (second / step**2 + first**2)

@@ -38,7 +38,6 @@ from .alternatives import (
     amount_of_range,
     amount_of_tension,
     changed_offs,
-    neck,
     prepare,
 )
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
@@ -218,7 +217,9 @@ def _scored(record: FittedRecord, linear: Linearised | None) -> RecordRivals:
     rows = linear.rows
     sizes, along, moves = linear.evidence
     coloured = noise.slow or record.fit.spread.possible is not None
-    left = table[own:] + moves @ table[1:own] if coloured else None  # c'
+    left = moves @ table[1:own] if coloured else None  # c'
+    if left is not None:
+        left += table[own:]
     dofs, misfit = _noise_dofs(record.fit, left, sizes), linear.left
     chances = _chances(record, left, rows, sizes, along**2, dofs)
     evidence = zip(sizes.tolist(), along.tolist(), linear.whole.tolist(), dofs.tolist(), chances.tolist(), strict=True)
@@ -301,11 +302,12 @@ def _chances(
     if len(record.model.stretches) == 1 and record.model.stretches[0].kind == APPROACH:
         taken_at += size - 1 - taken_at.max()
     series = np.zeros((len(left), size))
-    series[:, taken_at] = left[:, rows]
-    power = numerics.cosine_transform(series) ** 2
-    edges = _octaves(size)
+    series[:, taken_at] = left[:, np.flatnonzero(rows)]
+    power, edges = numerics.cosine_transform(series), _octaves(size)
+    power *= power
     energy = np.add.reduceat(power, edges, axis=1)
-    centre = np.add.reduceat(frequencies(size) * power, edges, axis=1) / np.maximum(energy, TINY)
+    power *= frequencies(size)
+    centre = np.add.reduceat(power, edges, axis=1) / np.maximum(energy, TINY)
     energy /= (noise.A * np.where(sizes > 0, sizes, np.inf) ** 2)[:, None]  # of c'/|c'|, 0 where there is none
     raised = possible.of_waves(centre.T, energy.T) / noise.A
     mean: Array = possible.chance @ _tails(taken / np.maximum(raised, TINY), record.fit.spread.dof)
@@ -719,7 +721,7 @@ def _bounded(near: Linearised, score: Score, which: int) -> Score | Flow[Score]:
     if tense and not record.known.tension and falls < FULL_HARDLY * FULL_LEANING:
         return score  # no data lean to any
     certain = max(score.amount, 0.0) + FULL_EXCLUDED * score.error
-    long = ranged and amount_of_range(record, FULL_RANGES[-1] * neck(record)) <= certain
+    long = ranged and amount_of_range(record, FULL_RANGES[-1] * record.neck) <= certain
     seen = replace(score, amount=best, error=error) if ranged else score
     rates = _by_moves(record.fit) @ ahead
     little = seen.most > 0 and float(np.abs(rates).max()) * seen.most < FULL_LINEAR * SCORE_MATTERS
@@ -892,7 +894,7 @@ def _of_amounts(tried: _Amounts, score: Score) -> Flow[Score]:
 
 def _ranges(record: FittedRecord, score: Score) -> list[float]:
     """Amounts of ranges to try, from the longest that there may be down to the one that is likely before the data."""
-    longest, deep = record.known.range, neck(record)
+    longest, deep = record.known.range, record.neck
     known = [longest] * (FULL_RANGES[-1] * deep < longest < ADHESION_ENDLESS * deep)
     ranges = [*known, *(r * deep for r in (ADHESION_ENDLESS, *FULL_RANGES) if r * deep < longest)]
     amounts = [amount_of_range(record, z0) for z0 in ranges]

@@ -124,14 +124,13 @@ class ChangedFamily(Family):
 
 
 def _changed_functions(families: Sequence[ChangedFamily]) -> Array:
-    """The ``functions`` of families."""
+    """The ``functions`` of families: those of their bodies, of which some change."""
     bodies, g = [one.body for one in families if one.body is not None], np.array([one.changes for one in families])
-    each = {body: i for i, body in enumerate(dict.fromkeys(bodies))}
-    which = [each[body] for body in bodies] if len(each) > 1 else slice(None)
-    steps = np.array([(u[-1] - u[0]) / (u.size - 1) for u in map(grid, each)])[which]
-    functions = np.empty((len(g), FUNCTIONS, 3, g.shape[-1]))
-    plain = np.stack([on_grid(body) for body in each], axis=1)[:, which]
-    _changed(plain, g, *_rates(g, steps[:, None, None]), functions.transpose(2, 0, 1, 3))
+    functions = np.array([on_grid(body).swapaxes(0, 1) for body in bodies])
+    steps = np.array([(u[-1] - u[0]) / (u.size - 1) for u in map(grid, bodies)])
+    which = of_family, _ = np.nonzero(g.any(axis=2))
+    plain, g = functions[which].swapaxes(0, 1), g[which]
+    functions[which] = _changed(plain, g, *_rates(g, steps[of_family, None]), np.empty(plain.shape)).swapaxes(0, 1)
     return functions
 
 
@@ -247,29 +246,43 @@ class Perturbation:
         return plain if changes is None else replace(plain, family=changed_family(plain.family, changes))
 
 
+BodyChanges = Callable[[Family, float], Array]  # changes of the logs of a body (4, n) at an amount
+
+
 def body_perturbation(
-    changes: Callable[[Family, float], Array], limits: tuple[float, float] = ANY, *, last: bool = False
+    changes: BodyChanges, limits: tuple[float, float] = ANY, *, last: bool = False, **others: Any
 ) -> Perturbation:
-    """The change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch or of all."""
-    changed = lru_cache(maxsize=2)(changes)
-    body = lru_cache(maxsize=2)(lambda family, amount: changed_family(family, changed(family, amount)))
+    """The change of the body by ``changes`` of its logs at an amount; of the ``last`` stretch or of all. ``others``:
+    further fields."""
 
     def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
-        return None if last and part is not plain.stretches[-1] else changed(plain.family, values[AMOUNT])
+        return None if last and part is not plain.stretches[-1] else _logs_at(changes, plain.family, values[AMOUNT])
 
     def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         if last and part is not plain.stretches[-1]:
             return plain
-        return replace(plain, family=body(plain.family, values[AMOUNT]))
+        return replace(plain, family=_body_at(changes, plain.family, values[AMOUNT]))
 
-    return Perturbation(limits={AMOUNT: limits}, log_changes=log_changes, model=model)
+    return Perturbation(limits={AMOUNT: limits}, log_changes=log_changes, model=model, **others)
 
 
-def shape_perturbation(shape: Shape, limits: tuple[float, float] = ANY) -> Perturbation:
+@lru_cache(maxsize=2)
+def _logs_at(changes: BodyChanges, family: Family, amount: float) -> Array:
+    return changes(family, amount)
+
+
+@lru_cache(maxsize=2)
+def _body_at(changes: BodyChanges, family: Family, amount: float) -> Family:
+    return changed_family(family, _logs_at(changes, family, amount))
+
+
+def shape_perturbation(shape: Shape, limits: tuple[float, float] = ANY, **others: Any) -> Perturbation:
     """The change of the body by that of the logs of its displacement and stiffness, its ``shape`` at an amount."""
-    return replace(
-        body_perturbation(lambda family, amount: perturbed_logs(family, *shape(family, amount)), limits), shape=shape
-    )
+
+    def changes(family: Family, amount: float) -> Array:
+        return perturbed_logs(family, *shape(family, amount))
+
+    return body_perturbation(changes, limits, shape=shape, **others)
 
 
 def _before_loss(part: DirectionReadings) -> DirectionReadings:
@@ -506,6 +519,18 @@ class FittedRecord:
         return max(0.0, *(self.values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
 
     @cached_property
+    def neck(self) -> float:
+        """(w^2 R/E*^2)^(1/3) [m], about how far adhesion deforms the body at pull-off: the range is that over Tabor's
+        number."""
+        R = self.body.problem.indenter.tip_radius or self.a_max
+        return float((self.work**2 * R / self.E_star**2) ** (1 / 3))
+
+    @cached_property
+    def narrow_range(self) -> float:
+        """The range z0 [m] of which the ring is ``CHANGE_SMALL`` a_max wide there: d = pi E* z0^2/(4 w)."""
+        return math.sqrt(4 * CHANGE_SMALL * self.a_max * self.work / (math.pi * self.E_star))
+
+    @cached_property
     def P_H(self) -> Array:
         """Load [N] of all rows at their contact radii without adhesion."""
         load, touching = np.zeros(self.a.size), np.flatnonzero(self.a)
@@ -559,14 +584,13 @@ class FittedRecord:
 
     def by_bodies(self, bodies: Array) -> Array:
         """Derivatives of the loads [N] of all rows, (changes, rows), by an amount of each change of ``bodies``."""
-        columns = []
-        for part, edges, each in zip(self.model.stretches, self.edges, bodies.swapaxes(0, 1), strict=True):
-            moving, resting, depth, rows, still = edges
-            columns.append(column := np.zeros((len(each), part.z.size)))
-            column[:, rows] = moving.by_body(depth[rows], part.spacing / 2, each)
+        columns, ends = np.zeros((len(bodies), self.model.ends[-1])), self.model.ends
+        for i, (moving, resting, depth, rows, still) in enumerate(self.edges):
+            each, own = bodies[:, i], columns[:, ends[i] : ends[i + 1]]
+            own[:, rows] = moving.by_body(depth[rows], self.model.stretches[i].spacing / 2, each)
             if resting is not None:
-                column[:, still] = resting.by_body(depth[still], moving.nodes.u, each)
-        return np.concatenate(columns, axis=1)
+                own[:, still] = resting.by_body(depth[still], moving.nodes.u, each)
+        return columns
 
     @cached_property
     def history(self) -> _History | None:
@@ -675,7 +699,7 @@ def work_over_radius(record: FittedRecord) -> Perturbation | None:
 
     name, most = f"q:{record.model.stretches[-1].kind}", CHANGE_LARGEST
     quantities = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
-    return replace(body_perturbation(changes, (-most, most), last=True), quantities=quantities)
+    return body_perturbation(changes, (-most, most), last=True, quantities=quantities)
 
 
 def work_over_speed(record: FittedRecord) -> Perturbation | None:
@@ -689,10 +713,10 @@ def work_over_speed(record: FittedRecord) -> Perturbation | None:
     moves = (a > 0) & ~rests
     if (speeds := _log_speeds(part.z[moves], a[moves])) is None:
         return None
-    median, logs = speeds
+    middle, logs = speeds
     log = np.zeros(record.a.size)
     log[record.rows(part, moves)] = logs
-    return replace(_gent_schultz(math.exp(median)), column=record.by_unknown(name) * record.values[name] * log)
+    return _gent_schultz(math.exp(middle), record.by_unknown(name) * record.values[name] * log)
 
 
 def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
@@ -713,8 +737,9 @@ def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
     return middle, np.interp(z, positions, log) if repeats else log
 
 
-def _gent_schultz(typical: float) -> Perturbation:
-    """w = w0 (1 + amount (v/v_m)^n) of the retraction, v_m the ``typical`` speed of its edge over the device's."""
+def _gent_schultz(typical: float, column: Array) -> Perturbation:
+    """w = w0 (1 + amount (v/v_m)^n) of the retraction, v_m the ``typical`` speed of its edge over the device's; by the
+    ``column`` of another law."""
 
     def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
         s, q = math.exp(values["ln_s"]), max(values[f"q:{part.kind}"], LITTLE**3 * model.most)
@@ -730,6 +755,7 @@ def _gent_schultz(typical: float) -> Perturbation:
         {AMOUNT: (0.0, 1e3), POWER: ADHESION_POWERS},
         loads_back=loads,
         coupled=True,
+        column=column,
         quantities=lambda values: {name: values[name] for name in (AMOUNT, POWER)},
     )
 
@@ -760,8 +786,8 @@ def finite_range(record: FittedRecord) -> Perturbation | None:
         return each
 
     kinds = [f"q:{part.kind}" for part in record.model.stretches]
-    starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in ADHESION_TABOR)
-    most = amount_of_range(record, ADHESION_ENDLESS * neck(record))
+    starts = tuple((amount_of_range(record, record.neck / mu),) for mu in ADHESION_TABOR)
+    most = amount_of_range(record, ADHESION_ENDLESS * record.neck)
     return Perturbation(
         starts, limits={AMOUNT: (0.0, most)}, log_changes=log_changes, coupled=True, rings=rings,
         quantities=lambda values: {"range": range_of(record, values[AMOUNT])},
@@ -774,28 +800,16 @@ def likely_range(record: FittedRecord) -> float:
     return amount_of_range(record, longest) if record.work else 0.0
 
 
-def neck(record: FittedRecord) -> float:
-    """(w^2 R/E*^2)^(1/3) [m], about how far adhesion deforms the body at pull-off: the range is that over Tabor's
-    number."""
-    R = record.body.problem.indenter.tip_radius or record.a_max
-    return float((record.work**2 * R / record.E_star**2) ** (1 / 3))
-
-
-def narrow_range(record: FittedRecord) -> float:
-    """The range z0 [m] of which the ring is ``CHANGE_SMALL`` a_max wide there: d = pi E* z0^2/(4 w)."""
-    return math.sqrt(4 * CHANGE_SMALL * record.a_max * record.work / (math.pi * record.E_star))
-
-
 def amount_of_range(record: FittedRecord, z0: float) -> float:
     """The amount of a range [m]: in proportion to its square while it is short, and finite where it is endless."""
-    size = (z0 / narrow_range(record)) ** 2
-    return size / (1 + size / (neck(record) / narrow_range(record)) ** 2)
+    size = (z0 / record.narrow_range) ** 2
+    return size / (1 + size / (record.neck / record.narrow_range) ** 2)
 
 
 def range_of(record: FittedRecord, amount: float) -> float:
     """The range [m] of an amount."""
-    least = (neck(record) / narrow_range(record)) ** 2  # of an endless range
-    return narrow_range(record) * math.sqrt(amount / (1 - amount / least)) if amount < least else math.inf
+    least = (record.neck / record.narrow_range) ** 2  # of an endless range
+    return record.narrow_range * math.sqrt(amount / (1 - amount / least)) if amount < least else math.inf
 
 
 Ring: TypeAlias = "tuple[Family, float, tuple[float, ...], float]"  # a body, its E* [Pa], w [J/m^2] and range [m]
@@ -827,8 +841,9 @@ def _maugis(rings: Sequence[Ring]) -> Array:
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
     pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
-    zero = np.zeros_like(shift)
-    changes: Array = np.stack([zero, np.log(shift), zero, np.log(pull)], axis=1) @ _splines(grid(each[0][0]).size)
+    splines = _splines(grid(each[0][0]).size)
+    changes = np.zeros((len(each), FUNCTIONS, splines.shape[1]))
+    changes[:, 1::2] = np.stack([np.log(shift), np.log(pull)], axis=1) @ splines  # of T and V
     return changes
 
 
@@ -910,7 +925,7 @@ def layer_below(record: FittedRecord) -> Perturbation | None:
         return None
     h = 10 ** (round(math.log10(BODY_THICK * a_max) * BODY_DECADES) / BODY_DECADES)
     changes = log_ratio(_on_rigid(record.body, h, BODY_UNDER[1]), record.model.family) * h / a_max
-    return replace(_on_base(record.body, a_max, a_max), per_amount=changes)
+    return _on_base(record.body, a_max, a_max, changes)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -924,7 +939,7 @@ def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
     return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
 
 
-def _on_base(body: FittedBody, a_max: float, h: float) -> Perturbation:
+def _on_base(body: FittedBody, a_max: float, h: float, per_amount: Array | None = None) -> Perturbation:
     """The same in full, by the curves of one thickness ``h`` [m]: those of others are the same over a/h, but for the
     tip's shape, so that the change is made anew about what it leads to."""
 
@@ -942,12 +957,13 @@ def _on_base(body: FittedBody, a_max: float, h: float) -> Perturbation:
         return thick * spline(np.clip(log, spline.x[0], spline.x[-1])).T
 
     def recentred(fit: ForceCurveFit) -> Perturbation:
-        return replace(_on_base(body, a_max, a_max / max(fit.value(AMOUNT), LITTLE)))
+        return _on_base(body, a_max, a_max / max(fit.value(AMOUNT), LITTLE))
 
     quantities = lambda values: {"thickness": a_max / max(values[AMOUNT], LITTLE**2)}  # noqa: E731
     starts = tuple((amount,) for amount in BODY_THICKNESSES)
-    change = body_perturbation(changes, (0.0, BODY_THIN))
-    return replace(change, starts=starts, quantities=quantities, recentred=recentred)
+    return body_perturbation(
+        changes, (0.0, BODY_THIN), starts=starts, quantities=quantities, recentred=recentred, per_amount=per_amount
+    )
 
 
 def thickness(record: FittedRecord) -> Perturbation | None:
@@ -977,11 +993,11 @@ def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Perturbation 
         part = amount / step - i
         return (1 - part) * log_ratio(at_node(i), family) + part * log_ratio(at_node(i + 1), family)
 
-    return replace(
-        body_perturbation(changes, (1 / (1 + CHANGE_LARGEST) - 1, most)),
+    return body_perturbation(
+        changes, (1 / (1 + CHANGE_LARGEST) - 1, most),
         quantities=lambda values: {quantity: nominal * (1 + values[AMOUNT])},
         per_amount=log_ratio(at_node(-1), record.model.family) / -step,
-    )
+    )  # fmt: skip
 
 
 def graded(record: FittedRecord) -> Perturbation:
@@ -998,14 +1014,12 @@ def graded(record: FittedRecord) -> Perturbation:
 def exponent(record: FittedRecord) -> Perturbation:
     """A profile of exponent 2 + amount, as deep as the tip at a_max: ln D rises by the amount times ln(a/a_max)."""
     log = math.log(record.a_max)
-    return replace(
-        shape_perturbation(
-            lambda family, amount: _of_tip(amount * (grid(family) - log)), (BODY_BLUNTEST, CHANGE_LARGEST)
-        ),
+    return shape_perturbation(
+        lambda family, amount: _of_tip(amount * (grid(family) - log)), (BODY_BLUNTEST, CHANGE_LARGEST),
         starts=tuple((amount,) for amount in BODY_PROFILES),
         quantities=lambda values: {"exponent": 2 + values[AMOUNT]},
         recentred=_exponent_at_turn,
-    )
+    )  # fmt: skip
 
 
 def _exponent_at_turn(fit: ForceCurveFit) -> Perturbation:
@@ -1078,10 +1092,12 @@ def tension(record: FittedRecord) -> Perturbation | None:
         return np.stack([D, -dS / 2, H, S - dS / 2])
 
     small = functions(relative(record.model.family, CHANGE_SMALL)) / CHANGE_SMALL
-    change = body_perturbation(lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0))
     unit = record.body.problem.E_star * a_max / 2
-    quantities = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
-    return replace(change, starts=((CHANGE_SMALL,),), quantities=quantities, per_amount=small)
+    return body_perturbation(
+        lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0), starts=((CHANGE_SMALL,),),
+        quantities=lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]},
+        per_amount=small,
+    )  # fmt: skip
 
 
 def amount_of_tension(record: FittedRecord, tension: float) -> float:
@@ -1178,7 +1194,7 @@ def another_modulus(record: FittedRecord) -> Perturbation | None:
         return perturbed_logs(family, same, same + math.log1p(amount))
 
     column = np.where(record.rows(record.retraction), record.by_unknown("ln_s"), 0.0)
-    return replace(body_perturbation(changes, (LITTLE - 1, math.inf), last=True), column=column)
+    return body_perturbation(changes, (LITTLE - 1, math.inf), last=True, column=column)
 
 
 def slope_at_rest(record: FittedRecord) -> Array | None:

@@ -45,7 +45,6 @@ from jkrcli.fitting.alternatives import (
     Perturbation,
     RivalModel,
     columns,
-    narrow_range,
     work_over_speed,
 )
 from jkrcli.fitting.forward_model import grid, on_grid
@@ -169,7 +168,7 @@ def test_a_short_range_is_that_of_maugis() -> None:
     z0 = [(STILL.w**2 * R / STILL.E**2) ** (1 / 3) / mu for mu in (8.0, 80.0)]
     part = at.model.stretches[1]
     there = [np.interp(part.z, one["z"][-1:999:-1], one["P"][-1:999:-1]) for one in both]
-    theirs = (there[0] - there[1]) / (z0[0] ** 2 - z0[1] ** 2) * narrow_range(at) ** 2
+    theirs = (there[0] - there[1]) / (z0[0] ** 2 - z0[1] ** 2) * at.narrow_range**2
     rows = slice(-part.z.size, None)
     far = (at.a[rows] > 0.6 * at.a_max) & (part.z < min(one["z"].max() for one in both))
     assert np.abs(ours[rows] - theirs)[far].max() < 0.25 * np.abs(theirs[far]).max()  # 0.21

@@ -26,7 +26,7 @@ from ..data.segmentation import segment_force_curve
 from ..fitting.forward_model import FittedBody
 from ..fitting.joint import joint_fit, shared_of, with_radii
 from ..fitting.parameters import ALIAS, Answer
-from ..fitting.procedure import Failure, fit_all, friction_warnings, planned, preferences
+from ..fitting.procedure import Failure, fit_all, friction_warnings, memory_of, planned, preferences
 from ..fitting.result import Fit
 from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
 from ..methods.protocol import Forecast, Limits
@@ -264,7 +264,8 @@ def fit_curves(
     curves, unread = usable(request.measured, request.reading)
     each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     seconds = sum(each_curve)
-    begin(f"fit of {counted(len(curves), 'curve')}", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
+    forecast = Forecast(len(bodies) * seconds, memory_of(curves), 0.0)
+    begin(f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
     each = []
     for one in bodies:
         with executor(*parallel, progress, seconds) as pool:

@@ -321,7 +321,7 @@ TABLE_REFIT = 6e-3  # CPU seconds of a fit from near its end; tuned on 200 rows,
 TABLE_REFIT_PER_ROW = 5e-6  # and per row; tuned on 1e4 rows, by `make guards`
 TABLE_PROFILED = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
 TABLE_CARRIED = 6  # fits of an uncertain input; theory: two, of three times as many steps each
-TABLE_FIT_PER_CURVE = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
+TABLE_FIT_PER_CURVE = 0.025  # CPU seconds; choice: of 2,000 rows, for the number of processes
 
 
 NAMES = VOCABULARIES["measured"]

@@ -212,8 +212,9 @@ OF_SHAPE = "the faces of the pyramid"
 OF_STRAINS = "large strains"
 NOTICED = 0.1  # choice: of the interval of w, the part by large strains from which on it is told
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
-SIDE_BY_SIDE = 64  # choice: curves that are fitted together, which shares what each step costs besides its rows
-SIDE_BY_SIDE_ROWS = 150_000  # choice: of theirs in all; each row takes up to a kilobyte
+SIDE_BY_SIDE = 128  # choice: curves that are fitted together, which shares what each step costs besides its rows
+SIDE_BY_SIDE_ROWS = 300_000  # choice: of theirs in all
+SIDE_BY_SIDE_KIB, KEPT_KIB = 1.1, 0.2  # choice: of memory, a row while it is fitted and afterwards; measured
 STIFFEST = 50.0  # choice: of the device, a contact's stiffness beyond which no E* is told
 STIFFNESS_PART = 0.2  # choice: of the range of the load, from the largest on, over which a contact's stiffness is taken
 SYMBOLS = {"E_star": "E*"}
@@ -267,6 +268,12 @@ def parted(curve: Curve, settings: Settings) -> Curve:
     for segment in record.segments:
         words[segment.rows] = segment.kind
     return replace(curve, segment=words)
+
+
+def memory_of(curves: Sequence[Curve]) -> float:
+    """MiB of memory that the fits of some curves in one process need."""
+    rows = sum(map(len, curves))
+    return (KEPT_KIB * rows + SIDE_BY_SIDE_KIB * min(rows, SIDE_BY_SIDE_ROWS)) / 1024
 
 
 def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:

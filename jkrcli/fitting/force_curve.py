@@ -233,15 +233,15 @@ def stretches(
 
 
 def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> DirectionReadings:
-    curve, rows = record.curve, np.arange(side.segment.first, side.segment.last + 1)
-    if side.segment.kind != APPROACH:
-        rows = rows[::-1]
-    z = curve.device[rows]
-    P = curve.load[rows] if wave is None else curve.load[rows] + wave(z)
+    curve, inwards = record.curve, slice(None, None, 1 if side.segment.kind == APPROACH else -1)
+    rows = np.arange(side.segment.first, side.segment.last + 1)[inwards]
+    z, P = (column[side.segment.rows][inwards] for column in (curve.device, curve.load))
+    P = P if wave is None else P + wave(z)
     line, tension, touching, keep = _base_and_contact(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(READINGS_TURNING * contact) :] = False
-    keep &= ~np.isin(rows, record.ignored)
+    if record.ignored.size:
+        keep &= ~np.isin(rows, record.ignored)
     into = record.direction(APPROACH)
     last = int(np.argmax(curve.device)) if into is None else into.segment.last
     t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[last]

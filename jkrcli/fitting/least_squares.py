@@ -857,7 +857,7 @@ def waves(columns: Array) -> Array:
 def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
     """Columns of some ``rows`` of a record in the order of time. Over the rows that are missing straight lines through
     the means of as many beside them, as much of them as ``noise`` of that length is slow: it goes on meanwhile."""
-    order = np.argsort(rows)
+    order = np.argsort(rows, kind="stable")
     columns, rows = columns[order], rows[order] - rows.min()
     series = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
     series[rows] = columns

@@ -414,10 +414,10 @@ def with_strains(fitted: Fit, body: FittedBody) -> Fit:
     found, modulus = fitted.work, fitted.estimate("E_star").value
     if not (found.free and found.value > 0) or missed_pull_off(fitted.a, fitted.line) is not None:
         return fitted
-    line, problem = fitted.line, body.problem.scaled(modulus / body.problem.E_star)
+    line, w = fitted.line, found.value * body.problem.E_star / modulus  # strains go with w/E*
     least = int(np.argmin(line["P"])) if "P" in line else int(np.argmin(line["a"]))
     held = {name: float(line[name][least]) if name in line else 0.0 for name in ("a", "delta", "P")}
-    change = large_strains(problem, found.value, Equilibrium(**held))
+    change = large_strains(body.problem, w, Equilibrium(**held))
     if isinstance(change, Unknown):
         return replace(fitted, warnings=(*fitted.warnings, f"w: {strain_words(change)}"))
     moved = found.value * max((abs(1 / (1 + each) - 1) for each in change or ()), default=0.0)

@@ -554,7 +554,7 @@ def as_fit(
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     rows = np.concatenate([part.rows for part in best.model.stretches])
-    a, order = best.a, np.argsort(rows)
+    a, order = best.a, np.argsort(rows, kind="stable")
     flags, quality = judgement(record, best, a)
     missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
     flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
@@ -844,7 +844,7 @@ def _in_contact(best: ForceCurveFit, curve: Curve, receding: bool = False) -> Cu
         depth, P = best.model.depth(part, values), part.P - base_line(part, values)[0]
         each.append((part.rows[chosen], depth[chosen], P[chosen], np.full(np.count_nonzero(chosen), part.kind)))
     rows, delta, P, words = (np.concatenate(columns) for columns in zip(*each, strict=True))
-    order = np.argsort(rows)
+    order = np.argsort(rows, kind="stable")
     return replace(curve.rows(rows[order]), delta=delta[order], P=P[order], segment=words[order], stiffness=None)
 
 

@@ -26,6 +26,7 @@ from .errors import InputError, JkrError, nearest, printable, writable
 
 # choice: least and most letters that a name keeps of what a file is called after
 SHORTEST, LONGEST = 20, 80
+RECORDS = 20  # choice: of a list in JSON, beyond which each has a line of its own
 DAY = 86_400  # choice: s, after which nobody is taken to be writing a hidden file any more
 TABLES = (  # how the first line of a table of ours begins: CSV has no place for any other mark
     b"a_m,delta_m,P_N,delta_H_m,",
@@ -362,5 +363,13 @@ def _cell(value: Any) -> Any:
 
 
 def as_json(data: Mapping[str, Any]) -> str:
-    """JSON with no NaN or infinity in it, ever; a reason where a number is unknown."""
-    return json.dumps(data, indent=2, allow_nan=False, default=attrgetter("reason")) + "\n"
+    """JSON with no NaN or infinity in it, ever; a reason where a number is unknown. Of a list of many records, as of
+    the curves of a map, each stands in one line."""
+    text = functools.partial(json.dumps, allow_nan=False, default=attrgetter("reason"))
+
+    def of(value: Any) -> str:
+        if isinstance(value, list) and len(value) > RECORDS and isinstance(value[0], dict):
+            return "[\n    " + ",\n    ".join(map(text, value)) + "\n  ]"
+        return text(value, indent=2).replace("\n", "\n  ")
+
+    return "{\n" + ",\n".join(f"  {text(name)}: {of(value)}" for name, value in data.items()) + "\n}\n"

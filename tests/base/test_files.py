@@ -6,6 +6,7 @@ import builtins
 import contextlib
 import io
 import itertools
+import json
 import os
 import re
 import subprocess
@@ -196,6 +197,16 @@ def test_a_file_that_cannot_be_removed_is_named(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(JkrError, match=said):
         replace_and_remove()
     assert held(tmp_path) == {"a.json": OURS % "new", "b.json": OURS % "old"}
+
+
+def test_json_of_many_records_has_a_line_for_each() -> None:
+    records = 30
+    data = {"format": "jkr-test", "curves": [{"name": "a\nb", "E*": [1.0, {"low": 0.5}]}] * records, "more": {"w": []}}
+    text = files.as_json(data)
+    assert json.loads(text) == data
+    assert text.count("\n") == records + 8
+    few = data | {"curves": data["curves"][:3]}
+    assert files.as_json(few) == json.dumps(few, indent=2) + "\n"
 
 
 def test_what_is_written_twice_is_the_last(tmp_path: Path) -> None:

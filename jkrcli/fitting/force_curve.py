@@ -38,8 +38,8 @@ from .least_squares import (
     Spectrum,
     Spread,
     State,
+    TimeOrder,
     covariance_coloured,
-    in_time,
     influence,
     robust_scale,
 )
@@ -326,9 +326,14 @@ class ForceCurveModel:
         """The rows of the record in all stretches."""
         return np.concatenate([part.rows for part in self.stretches])
 
+    @cached_property
+    def in_time(self) -> TimeOrder:
+        """The order in which the rows were taken."""
+        return TimeOrder.of(self.rows)
+
     def ordered(self, columns: Array, noise: Spectrum) -> Array:
         """Columns of all rows as they were taken, where the order matters to the ``noise``."""
-        return in_time(columns, self.rows, noise) if noise.slow else columns
+        return self.in_time.series(columns, noise) if noise.slow else columns
 
     def whitened(self, columns: Array, noise: Spectrum) -> Array:
         """Columns of all rows so that a noise has unit variance and no colour."""

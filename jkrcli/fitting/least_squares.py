@@ -776,9 +776,8 @@ class Spectrum:
 
     def beyond(self, f: float) -> bool:
         """Whether most of it goes on rising at frequencies below ``f``, which no run of free rows tells."""
-        unseen = Spectrum(0.0, tuple(part for part in self.slow if part[1] < f))
-        at = np.array(f)
-        return bool(unseen(at) > self(at) / 2)
+        there = [(c, B / (1 + (f / c) ** 2) ** (b / 2)) for B, c, b in self.slow]
+        return sum(S for c, S in there if c < f) > (self.A + sum(S for _, S in there)) / 2
 
     def whitened(self, columns: Array) -> Array:
         """Columns of rows in the order of time, (rows, ...), so that this noise has unit variance and no colour."""
@@ -854,22 +853,47 @@ def waves(columns: Array) -> Array:
     return numerics.cosine_transform(columns.T).T
 
 
+@dataclass(frozen=True, eq=False)
+class TimeOrder:
+    """The ``order`` in time of some rows of a record, their ``places`` from the first on, and for each gap between them
+    the number of the row that ends it, in ``ends``, and how many are ``missing``."""
+
+    order: Array
+    places: Array
+    ends: tuple[int, ...]
+    missing: tuple[int, ...]
+
+    @classmethod
+    def of(cls, rows: Array) -> TimeOrder:
+        order = np.argsort(rows, kind="stable")
+        places = rows[order] - rows[order[0]]
+        steps = places[1:] - places[:-1]
+        gaps = np.flatnonzero(steps > 1)
+        return cls(order, places, tuple((gaps + 1).tolist()), tuple((steps[gaps] - 1).tolist()))
+
+    def series(self, columns: Array, noise: Spectrum) -> Array:
+        """Columns of the rows, (rows, ...), in the order of time. Over those that are missing straight lines through
+        the means of as many beside them, as much of them as ``noise`` of that length is slow: it goes on meanwhile."""
+        known = columns.T[..., self.order]
+        series = np.zeros((*known.shape[:-1], int(self.places[-1]) + 1))
+        series[..., self.places] = known
+        for i, count, slow in zip(self.ends, self.missing, _slow_shares(noise, self.missing), strict=True):
+            beside, at = max(count, COLOURED_BESIDE), int(self.places[i])
+            parts = known[..., max(i - beside, 0) : i], known[..., i : i + beside]
+            first, last = (slow * part.sum(axis=-1, keepdims=True) / part.shape[-1] for part in parts)
+            series[..., at - count : at] = first + np.arange(1, count + 1) / (count + 1) * (last - first)
+        return series.T
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _slow_shares(noise: Spectrum, rows: tuple[int, ...]) -> tuple[float, ...]:
+    """How much of a ``noise`` over so many rows is slow."""
+    return tuple((1 - noise.A / noise(0.5 / np.array(rows))).tolist())
+
+
 def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
-    """Columns of some ``rows`` of a record in the order of time. Over the rows that are missing straight lines through
-    the means of as many beside them, as much of them as ``noise`` of that length is slow: it goes on meanwhile."""
-    order = np.argsort(rows, kind="stable")
-    columns, rows = columns[order], rows[order] - rows.min()
-    series = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
-    series[rows] = columns
-    ends = np.flatnonzero(np.diff(rows) > 1) + 1
-    missing = rows[ends] - rows[ends - 1] - 1
-    shares = 1 - noise.A / noise(1 / (2 * missing))
-    for i, count, slow in zip(ends.tolist(), missing.tolist(), shares.tolist(), strict=True):
-        beside = max(count, COLOURED_BESIDE)
-        first, last = (slow * part.mean(axis=0) for part in (columns[max(i - beside, 0) : i], columns[i : i + beside]))
-        share = np.arange(1, count + 1) / (count + 1)
-        series[rows[i - 1] + 1 : rows[i]] = first + np.multiply.outer(share, last - first)
-    return series
+    """Columns of some ``rows`` of a record in the order of time, the missing ones bridged as the ``noise`` goes on."""
+    return TimeOrder.of(rows).series(columns, noise)
 
 
 def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:
@@ -1109,11 +1133,11 @@ def _unlikely(mean: Array, S: Array, count: Array) -> Array:
 def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
     """A and B, not below 0, that are likeliest for each shape ``slow``, (corners, octaves), by least squares weighted
     with the spectrum so far."""
-    items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean])
+    items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean], axis=1)
     S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
     for _ in range(COLOURED_ROUNDS):
         weights = count / np.maximum(S, TINY) ** 2
-        aa, ab, bb, a, b = np.einsum("ij,kij->ki", weights, items)
+        aa, ab, bb, a, b = (items @ weights[..., None])[..., 0].T
         determinant = aa * bb * (1 + COLOURED_SINGULAR) - ab * ab
         A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
         A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))

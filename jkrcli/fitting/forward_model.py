@@ -291,7 +291,7 @@ class DugdaleModel:
     body: AttractedBody
     resolution: Resolution = FINE
     _ready: dict[float, tuple[Attraction, Discs]] = field(default_factory=dict)
-    _curves: dict[tuple[str, str], States] = field(default_factory=dict)
+    _curves: dict[tuple[float, float], States] = field(default_factory=dict)
 
     @classmethod
     def of(cls, problem: Problem, plain: Family, resolution: Resolution = FINE) -> DugdaleModel:
@@ -333,13 +333,13 @@ class DugdaleModel:
         return attraction, discs
 
     def states(self, s: float, gap: float) -> States:
-        """The curve for the tension s = 2 sigma/E* up to the separation ``gap`` [m]; solved once for many fits that ask
-        for the same."""
-        key = f"{s:.12g}", f"{gap:.12g}"
+        """The curve for the tension s = 2 sigma/E* up to the separation ``gap`` [m], of twelve digits; solved once for
+        many fits that ask for the same, whoever asks first."""
+        key = float(f"{s:.12g}"), float(f"{gap:.12g}")
         if key not in self._curves:
             if len(self._curves) >= REMEMBERED:
                 self._curves.clear()
-            self._curves[key] = self._solved(s, gap)
+            self._curves[key] = self._solved(*key)
         return self._curves[key]
 
     def _solved(self, s: float, gap: float) -> States:

@@ -317,14 +317,14 @@ def _chances(
 def _tails(taken: Array, dof: float) -> Array:
     """The chances that the square of Student's t of ``dof`` degrees of freedom is above each of ``taken``: between even
     t by cubics of their logs through values and slopes, good to 1e-6; nan where nothing is known."""
-    place = np.sqrt(np.nan_to_num(taken, nan=0.0, posinf=math.inf)) / SCORE_TAIL
-    farthest = min(float(place.max(initial=0.0)), SCORE_FARTHEST / SCORE_TAIL)
+    place = np.sqrt(taken) / SCORE_TAIL
+    farthest = min(float(np.fmax.reduce(place, axis=None, initial=0.0)), SCORE_FARTHEST / SCORE_TAIL)
     cubics = _log_tails(dof, 1 << math.ceil(farthest).bit_length())  # as many as several records may share
     last = cubics.shape[1]
-    i = np.minimum(place, last - 1.0).astype(int)
+    i = np.fmin(place, last - 1.0).astype(int)
     x, (c0, c1, c2, c3) = np.minimum(place, last) - i, cubics.take(i, axis=1)
     chances: Array = np.exp(c0 + x * (c1 + x * (c2 + x * c3)))
-    return np.where(np.isnan(taken), math.nan, np.where(c0 > math.log(TINY), chances, 0.0))
+    return np.where((c0 > math.log(TINY)) | np.isnan(x), chances, 0.0)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -727,7 +727,7 @@ def _bounded(near: Linearised, score: Score, which: int) -> Score | Flow[Score]:
     little = seen.most > 0 and float(np.abs(rates).max()) * seen.most < FULL_LINEAR * SCORE_MATTERS
     if little and not (tense or long or (ranged and _by_chance(record, falls))):
         return replace(seen, E_star=float(rates[0]), w=float(rates[1]), word=EXCLUDED if ranged else score.word)
-    change = rival.effect(record)
+    change = record.effect(rival)
     if not isinstance(change, Perturbation):
         return score
     if not (ranged or tense):

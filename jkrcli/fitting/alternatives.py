@@ -339,7 +339,7 @@ class RivalModel(ForceCurveModel):
 
     def followed(self, part: DirectionReadings, values: Values) -> ForceCurveModel:
         """The plain model that a stretch follows, remembered."""
-        key = part.kind, *(values[name] for name in (values if self.change.coupled else self.change.names))
+        key = part.kind, *(values.values() if self.change.coupled else map(values.__getitem__, self.change.names))
         if key not in self._followed:
             if len(self._followed) >= REMEMBERED:
                 self._followed.clear()
@@ -559,6 +559,19 @@ class FittedRecord:
         """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
         return 1 - self.by_position / self.model.k
 
+    def effect(self, rival: AlternativeModel) -> Perturbation | Array | None:
+        """That of an alternative; changes of the body alone are remembered."""
+        if rival in self._bodies:
+            return self._bodies[rival]
+        effect = rival.effect(self)
+        if isinstance(effect, Perturbation) and effect.column is None:
+            self._bodies[rival] = effect
+        return effect
+
+    @cached_property
+    def _bodies(self) -> dict[AlternativeModel, Perturbation]:
+        return {}
+
     def column(self, change: Perturbation) -> Array | None:
         """Derivative of the loads [N] by the amount of a change, at 0 unless the change has a column of its own; None
         of one of the body, which has ``bodies``."""
@@ -642,11 +655,11 @@ def prepare(records: Sequence[FittedRecord]) -> None:
     remembered."""
     for record, history in zip(records, histories(records), strict=True):
         vars(record)["history"] = history
-    changes = [(record, finite_range(record)) for record in records]
+    changes = [(record, record.effect(RANGE)) for record in records]
     rings = [
         change.rings(record.model.family, {**record.values, AMOUNT: LITTLE})
         for record, change in changes
-        if change is not None and change.rings is not None
+        if isinstance(change, Perturbation) and change.rings is not None
     ]
     ring_changes([ring for ring in rings if ring is not None])
     for record, tabled in zip(records, tables(records), strict=True):
@@ -1509,37 +1522,44 @@ def tables(
 ) -> list[tuple[tuple[AlternativeModel, ...], Array]]:
     """Of some records the rivals that mean anything and the ``table``; columns of changed bodies are taken together, by
     one look at where the rows lie on their branches."""
-    each, bodies = [], list[dict[AlternativeModel, Perturbation]]()
+    each = list[tuple[list[AlternativeModel], Array]]()
+    bodies = list[dict[int, Perturbation]]()  # of each record by their rows of its table
     for record in records:
-        by_rival, of_body = dict[AlternativeModel, Array | None](), dict[AlternativeModel, Perturbation]()
+        own, found, of_body = 1 + record.fit.x.size, list[AlternativeModel](), dict[int, Perturbation]()
+        table = np.empty((own + len(rivals), record.a.size))
+        table[0], table[1:own] = record.residuals, record.jacobian.T
         for rival in rivals:
             try:
-                effect = rival.effect(record)
-                by_rival[rival] = column = record.column(effect) if isinstance(effect, Perturbation) else effect
+                effect = record.effect(rival)
+                column = record.column(effect) if isinstance(effect, Perturbation) else effect
             except (JkrError, FloatingPointError):
                 continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
-            if column is None and isinstance(effect, Perturbation):
-                of_body[rival] = effect
-        each.append(by_rival)
+            row = own + len(found)
+            if column is not None:
+                table[row] = column
+            elif isinstance(effect, Perturbation):
+                of_body[row] = effect
+            else:
+                continue
+            found.append(rival)
+        each.append((found, table[: own + len(found)]))
         bodies.append(of_body)
+
     answers = []
-    for record, by_rival, of_body, changes in zip(records, each, bodies, changed_bodies(records, bodies), strict=True):
+    for record, (found, table), of_body, changes in zip(records, each, bodies, changed_bodies(records, bodies),
+                                                        strict=True):  # fmt: skip
         if of_body:
-            by_rival |= dict(zip(of_body, record.by_bodies(changes), strict=True))
-        found = {rival: column for rival, column in by_rival.items() if column is not None}
-        own = 1 + record.fit.x.size
-        table = np.vstack([record.residuals, record.jacobian.T, *found.values()])
-        sums = np.einsum("ij,ij->i", table[own:], table[own:])
+            table[[*of_body]] = record.by_bodies(changes)
+        columns = table[1 + record.fit.x.size :]
+        sums = np.einsum("ij,ij->i", columns, columns)
         means = (0 < sums) & (sums < math.inf)  # of what is 0 throughout or has no meaning, too
         if not means.all():
-            table = np.delete(table, own + np.flatnonzero(~means), axis=0)
+            table = np.delete(table, 1 + record.fit.x.size + np.flatnonzero(~means), axis=0)
         answers.append((tuple(itertools.compress(found, means.tolist())), table))
     return answers
 
 
-def changed_bodies(
-    records: Sequence[FittedRecord], changes: Sequence[Mapping[AlternativeModel, Perturbation]]
-) -> Iterator[Array]:
+def changed_bodies(records: Sequence[FittedRecord], changes: Sequence[Mapping[int, Perturbation]]) -> Iterator[Array]:
     """Of each of some records the changes of the logs of its body (changes, stretches, 4, n) per amount of each of the
     ``changes`` of it."""
     # changes that follow from those of displacement and stiffness, of each body together

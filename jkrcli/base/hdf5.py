@@ -10,6 +10,7 @@ import math
 import sys
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -333,8 +334,8 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
             fits = each <= (process.TEXT if is_text else WIDEST) and 0 < count <= MOST_VALUES
             if sort not in KINDS or not fits or stored.get_storage_size() != count * each:
                 raise ValueError(f"the attribute {name} is damaged")
-            values = np.empty(space.get_simple_extent_dims(), stored.dtype)
-            stored.read(values)
+            values = np.empty(space.get_simple_extent_dims(), kind.dtype)
+            stored.read(values, _in_memory(values.dtype))
             if values.dtype.hasobject:  # texts of any length
                 texts = [text.decode("utf-8", "surrogateescape") for text in values.flat]
                 values = np.array(texts, dtype=object).reshape(values.shape)
@@ -349,5 +350,15 @@ def values_of(data: h5py.Dataset) -> Any:
         return data[()]
     values = np.empty(shape, data.id.dtype)
     # HDF5 converts: what a file holds need not be as wide as NumPy's type (truth values, short floats)
-    data.id.read(h5py.h5s.ALL, h5py.h5s.ALL, values, h5py.h5t.py_create(values.dtype))
+    data.id.read(h5py.h5s.ALL, h5py.h5s.ALL, values, _in_memory(values.dtype))
     return values
+
+
+def _in_memory(dtype: np.dtype[Any]) -> h5py.h5t.TypeID:
+    """HDF5's type of values as NumPy holds them; of texts and enumerations NumPy compares no details."""
+    return h5py.h5t.py_create(dtype) if dtype.metadata else _of_numbers(dtype)
+
+
+@cache
+def _of_numbers(dtype: np.dtype[Any]) -> h5py.h5t.TypeID:
+    return h5py.h5t.py_create(dtype)

@@ -845,10 +845,9 @@ def _maugis(rings: Sequence[Ring]) -> Array:
     """Changes of the logs (works of all rings, 4, n) of bodies of E* [Pa] whose w [J/m^2] has the range z0 [m]: the
     stress sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2
     sigma a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
-    some, each = slice(None, None, ADHESION_EVERY), [(*ring, w) for ring in rings for w in ring[2]]
+    each = [(*ring, w) for ring in rings for w in ring[2]]
     E, z0, w = (np.array([one[i] for one in each])[:, None] for i in (1, 3, 4))
-    a = np.exp(np.stack([grid(family)[some] for family, *_ in each]))
-    D = np.stack([on_grid(family)[0][0, some] for family, *_ in each])
+    a, D = np.stack([_ring_nodes(family) for family, *_ in each], axis=1)
     sigma = w / z0
     m = _rim(a, D, E, w, sigma)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
@@ -858,6 +857,12 @@ def _maugis(rings: Sequence[Ring]) -> Array:
     changes = np.zeros((len(each), FUNCTIONS, splines.shape[1]))
     changes[:, 1::2] = np.stack([np.log(shift), np.log(pull)], axis=1) @ splines  # of T and V
     return changes
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _ring_nodes(family: Family) -> Array:
+    """Contact radii and displacements without adhesion at which rings are solved, (2, some)."""
+    return np.stack([np.exp(grid(family)), on_grid(family)[0, 0]])[:, ::ADHESION_EVERY]
 
 
 @lru_cache
@@ -1097,14 +1102,15 @@ def tension(record: FittedRecord) -> Perturbation | None:
         kappa = max(amount, LITTLE**2) * a_max
         a = np.maximum(np.exp(grid(family)), BODY_FINEST * kappa)
         x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + EULER
-        return x * np.stack([2 * (log - 1), 3 * log, log + 1, np.ones_like(a)])
+        return x * np.stack([2 * (log - 1), np.ones_like(a), 3 * log, log + 1])
 
     def functions(changes: Array) -> Array:
-        """Of D, T, H, V: T^2 goes with 1/S', V with S T."""
-        D, H, S, dS = changes
-        return np.stack([D, -dS / 2, H, S - dS / 2])
+        """Of D, T, H, V, from those of delta_H, S', P_H and S: T^2 goes with 1/S', V with S T."""
+        changes[1] /= -2
+        changes[3] += changes[1]
+        return changes
 
-    small = functions(relative(record.model.family, CHANGE_SMALL)) / CHANGE_SMALL
+    small = functions(relative(record.model.family, CHANGE_SMALL) / CHANGE_SMALL)
     unit = record.body.problem.E_star * a_max / 2
     return body_perturbation(
         lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0), starts=((CHANGE_SMALL,),),

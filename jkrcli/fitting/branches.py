@@ -321,9 +321,10 @@ class DeviceBranch:
         here, parts = changes[..., i], self.nodes.functions[:, 0, i]
         here[..., 0] = changes[..., first] + (changes[..., first + 1] - changes[..., first]) * (place[0] - first)
         parts[:, 0] = self.at_fold
-        of_load = self.s * (self.zeta - self.slope / (2 * self.k))
-        weights = np.stack([-self.slope / 2, self.r * self.slope / 2, of_load, -self.r * of_load]) * parts
-        rate = np.einsum("ijk,jk->ik", here, weights)
+        parts[:2] *= self.slope / -2
+        parts[2:] *= self.s * (self.zeta - self.slope / (2 * self.k))
+        parts[1::2] *= -self.r
+        rate = np.einsum("ijk,jk->ik", here, parts)
         zeta = np.sqrt(np.maximum(z - self.fold, blunt))
         i = self.zeta[1:-1].searchsorted(zeta)
         x = np.minimum((zeta - self.zeta[i]) / (self.zeta[i + 1] - self.zeta[i]), 1.0)

@@ -901,21 +901,22 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
     residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""
     free = [run for run in free if run.size > 2]  # of fewer a line leaves nothing
-    own = density(weight, off.size) if weight.slow else weight.A
     rows = numerics.cosine_transform(np.concatenate([J.T, off[None]]))
-    rows /= np.sqrt(own)
+    own = density(weight, off.size) if weight.slow else 1.0  # no white weight changes the covariance
+    if weight.slow:
+        rows /= np.sqrt(own)
     Q, inverse = _factors(rows[:-1].T)
     f = frequencies(off.size)
     octaves = Octaves.of(f, np.einsum("ij,ij->i", Q, Q))
     all_rows = Periodogram(octaves, octaves.means(rows[-1] ** 2)).spectrum()
-    every = all_rows(f) * own if all_rows.slow or weight.slow else all_rows.A * weight.A
+    every = all_rows(f) * own if all_rows.slow or weight.slow else all_rows.A
     loose = sum(run.size for run in free)
     seen = _of_base_lines(free, rounding) if loose >= COLOURED_FREE else None
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
 
     def of(noise: Array | float) -> Array:
         if isinstance(noise, float) and not weight.slow:  # Q^T Q = 1
-            plain: Array = noise / weight.A * (inverse @ inverse.T)
+            plain: Array = noise * (inverse @ inverse.T)
             return plain
         matrix: Array = inverse @ (Q.T * (noise / own)) @ Q @ inverse.T
         return matrix

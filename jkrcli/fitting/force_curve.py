@@ -187,6 +187,11 @@ class DirectionReadings:
         return median(steps) or float(np.mean(steps))
 
     @cached_property
+    def span(self) -> float:
+        """Range of the loads [N]."""
+        return float(np.ptp(self.P))
+
+    @cached_property
     def along(self) -> Array:
         """Way of the device from the first row on [m]."""
         return self.z - self.z[0]
@@ -955,7 +960,7 @@ class ForceCurveFit:
 
 def _even(model: ForceCurveModel) -> Spectrum:
     """White noise as large as the range of the loads: the weight while nothing is known of it."""
-    return Spectrum(max(float(np.ptp(part.P)) for part in model.stretches) ** 2)
+    return Spectrum(max(part.span for part in model.stretches) ** 2)
 
 
 @dataclass(frozen=True, eq=False)

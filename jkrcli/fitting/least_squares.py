@@ -136,12 +136,12 @@ def structure(residuals: Array) -> Structure:
     """Lag-1 autocorrelation and the runs test of Wald and Wolfowitz, both against positive structure."""
     n = residuals.size
     centred = residuals - np.mean(residuals)
-    total = float(np.sum(centred**2))
-    lag1 = float(np.sum(centred[1:] * centred[:-1]) / total) if total > 0 else 0.0
+    total = float(centred @ centred)
+    lag1 = float(centred[1:] @ centred[:-1]) / total if total > 0 else 0.0
     above = residuals > median(residuals)
-    k = int(above.sum())
+    k = int(np.count_nonzero(above))
     m = n - k
-    runs = 1 + int(np.sum(above[1:] != above[:-1]))
+    runs = 1 + int(np.count_nonzero(above[1:] != above[:-1]))
     expected = 1 + 2 * k * m / n
     variance = max((expected - 1) * (expected - 2) / (n - 1), 1e-12)
     normal = min(-lag1 * math.sqrt(n), (runs - expected) / math.sqrt(variance))

@@ -144,7 +144,7 @@ def judgement(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[s
     direction. ``quality`` is their product.
     """
     touching = a > 0
-    span = max(float(np.ptp(part.P)) for part in best.model.stretches)
+    span = max(part.span for part in best.model.stretches)
     off = best.off[touching]
     noise = max(record_side.base.noise for record_side in record.directions)
     slow = math.sqrt(max(float(np.mean(off**2)) - noise**2, 0.0)) / span if off.size else 0.0
@@ -777,7 +777,7 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     if "ln_s" not in joint.names:
         return
     model, part, error = joint.model, joint.model.stretches[-1], joint.error("ln_s")
-    top = part.P > part.P.max() - RECORD_HALF * np.ptp(part.P)
+    top = part.P > part.P.max() - RECORD_HALF * part.span
     along = part.z[top] - part.z[top].mean()
     squares = max(float(along @ along), TINY)
     rigid = (float(along @ part.P[top]) / squares - part.line.tilt) / model.k - 1  # how much steeper than the device

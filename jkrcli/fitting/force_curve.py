@@ -948,7 +948,7 @@ class ForceCurveFit:
         """Derivatives by the unknowns and, last, residuals of all rows in units of the noise, (unknowns + 1, rows), and
         the products of these columns."""
         off, J = self.model.residuals(self.x, 0.0)
-        columns = self.model.whitened(np.vstack([J.T, off]).T, self.spread.noise).T
+        columns = self.model.whitened(np.concatenate([J.T, off[None]]).T, self.spread.noise).T
         return columns, columns @ columns.T
 
     def at_loads(self, factor: float) -> Array:

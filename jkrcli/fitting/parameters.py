@@ -175,7 +175,7 @@ class Parameter:
         if not self.inner(self.low) < self.inner(self.high):
             raise InputError(f"{self.name}: bounds must increase and leave room, got {self.low:g} to {self.high:g}")
 
-    @property
+    @cached_property
     def kind(self) -> Kind:
         """The scale on which it is fitted and intervals are made: "log", the signed "root", or as it is; "positive"
         where it cannot be less than 0, "limit" where it may come out so, though it is not.

@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from ..data.curve import APPROACH
 from .alternatives import (
     ADHESION_ENDLESS,
     AMOUNT,
-    CHANGE_FOLD,
     LONG,
     RANGE,
     RIVALS,
@@ -197,7 +196,7 @@ def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Ex
     with contextlib.suppress(JkrError, ArithmeticError):  # of one of them, which tells so itself
         prepare(records)
     white = [record for record in records if not record.fit.spread.noise.slow]
-    linear = dict(zip(white, answers(linearised, [(one, [regular_rows(one)]) for one in white]), strict=True))
+    linear = dict(zip(white, answers(linearised, [(one, [one.regular]) for one in white]), strict=True))
     for record in records:
         one = linear.get(record)
         try:
@@ -211,7 +210,7 @@ def _scored(record: FittedRecord, linear: Linearised | None) -> RecordRivals:
     """The scores of one; ``linear``: of noise that is white, on the rows that columns are trusted in."""
     table, noise, own = record.table, record.fit.spread.noise, 1 + record.fit.x.size
     if linear is None:
-        rows = regular_rows(record)
+        rows = record.regular
         table = _weighted(record, table, rows)
         linear = Linearised.of_table(record, rows, table)
     rows = linear.rows
@@ -232,8 +231,7 @@ def _scored(record: FittedRecord, linear: Linearised | None) -> RecordRivals:
     return RecordRivals(tuple(scores), _named(scores, linear.alike), misfit, dof, _loose(record))
 
 
-@dataclass(frozen=True)
-class _Evidence:
+class _Evidence(NamedTuple):
     """What the rows say of one of ``rivals``: |c'|, c' r'/|c'|, |c|, degrees of freedom of the noise, and the chance of
     what it takes from the ``misfit``, chi^2 in all."""
 
@@ -256,14 +254,14 @@ def _score(
     if by.size <= UNSEEN * by.whole:
         return Score(*labels, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNDECIDED, quantile)
     amount, error, taken = -by.along / by.size, 1 / by.size, by.along**2
-    room = SCORE_NORMAL * error
+    room, E, w = SCORE_NORMAL * error, abs(rates[0]), abs(rates[1])
     detected = (
-        SCORE_OVER * low - room <= amount <= SCORE_OVER * high + room
-        and by.chance * by.rivals < SCORE_CHANCE
-        and any(abs(rate * amount) > SCORE_MOVES * own for rate, own in zip(rates, errors, strict=True))
-    )  # fmt: skip
+        by.chance * by.rivals < SCORE_CHANCE
+        and SCORE_OVER * low - room <= amount <= SCORE_OVER * high + room
+        and (E * abs(amount) > SCORE_MOVES * errors[0] or w * abs(amount) > SCORE_MOVES * errors[1])
+    )
     end = abs(amount) + t_quantile(0.95, round(by.dof)) * error
-    excluded = max(map(abs, rates)) * end < SCORE_MATTERS
+    excluded = max(E, w) * end < SCORE_MATTERS
     word = DETECTED if detected else EXCLUDED if excluded else UNDECIDED
     share = taken / max(by.misfit, taken)
     return Score(*labels, amount, error, by.chance, taken, share, *rates, *likely, word, quantile)
@@ -381,17 +379,6 @@ def off_folds(record: FittedRecord) -> Array:
     for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
         fold = part.z[a > 0].min() if part.jumped and (a > 0).any() else math.inf
         rows.append(np.abs(part.z - fold) > SCORE_BESIDE * part.spacing)
-    return np.concatenate(rows)
-
-
-def regular_rows(record: FittedRecord) -> Array:
-    """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
-    rows = []
-    for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
-        z, touching = part.z, a > 0
-        first = z[touching].min() if touching.any() else math.inf
-        span = max(CHANGE_FOLD * part.reach, 2 * part.spacing)
-        rows.append(~touching | (z > first + span) if part.jumped else np.abs(z - first) > span)
     return np.concatenate(rows)
 
 
@@ -1039,7 +1026,7 @@ def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) ->
     if (without := windowed(full)) is not full.model:
         full = fit(without, full.x, near=True)
     here = FittedRecord(record.body, reconverge(full))
-    misfit, dof, loose = misfit_left(here, regular_rows(here))
+    misfit, dof, loose = misfit_left(here, here.regular)
     chance = numerics.f_chance(dof, max(loose, 1), misfit / dof)
     noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
     plain = misfit_of(record, common_rows(record, here), noise)

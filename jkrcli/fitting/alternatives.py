@@ -457,19 +457,33 @@ class FittedRecord:
     @cached_property
     def tabled(self) -> tuple[tuple[AlternativeModel, ...], Array]:
         """Both."""
-        return tables([self])[0]
+        return next(tables([self]))
 
     def products(self, rows: Array) -> Array:
-        """Products of all columns of the ``table`` over some ``rows`` [N^2]: from those over about the same rows."""
-        before, known = self._products or (np.zeros_like(rows), 0.0)
-        more, less = (self.table[:, np.flatnonzero(some)] for some in (rows & ~before, before & ~rows))
-        self._products[:] = rows, known + more @ more.T - less @ less.T
-        return self._products[1]
+        """Products of all columns of the ``table`` over some ``rows`` [N^2]: from those over the ``regular`` ones."""
+        if rows is self.regular:
+            return self._products
+        more, less = (self.table[:, np.flatnonzero(some)] for some in (rows & ~self.regular, self.regular & ~rows))
+        products: Array = self._products + more @ more.T - less @ less.T
+        return products
 
     @cached_property
-    def _products(self) -> list[Array]:
-        """The rows of the last of these, and the products; none at first."""
-        return []
+    def _products(self) -> Array:
+        """Those over the regular rows."""
+        table = self.table[:, np.flatnonzero(self.regular)]
+        products: Array = table @ table.T
+        return products
+
+    @cached_property
+    def regular(self) -> Array:
+        """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
+        rows = []
+        for part, (a, _) in zip(self.model.stretches, self.radii, strict=True):
+            z, touching = part.z, a > 0
+            first = z[touching].min() if touching.any() else math.inf
+            span = max(CHANGE_FOLD * part.reach, 2 * part.spacing)
+            rows.append(~touching | (z > first + span) if part.jumped else np.abs(z - first) > span)
+        return np.concatenate(rows)
 
     def by_unknown(self, name: str) -> Array:
         """The column of the Jacobian that belongs to an unknown."""
@@ -1519,13 +1533,13 @@ RIVALS: tuple[AlternativeModel, ...] = (
 
 def columns(record: FittedRecord, rivals: Sequence[AlternativeModel] = RIVALS) -> dict[AlternativeModel, Array]:
     """The columns of all rivals that mean anything for a record, by rival."""
-    ((found, table),) = tables([record], rivals)
+    found, table = next(tables([record], rivals))
     return dict(zip(found, table[1 + record.fit.x.size :], strict=True))
 
 
 def tables(
     records: Sequence[FittedRecord], rivals: Sequence[AlternativeModel] = RIVALS
-) -> list[tuple[tuple[AlternativeModel, ...], Array]]:
+) -> Iterator[tuple[tuple[AlternativeModel, ...], Array]]:
     """Of some records the rivals that mean anything and the ``table``; columns of changed bodies are taken together, by
     one look at where the rows lie on their branches."""
     each = list[tuple[list[AlternativeModel], Array]]()
@@ -1551,7 +1565,6 @@ def tables(
         each.append((found, table[: own + len(found)]))
         bodies.append(of_body)
 
-    answers = []
     for record, (found, table), of_body, changes in zip(records, each, bodies, changed_bodies(records, bodies),
                                                         strict=True):  # fmt: skip
         if of_body:
@@ -1561,8 +1574,7 @@ def tables(
         means = (0 < sums) & (sums < math.inf)  # of what is 0 throughout or has no meaning, too
         if not means.all():
             table = np.delete(table, 1 + record.fit.x.size + np.flatnonzero(~means), axis=0)
-        answers.append((tuple(itertools.compress(found, means.tolist())), table))
-    return answers
+        yield tuple(itertools.compress(found, means.tolist())), table
 
 
 def changed_bodies(records: Sequence[FittedRecord], changes: Sequence[Mapping[int, Perturbation]]) -> Iterator[Array]:

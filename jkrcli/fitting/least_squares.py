@@ -1012,7 +1012,7 @@ class Octaves:
     def of(cls, f: Array, taken: Array) -> Octaves:
         """Of frequencies ``f`` in increasing order; ``taken``: how much of each wave the fit has. An octave of which
         too little is left joins the next."""
-        left, lowest = 1 - taken, float(f[np.searchsorted(f, 0.0, side="right")])
+        left, lowest = 1 - np.minimum(taken, 1.0), float(f[np.searchsorted(f, 0.0, side="right")])
         first, joined, so_far = _octaves(f.size), [0], 0.0
         sums = np.add.reduceat(np.stack([left, left / np.maximum(f, lowest / 2)]), first, axis=1)
         for i, more in enumerate(sums[0, :-1].tolist(), start=1):

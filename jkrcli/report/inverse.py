@@ -845,15 +845,6 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
     if any(ARBITRARY in flag for flag in doubts):
         look_verdict = "adhesion force unknown, loads in arbitrary units"
     head = [f"{look_verdict}: {curve.where}", f"  {len(curve)} rows of {columns}; {parts}"]
-    if curve.a is not None and not words:  # readings of a contact, of which none need be free: no base line is sought
-        ranges = [
-            f"{text_formats.NAMES.meaning(name)} {show(float(values.min()), kind, 4)} to "
-            f"{show(float(values.max()), kind, 4)}"
-            for name, kind in (("a", "length"), ("delta", "length"), ("P", "load"))
-            if (values := getattr(curve, name)) is not None
-        ]
-        head[0] = f"a loading-unloading table of a contact, not a force curve: {curve.where}"
-        return [*head, f"  {', '.join(ranges)}", *(f"  {flag}" for flag in curve.flags)]
     rough = []
     glance = Unknown("") if tip is None else at_a_glance(record, tip)
     if tip is not None and isinstance(glance, Unknown):
@@ -862,6 +853,15 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
         w = "" if isinstance(glance.w, Unknown) else f", w = {show(glance.w, 'work', 2)} (adhesion force)"
         E_star, a = show(glance.E_star, "modulus", 2), show(glance.a, "length", 2)
         rough = [f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"]
+    if curve.a is not None and not words:  # readings of a contact, of which none need be free: no base line is sought
+        ranges = [
+            f"{text_formats.NAMES.meaning(name)} {show(float(values.min()), kind, 4)} to "
+            f"{show(float(values.max()), kind, 4)}"
+            for name, kind in (("a", "length"), ("delta", "length"), ("P", "load"))
+            if (values := getattr(curve, name)) is not None
+        ]
+        head[0] = f"a loading-unloading table of a contact, not a force curve: {curve.where}"
+        return [*head, f"  {', '.join(ranges)}", *rough, *(f"  {flag}" for flag in curve.flags)]
     return [
         *head,
         *(f"  {flag}" for flag in doubts),

@@ -232,7 +232,7 @@ def test_every_option_of_a_verb_changes_what_it_says_or_leaves_or_is_refused(
     plain = tried(*BASES[verb])
     without = []
     for option in _options(verb):
-        name = option.opts[-1]
+        name = (option.secondary_opts or option.opts if option.default is True else option.opts)[-1]
         words = () if option.is_flag else OWN.get((verb, name)) or VALUES[name]
         other = plain
         if option.is_flag and name in BASES[verb]:

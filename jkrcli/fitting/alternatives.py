@@ -805,11 +805,11 @@ def finite_range(record: FittedRecord) -> Perturbation | None:
         return None if z0 in (0, math.inf) or not works else (family, s * E_star, works, z0)
 
     def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
-        adhesive, ring = [name for name in kinds if values[name] > 0], rings(plain.family, values)
-        if ring is None or f"q:{part.kind}" not in adhesive:
+        ring, own = rings(plain.family, values), values[f"q:{part.kind}"] * math.exp(values["ln_s"])
+        if ring is None or own not in ring[2]:
             return None
         (changes,) = ring_changes([ring])
-        each: Array = changes[adhesive.index(f"q:{part.kind}")]
+        each: Array = changes[ring[2].index(own)]
         return each
 
     kinds = [f"q:{part.kind}" for part in record.model.stretches]
@@ -845,14 +845,14 @@ _SOLVED: dict[Ring, Array] = {}
 
 def ring_changes(wanted: Sequence[Ring]) -> list[Array]:
     """Changes of the logs (works, 4, n) of bodies whose w has a range, each by itself, the last ones remembered."""
-    found = {one: _SOLVED[one] for one in wanted if one in _SOLVED}
-    if missing := [one for one in dict.fromkeys(wanted) if one not in found]:
+    found = [_SOLVED.get(one) for one in wanted]
+    if missing := [*dict.fromkeys(one for one, known in zip(wanted, found, strict=True) if known is None)]:
         if len(_SOLVED) >= REMEMBERED:
             _SOLVED.clear()
         changes, first = _maugis(missing), 0
         for one in missing:
-            found[one] = _SOLVED[one] = changes[first : (first := first + len(one[2]))]
-    return [found[one] for one in wanted]
+            _SOLVED[one] = changes[first : (first := first + len(one[2]))]
+    return [_SOLVED[one] if known is None else known for one, known in zip(wanted, found, strict=True)]
 
 
 def _maugis(rings: Sequence[Ring]) -> Array:

@@ -215,9 +215,9 @@ def _scored(record: FittedRecord, linear: Linearised | None) -> RecordRivals:
         linear = Linearised.of_table(record, rows, table)
     rows = linear.rows
     sizes, along, moves = linear.evidence
-    coloured = noise.slow or record.fit.spread.possible is not None
-    left = moves @ table[1:own] if coloured else None  # c'
-    if left is not None:
+    left = None
+    if noise.slow or record.fit.spread.possible is not None:
+        left = moves @ table[1:own]  # c' = c + J moves
         left += table[own:]
     dofs, misfit = _noise_dofs(record.fit, left, sizes), linear.left
     chances = _chances(record, left, rows, sizes, along**2, dofs)
@@ -286,9 +286,7 @@ def _octaves(n: int) -> Array:
     return np.append(0, 2 ** np.arange(math.ceil(math.log2(n))))
 
 
-def _chances(
-    record: FittedRecord, left: Array | None, rows: Array, sizes: Array, taken: Array, dofs: Array
-) -> Array:  # fmt: skip
+def _chances(record: FittedRecord, left: Array | None, rows: Array, sizes: Array, taken: Array, dofs: Array) -> Array:
     """The chances that noise makes one number more, along what is ``left`` of each column, as large as ``sizes``, take
     as much of chi^2: the mean over the spectra that are possible where white noise is likeliest, each of which raises
     it as much as the column is slow."""

@@ -70,7 +70,8 @@ def together(flows: Sequence[Flow[End]]) -> list[End | Exception]:
     """Carry out ``flows``, as of fits in lockstep, and return their results in their order, exceptions in place of
     those that failed.
 
-    All go on until each waits for an answer; the kernel that most of them wait for answers next.
+    All go on until each waits for an answer; of the kernels that some wait for the one answers next that was asked
+    first of all: flows that are behind catch up, and as many as may be go through what comes later side by side.
     """
     ends: list[Any] = [None] * len(flows)
     waiting: dict[Kernel[Any, Any], list[tuple[int, Any]]] = {}
@@ -88,9 +89,8 @@ def together(flows: Sequence[Flow[End]]) -> list[End | Exception]:
 
     for which in range(len(flows)):
         go_on(which, None)
-    while waiting:
-        kernel = max(waiting, key=lambda one: len(waiting[one]))
-        asked = waiting.pop(kernel)
+    while (kernel := next((one for one, asked in waiting.items() if asked), None)) is not None:
+        asked, waiting[kernel] = waiting[kernel], []
         for (which, _), answer in zip(asked, answers(kernel, [question for _, question in asked]), strict=True):
             go_on(which, answer)
     return ends

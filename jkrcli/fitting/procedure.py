@@ -212,8 +212,8 @@ OF_SHAPE = "the faces of the pyramid"
 OF_STRAINS = "large strains"
 NOTICED = 0.1  # choice: of the interval of w, the part by large strains from which on it is told
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
-SIDE_BY_SIDE = 128  # choice: curves that are fitted together, which shares what each step costs besides its rows
-SIDE_BY_SIDE_ROWS = 300_000  # choice: of theirs in all
+SIDE_BY_SIDE = 64  # choice: curves that are fitted together, which shares what each step costs besides its rows
+SIDE_BY_SIDE_ROWS = 150_000  # choice: of theirs in all
 SIDE_BY_SIDE_KIB, KEPT_KIB = 1.1, 0.2  # choice: of memory, a row while it is fitted and afterwards; measured
 STIFFEST = 50.0  # choice: of the device, a contact's stiffness beyond which no E* is told
 STIFFNESS_PART = 0.2  # choice: of the range of the load, from the largest on, over which a contact's stiffness is taken
@@ -282,8 +282,8 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     fits: dict[int, Fit | Failure] = {}
     with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
         work = partial(_fits_together, body, settings=settings, pool=None if outer is pool else pool)
-        most = min(SIDE_BY_SIDE, math.ceil(len(curves) / outer.workers)) or 1
-        for index, result in batches_completed(outer, work, curves, "fitting", most):
+        groups = outer.workers * math.ceil(len(curves) / (SIDE_BY_SIDE * outer.workers)) or 1  # of about one size
+        for index, result in batches_completed(outer, work, curves, "fitting", math.ceil(len(curves) / groups) or 1):
             if isinstance(result, JkrError):
                 lines = result.lines if isinstance(result, InputError) else (str(result),)
                 fits[index] = Failure(curves[index], lines)

@@ -162,6 +162,7 @@ def test_a_table_bends_where_it_is_said_to_and_where_a_straight_run_ends() -> No
 
 
 @example([0.0, 1.0, 0.0078125, 0.0], [1.0] * 12)  # one interval between a flat end and a straight run
+@example([1e-10, 1.0, 0.0], [1.0] * 12)  # a flat end that rises by less than rounding
 @given(st.lists(st.floats(0, 1), min_size=3, max_size=12), st.lists(st.floats(0.05, 1), min_size=12, max_size=12))
 @settings(max_examples=100, deadline=None)
 def test_any_convex_table_keeps_its_points_and_stays_convex(growth: list[float], widths: list[float]) -> None:

@@ -355,12 +355,11 @@ class TableProfile(Indenter):
         if smooth is not None:
             knots, pieces = smooth.knots, smooth.pieces
         else:
-            # The heights [m], those next to the axis 0 up to where the profile rises beyond rounding: of a flat end.
+            # The heights [m] above a flat end, next to the axis up to where the profile rises beyond rounding.
             chord = np.diff(f) / np.diff(r)
-            level = np.logical_and.accumulate(chord <= ROUNDED * np.max(chord))
-            knots, pieces = _profile(
-                *_with_corners(r, np.where(np.append(True, level), 0.0, f), np.searchsorted(r, self.bends))
-            )
+            level = np.append(True, np.logical_and.accumulate(chord <= ROUNDED * np.max(chord)))
+            above = np.where(level, 0.0, f - f[level][-1])
+            knots, pieces = _profile(*_with_corners(r, above, np.searchsorted(r, self.bends)))
         for name, array in (("knots", knots), ("pieces", pieces)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)

@@ -258,8 +258,8 @@ class _Processes(Pool):
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
     def withdraw(self, tasks: Iterable[Future[Any]]) -> None:
-        """None of them: the thread that reports the end of its processes fails on tasks that others have cancelled.
-        The few that were handed out are finished, or given up with the pool."""
+        """Leave them alone: the thread that reports the end of a pool's processes fails on tasks that were cancelled by
+        hand. The few that were handed out are finished, or given up with the pool."""
 
     def abandon(self) -> None:
         self._lifeline.close()

@@ -70,8 +70,8 @@ def together(flows: Sequence[Flow[End]]) -> list[End | Exception]:
     """Carry out ``flows``, as of fits in lockstep, and return their results in their order, exceptions in place of
     those that failed.
 
-    All go on until each waits for an answer; of the kernels that some wait for the one answers next that was asked
-    first of all: flows that are behind catch up, and as many as may be go through what comes later side by side.
+    All go on until each waits for an answer. The kernel that was asked first answers next, so that flows which are
+    behind catch up and kernels that come later have the most questions at once.
     """
     ends: list[Any] = [None] * len(flows)
     waiting: dict[Kernel[Any, Any], list[tuple[int, Any]]] = {}

@@ -227,7 +227,7 @@ def cosine_transform(rows: Array) -> Array:
 
 @lru_cache(maxsize=REMEMBERED)
 def _turns(n: int) -> Array:
-    """By what that turns and scales the Fourier transform of ``n`` numbers."""
+    """sqrt(2/n) exp(-i pi k/(2n)), and 1/sqrt(n) for k = 0: what makes a cosine transform of that of Fourier."""
     turns: Array = math.sqrt(2 / n) * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))
     turns[0] *= math.sqrt(0.5)
     return turns

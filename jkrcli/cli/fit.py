@@ -264,7 +264,7 @@ def fit_curves(
     curves, unread = usable(request.measured, request.reading)
     each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     seconds = sum(each_curve)
-    forecast = Forecast(len(bodies) * seconds, memory_of(curves), 0.0)
+    forecast = Forecast(len(bodies) * seconds, memory_of(curves, len(bodies), parallel[0]), 0.0)
     begin(f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
     each = []
     for one in bodies:

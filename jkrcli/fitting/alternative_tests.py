@@ -712,7 +712,7 @@ def _bounded(near: Linearised, score: Score, which: int) -> Score | Flow[Score]:
     little = seen.most > 0 and float(np.abs(rates).max()) * seen.most < FULL_LINEAR * SCORE_MATTERS
     if little and not (tense or long or (ranged and _by_chance(record, falls))):
         return replace(seen, E_star=float(rates[0]), w=float(rates[1]), word=EXCLUDED if ranged else score.word)
-    change = record.effect(rival)
+    change = rival.effect(record)
     if not isinstance(change, Perturbation):
         return score
     if not (ranged or tense):

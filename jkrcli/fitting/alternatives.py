@@ -456,7 +456,7 @@ class FittedRecord:
 
     @cached_property
     def tabled(self) -> tuple[tuple[AlternativeModel, ...], Array]:
-        """Both."""
+        """The alternatives that mean anything for this record, and their ``table``."""
         return next(tables([self]))
 
     def products(self, rows: Array) -> Array:
@@ -573,19 +573,6 @@ class FittedRecord:
         """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
         return 1 - self.by_position / self.model.k
 
-    def effect(self, rival: AlternativeModel) -> Perturbation | Array | None:
-        """That of an alternative; changes of the body alone are remembered."""
-        if rival in self._bodies:
-            return self._bodies[rival]
-        effect = rival.effect(self)
-        if isinstance(effect, Perturbation) and effect.column is None:
-            self._bodies[rival] = effect
-        return effect
-
-    @cached_property
-    def _bodies(self) -> dict[AlternativeModel, Perturbation]:
-        return {}
-
     def column(self, change: Perturbation) -> Array | None:
         """Derivative of the loads [N] by the amount of a change, at 0 unless the change has a column of its own; None
         of one of the body, which has ``bodies``."""
@@ -669,7 +656,7 @@ def prepare(records: Sequence[FittedRecord]) -> None:
     remembered."""
     for record, history in zip(records, histories(records), strict=True):
         vars(record)["history"] = history
-    changes = [(record, record.effect(RANGE)) for record in records]
+    changes = [(record, RANGE.effect(record)) for record in records]
     rings = [
         change.rings(record.model.family, {**record.values, AMOUNT: LITTLE})
         for record, change in changes
@@ -1550,7 +1537,7 @@ def tables(
         table[0], table[1:own] = record.residuals, record.jacobian.T
         for rival in rivals:
             try:
-                effect = record.effect(rival)
+                effect = rival.effect(record)
                 column = record.column(effect) if isinstance(effect, Perturbation) else effect
             except (JkrError, FloatingPointError):
                 continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
@@ -1584,7 +1571,8 @@ def changed_bodies(records: Sequence[FittedRecord], changes: Sequence[Mapping[in
     shapes: dict[Family, list[tuple[Array, Array]]] = {}
     for record, some in zip(records, changes, strict=True):
         family = record.model.family
-        shapes.setdefault(family, []).extend(one.shape(family, LITTLE) for one in some.values() if one.shape)
+        of_shape = (one.shape for one in some.values() if one.shape is not None and one.per_amount is None)
+        shapes.setdefault(family, []).extend(shape(family, LITTLE) for shape in of_shape)
     shaped = {
         family: iter(perturbed_logs(family, *(np.array(logs) for logs in zip(*some, strict=True))) / LITTLE)
         for family, some in shapes.items()

@@ -41,8 +41,8 @@ DEVICE_PATH_QUINTIC = np.array(
         [0.0, 0.0, 0.0, 0.5, -1.0, 0.5],
     ]
 ).T
-_RISING = np.diag(np.arange(1.0, 6.0), 1)  # what a derivative makes of coefficients
-# the same of the value, the derivative and the second one, side by side
+_RISING = np.diag(np.arange(1.0, 6.0), 1)  # the derivatives of 1, x, ..., x^5 by these powers
+# what each counts in the value, the derivative and the second one, side by side
 DEVICE_PATH_QUINTICS = np.hstack([np.linalg.matrix_power(_RISING, n) @ DEVICE_PATH_QUINTIC for n in range(3)])
 
 Moving: TypeAlias = tuple[Family, float, float, float]  # body, factor s of its moduli, q = w/s, stiffness k
@@ -341,8 +341,8 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """The straight lines on which the edges of some curves rest, each at one contact radius e^``u``: load ``P`` +
-    ``by_z`` z [N]; all numbers (curves,), or of one.
+    """The straight ``lines`` of load over position on which the edges of some curves rest, each at one contact radius
+    e^``u``; all numbers (curves,), or of one.
 
     ``end`` [m]: the position below which it recedes. ``by_u``: of u's place in the record: its derivatives by ln s, by
     the root of q with which it advanced, and by the position of the turn (3, curves). ``S, dS``: contact stiffness and

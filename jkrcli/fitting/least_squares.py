@@ -407,10 +407,8 @@ def steps_within(asked: Sequence[tuple[LeastSquares, Array, State, Array, float]
         others = np.flatnonzero(~whole & (left > 0)).tolist()
         for i in others:
             some, most = inner[i], float(radius[i])
-            step[i], step[i, some] = (
-                0.0,
-                _shorter(at[i], some, unit[i, some], scaled[i][some][:, some], along[i, some], most),
-            )
+            step[i] = 0.0
+            step[i, some] = _shorter(at[i], some, unit[i, some], scaled[i][some][:, some], along[i, some], most)
         new = np.minimum(np.maximum(x - step * unit, low), high)
         change = new - x
         predicted = -np.einsum("bi,bi->b", change, slopes + (squares @ change[..., None])[..., 0] / 2)
@@ -866,7 +864,7 @@ class TimeOrder:
     @classmethod
     def of(cls, rows: Array) -> TimeOrder:
         order = np.argsort(rows, kind="stable")
-        places = rows[order] - rows[order[0]]
+        places = rows[order] - rows.min()
         steps = places[1:] - places[:-1]
         gaps = np.flatnonzero(steps > 1)
         return cls(order, places, tuple((gaps + 1).tolist()), tuple((steps[gaps] - 1).tolist()))
@@ -946,7 +944,7 @@ def _factors(J: Array) -> tuple[Array, Array]:
     size[size == 0] = 1.0
     with contextlib.suppress(np.linalg.LinAlgError):
         lower = np.linalg.cholesky(squares / (size[:, None] * size))
-        if (pivots := lower.diagonal()).min() > SEARCH_DIGITS * pivots.max():
+        if (pivots := lower.diagonal()).min(initial=1.0) > SEARCH_DIGITS * pivots.max(initial=0.0):
             inverse = np.linalg.inv(lower).T / size[:, None]
             return J @ inverse, inverse
     Q, R = np.linalg.qr(J / size)
@@ -1120,7 +1118,7 @@ def _falling(mean: Array, count: Array) -> Array:
 
 @lru_cache(maxsize=REMEMBERED)
 def _octaves(n: int) -> Array:
-    """The first of ``n`` frequencies of each octave."""
+    """The first of ``n`` frequencies of each octave, of which the last is up to two wide: half of one tells little."""
     return np.append(0, 2 ** np.arange(max(math.ceil(math.log2(n)) - 1, 0)))
 
 

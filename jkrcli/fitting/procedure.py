@@ -270,10 +270,11 @@ def parted(curve: Curve, settings: Settings) -> Curve:
     return replace(curve, segment=words)
 
 
-def memory_of(curves: Sequence[Curve]) -> float:
-    """MiB of memory that the fits of some curves in one process need."""
+def memory_of(curves: Sequence[Curve], bodies: int = 1, workers: int | None = 1) -> float:
+    """MiB of memory that the fits of some curves on so many ``bodies`` need, by processes of which all ``workers`` are
+    told, or one."""
     rows = sum(map(len, curves))
-    return (KEPT_KIB * rows + SIDE_BY_SIDE_KIB * min(rows, SIDE_BY_SIDE_ROWS)) / 1024
+    return (KEPT_KIB * rows * bodies + SIDE_BY_SIDE_KIB * min(rows, (workers or 1) * SIDE_BY_SIDE_ROWS)) / 1024
 
 
 def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:

@@ -733,8 +733,8 @@ RECORD_PLACED_ROWS = 0.05  # choice: of the loads' relative scatter, that of pos
 RECORD_APART = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
 RECORD_UNDETERMINED = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
 RECORD_HALF = 0.5  # choice: of the range of the load, from the largest on, over which a device's line is looked at
-# theory: of the device's stiffness, what its line lacks beside a contact fifty times stiffer; choice: and what it may
-# exceed it by, as sensitivities err
+# theory: of the device's stiffness, what its line lacks beside a contact fifty times stiffer; choice: also the excess
+# that an error of the deflection sensitivity may make
 RECORD_RIGID = 0.02
 RECORD_DIFFERS = 0.01  # choice: of a modulus, a difference that is none
 # Where a search ends at rest in noise though the edge recedes: w of the retraction to begin anew with.
@@ -778,7 +778,8 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
         return
     model, part, error = joint.model, joint.model.stretches[-1], joint.error("ln_s")
     top = part.P > part.P.max() - RECORD_HALF * part.span
-    along = part.z[top] - part.z[top].mean()
+    depth = model.depth(part, model.values(joint.x))[top]  # less errors of positions, as far as they are fitted
+    along = depth - depth.mean()
     squares = max(float(along @ along), TINY)
     rigid = (float(along @ part.P[top]) / squares - part.line.tilt) / model.k - 1  # how much steeper than the device
     unsure = RECORD_APART * joint.sigma / math.sqrt(squares) / model.k

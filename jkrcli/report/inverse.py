@@ -861,6 +861,7 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
             if (values := getattr(curve, name)) is not None
         ]
         head[0] = f"a loading-unloading table of a contact, not a force curve: {curve.where}"
+        rough = ["  no rough modulus of a table without a base line: jkr fit"] * bool(rough)
         return [*head, f"  {', '.join(ranges)}", *rough, *(f"  {flag}" for flag in curve.flags)]
     return [
         *head,

@@ -216,6 +216,20 @@ def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulu
         fit(BODY, Curve("made", delta=z - P / 0.1, P=P, stiffness=0.1), usual())
 
 
+def test_a_drift_that_is_fitted_makes_no_specimen_rigid() -> None:
+    """The readings rise faster than beside a rigid body where the depth drifts by a tenth of the speed."""
+    E_star, far, stiffer = 1e6, 1e-6, 30
+    w = 0.3 * 8 * E_star * (0.5e-6) ** 3 / (9 * math.pi * R**2)
+    force, k = 1.5 * math.pi * w * R, 2 * E_star * far / stiffer
+    columns = record(E_star, R, w, w, Instrument(k, 600, far, 4 / 3 * E_star * far**3 / R, 3e-4 * force), 1)
+    z, P, rows = columns["z"], columns["P"], np.arange(columns["z"].size)
+    turn = int(np.argmax(z))
+    shown = z + 0.1 * np.abs(np.diff(z[:turn])).mean() * (rows - turn)
+    moved = Curve("made", delta=shown - P / k, P=P, segment=columns["segment"], stiffness=k, t=rows / 1000)
+    found = fit(BODY, moved, usual(free=("drift",)))
+    assert found.value("E_star") == pytest.approx(E_star, rel=5e-3)
+
+
 def test_a_retraction_that_ends_in_contact_determines_no_modulus() -> None:
     """Alone, after a third of its way in contact."""
     force = 1.5 * math.pi * 1e-4 * R

@@ -225,7 +225,7 @@ def cosine_transform(rows: Array) -> Array:
     return folded
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=TOGETHER)  # of arrays as long as a record
 def _turns(n: int) -> Array:
     """sqrt(2/n) exp(-i pi k/(2n)), and 1/sqrt(n) for k = 0: what makes a cosine transform of that of Fourier."""
     turns: Array = math.sqrt(2 / n) * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))

@@ -834,13 +834,13 @@ def _slow(f: Array, corner: Array, power: Array) -> Array:
     return shape
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=TOGETHER)  # of arrays as long as a record
 def frequencies(rows: int) -> Array:
     """Those of the cosine transform, per row."""
     return np.arange(rows) / (2 * rows)
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=TOGETHER)
 def density(noise: Spectrum, rows: int) -> Array:
     """That of a ``noise`` at the frequencies of so many ``rows``."""
     return noise(frequencies(rows))
@@ -979,7 +979,7 @@ def _of_base_lines(runs: Sequence[Array], rounding: float) -> Periodogram:
     return Periodogram(octaves, np.maximum(octaves.means(np.concatenate(parts)[order]), max(rounding, TINY)))
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=TOGETHER)
 def _beside_lines(runs: tuple[int, ...]) -> tuple[Array, Octaves]:
     """The order by frequency of the waves of runs of so many rows, and their octaves beside a line through each run."""
     f, taken = (np.concatenate([of(rows) for rows in runs]) for of in (frequencies, taken_by_line))
@@ -987,7 +987,7 @@ def _beside_lines(runs: tuple[int, ...]) -> tuple[Array, Octaves]:
     return order, Octaves.of(f[order], taken[order])
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=TOGETHER)
 def taken_by_line(rows: int) -> Array:
     """How much of each wave a straight line over so many rows takes: of a constant the lowest, of a slope the odd ones,
     whose transform goes with cos t/sin^2 t, t = pi k/(2 n)."""

@@ -777,7 +777,7 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     if "ln_s" not in joint.names:
         return
     model, part, error = joint.model, joint.model.stretches[-1], joint.error("ln_s")
-    top = part.P > part.P.max() - RECORD_HALF * part.span
+    top = part.P >= part.P.max() - RECORD_HALF * part.span
     depth = model.depth(part, model.values(joint.x))[top]  # less errors of positions, as far as they are fitted
     along = depth - depth.mean()
     squares = max(float(along @ along), TINY)

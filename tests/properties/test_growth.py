@@ -144,7 +144,7 @@ def test_intervals_of_many_curves_are_refused_when_these_are_known(jkr) -> None:
             file.writestr(f"{i}.csv", f"delta_m\tP_N\n{ROWS}")
     done = jkr("fit", "s.toml", "map.zip", "--confidence", "bootstrap", "--limit-time", "0.01")
     assert done.code == 2
-    assert "jkr: error: fit of 40 curves would need about 0.00149 GiB of memory and 50 s of CPU time" in done.err
+    assert "jkr: error: fit of 40 curves would need about 0.00137 GiB of memory and 50 s of CPU time" in done.err
 
 
 def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypatch: pytest.MonkeyPatch) -> None:

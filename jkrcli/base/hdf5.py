@@ -8,7 +8,7 @@ import importlib.util
 import io
 import math
 import sys
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -185,20 +185,18 @@ def tree_of(path: Path, content: bytes, without: Container[str] = (), remedy: st
     ours does: links, parts of other files, types beside numbers and texts of fixed length, more than may be read.
     """
     with _opened(path, content, remedy) as file:
-        _Check(path).group(file, without)
+        Members(path).check(file, without)
         return _group(file, without)
 
 
 @contextlib.contextmanager
-def members_of(
-    path: Path, content: bytes, remedy: str
-) -> Iterator[tuple[h5py.File, Callable[[h5py.Group, str], h5py.Group | h5py.Dataset]]]:
+def members_of(path: Path, content: bytes, remedy: str) -> Iterator[tuple[h5py.File, Members]]:
     """Open a file that others wrote once; with it what gives a member of a group by its name, checked as ``tree_of``
     does, but for attributes, which may be of any type. Values are read when they are asked for."""
     if not _has_sound_heaps(content):
         raise unreadable(path, content, remedy=remedy)
     with _opened(path, content, remedy) as file:
-        yield file, _Check(path, of_ours=False).member
+        yield file, Members(path, of_ours=False)
 
 
 @contextlib.contextmanager
@@ -239,23 +237,35 @@ def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAI
 
 
 @dataclass
-class _Check:
-    """Refuses what no file ``of_ours`` holds, before any value of the file at ``path`` is read; ``taken``: bytes that
-    reading takes; ``seen``: addresses in the file."""
+class Members:
+    """Members of groups by their names, of which it refuses what no file ``of_ours`` holds, before any value of the
+    file at ``path`` is read; ``taken``: bytes that reading takes; ``seen``: addresses in the file."""
 
     path: Path
     of_ours: bool = True
     taken: int = 0
     seen: set[int] = field(default_factory=set)
 
-    def group(self, group: h5py.Group, without: Container[str] = ()) -> None:
-        self.attributes(group)
+    def check(self, group: h5py.Group, without: Container[str] = ()) -> None:
+        """InputError where a group holds, itself or in a group within it, what it is not to hold."""
+        self._check_attributes(group)
         for name in group:
             if name not in without and isinstance(item := self.member(group, name), h5py.Group):
-                self.group(item)
+                self.check(item)
 
     def member(self, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
         """One member, itself checked, of a group not yet what it holds."""
+        opened = self._opened(group, name)
+        if isinstance(opened, h5py.h5g.GroupID):
+            return h5py.Group(opened)
+        return h5py.Dataset(opened, readonly=True) if isinstance(opened, h5py.h5d.DatasetID) else group[name]
+
+    def values(self, group: h5py.Group, name: str) -> Any:
+        """What one member, a dataset, holds."""
+        return values_of(self._opened(group, name))
+
+    def _opened(self, group: h5py.Group, name: str) -> Any:
+        """The identifier of one member, itself checked."""
         if isinstance(name, bytes):  # which is no UTF-8
             raise InputError(f"{self.path}: the HDF5 file is damaged: it has a member whose name is no text")
         where, stored = f"{group.name.strip('/')}/{name}".strip("/"), name.encode("utf-8", "surrogateescape")
@@ -264,31 +274,28 @@ class _Check:
             raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
         self.seen.add(link.u)
         opened = h5py.h5o.open(group.id, stored)
-        if isinstance(opened, h5py.h5g.GroupID):
-            return h5py.Group(opened)
-        if not isinstance(opened, h5py.h5d.DatasetID):
-            return group[name]
-        item = h5py.Dataset(opened, readonly=True)
-        self.dataset(where, item)
-        return item
+        if isinstance(opened, h5py.h5d.DatasetID):
+            self._check_dataset(where, opened)
+        return opened
 
-    def dataset(self, where: str, data: h5py.Dataset) -> None:
-        stored, shape = data.id.get_create_plist(), data.id.shape  # None: without a value
+    def _check_dataset(self, where: str, data: h5py.h5d.DatasetID) -> None:
+        stored, shape = data.get_create_plist(), data.shape  # None: without a value
         layout = stored.get_layout()
         if stored.get_external_count() or layout == h5py.h5d.VIRTUAL:
             raise InputError(f'{self.path}: "{where}" lies in another file')
         chunks = stored.get_chunk() if layout == h5py.h5d.CHUNKED else shape or ()
         pieces = math.prod(-(-size // of) for size, of in zip(shape or (), chunks, strict=True) if of)
         count = 0 if shape is None else math.prod(shape)
-        self.values(where, data.id.get_type(), max(count, math.prod(chunks)), pieces)
-        self.attributes(data)
+        self._check_values(where, data.get_type(), max(count, math.prod(chunks)), pieces)
+        if self.of_ours:
+            self._check_attributes(h5py.Dataset(data, readonly=True))
 
-    def attributes(self, item: h5py.Group | h5py.Dataset) -> None:
+    def _check_attributes(self, item: h5py.Group | h5py.Dataset) -> None:
         for name in item.attrs if self.of_ours else ():
             stored = item.attrs.get_id(name)
-            self.values(name, stored.get_type(), stored.get_space().get_simple_extent_npoints())
+            self._check_values(name, stored.get_type(), stored.get_space().get_simple_extent_npoints())
 
-    def values(self, where: str, kind: h5py.h5t.TypeID, count: int, pieces: int = 1) -> None:
+    def _check_values(self, where: str, kind: h5py.h5t.TypeID, count: int, pieces: int = 1) -> None:
         is_text = kind.get_class() == STRING
         if kind.get_class() not in KINDS or (is_text and kind.is_variable_str()):
             raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts of fixed length')
@@ -323,10 +330,10 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
     Others are not touched: where a file without checksums is damaged, the library follows what it reads for minutes or
     out of its memory. ValueError where one is of another type or size, or takes another place than it says.
     """
-    found = {}
+    found, holder = {}, item.id
     for name in names:
-        if h5py.h5a.exists(item.id, name.encode()):
-            stored = h5py.h5a.open(item.id, name.encode())
+        if h5py.h5a.exists(holder, encoded := name.encode()):
+            stored = h5py.h5a.open(holder, encoded)
             kind, space = stored.get_type(), stored.get_space()
             sort, count = kind.get_class(), space.get_simple_extent_npoints()
             is_text = sort == STRING
@@ -334,7 +341,7 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
             fits = each <= (process.TEXT if is_text else WIDEST) and 0 < count <= MOST_VALUES
             if sort not in KINDS or not fits or stored.get_storage_size() != count * each:
                 raise ValueError(f"the attribute {name} is damaged")
-            values = np.empty(space.get_simple_extent_dims(), kind.dtype)
+            values = np.empty(space.get_simple_extent_dims(), _dtype_of(kind))
             stored.read(values, _in_memory(values.dtype))
             if values.dtype.hasobject:  # texts of any length
                 texts = [text.decode("utf-8", "surrogateescape") for text in values.flat]
@@ -343,15 +350,27 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
     return found
 
 
-def values_of(data: h5py.Dataset) -> Any:
-    """What a dataset holds: the same as ``data[()]``, by one call of the library where there are values."""
-    shape = data.id.shape
+def names_of(group: h5py.Group) -> list[str]:
+    """Names of the members of a group, sorted; UnicodeDecodeError where one is no UTF-8."""
+    names: list[bytes] = []
+    group.id.links.iterate(names.append)
+    return sorted(name.decode() for name in names)
+
+
+def values_of(data: h5py.h5d.DatasetID) -> Any:
+    """What a dataset holds: the same as the ``[()]`` of h5py's, by one call of the library where there are values."""
+    shape = data.shape
     if shape is None or 0 in shape:
-        return data[()]
-    values = np.empty(shape, data.id.dtype)
+        return h5py.Dataset(data)[()]
+    values = np.empty(shape, _dtype_of(data.get_type()))
     # HDF5 converts: what a file holds need not be as wide as NumPy's type (truth values, short floats)
-    data.id.read(h5py.h5s.ALL, h5py.h5s.ALL, values, _in_memory(values.dtype))
+    data.read(h5py.h5s.ALL, h5py.h5s.ALL, values, _in_memory(values.dtype))
     return values
+
+
+def _dtype_of(kind: h5py.h5t.TypeID) -> np.dtype[Any]:
+    """NumPy's type of values of a file: of most numbers that of Python's, which h5py takes long to find."""
+    return np.dtype(float) if kind == h5py.h5t.IEEE_F64LE else kind.dtype
 
 
 def _in_memory(dtype: np.dtype[Any]) -> h5py.h5t.TypeID:

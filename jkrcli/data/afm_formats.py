@@ -6,7 +6,7 @@ import math
 import re
 import struct
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -374,14 +374,14 @@ def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     """The curves of all spectroscopies of the file with the spring constant of their lever [N/m]; ``delta`` is the
     position of the piezo toward the specimen."""
     reading.check_known_columns(path)
-    with hdf5.members_of(path, read_bytes(path, SURF), AGAIN) as (file, member):
+    with hdf5.members_of(path, read_bytes(path, SURF), AGAIN) as (file, members):
         if (version := int(hdf5.attributes_among(file, [SURF_VERSION])[SURF_VERSION])) != 2:
             raise InputError(f"{path}: is a Nanosurf file of version {version}, version 2 is read: {SURF_AGAIN}")
         curves: list[tuple[Mapping[str, Any], Sequence[Segment], int]] = []
-        for group in (member(file, name) for name in file):
+        for group in (members.member(file, name) for name in file):
             told = hdf5.attributes_among(group, SURF_KEYS)
             if hasattr(group, "keys") and told.get("group_type") == "spectroscopy":
-                segments = list(_segments(path, group, member))
+                segments = list(_segments(path, group, members))
                 if len({edges.size for *_, edges in segments}) != 1:
                     raise InputError(f"{path}: is damaged: its segments do not hold as many curves: {AGAIN}")
                 curves += [(told, segments, number) for number in range(segments[0][2].size - 1)]
@@ -399,15 +399,15 @@ def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
                 yield error, None
 
 
-def _segments(path: Path, group: Any, member: Callable[[Any, str], Any]) -> Iterator[Segment]:
-    for part in (member(group, name) for name in group):
+def _segments(path: Path, group: Any, members: hdf5.Members) -> Iterator[Segment]:
+    for part in (members.member(group, name) for name in group):
         title = str(hdf5.attributes_among(part, SURF_KEYS).get("segment_name", ""))
         if not title or not hasattr(part, "keys"):
             continue
         beside = []
         for name in part:
             with contextlib.suppress(InputError):  # of a type that is not read, as no channel is
-                data = member(part, name)
+                data = members.member(part, name)
                 beside += [(data, hdf5.attributes_among(data, SURF_KEYS))] if hasattr(data, "shape") else []
         channels = {told["signal_name"]: (data, told) for data, told in beside if "signal_name" in told}
         if missing := [name for name in (SURF_Z, SURF_DEFLECTION) if name not in channels]:
@@ -592,12 +592,13 @@ def _opened_sets(path: Path, reading: Reading) -> Iterator[tuple[list[Any], str]
     if path.suffix.lower() != ".h5":
         yield _load(path, reading)
         return
-    with hdf5.members_of(path, read_bytes(path, INTACT_WHAT), INTACT_AGAIN) as (file, member):
+    with hdf5.members_of(path, read_bytes(path, INTACT_WHAT), INTACT_AGAIN) as (file, members):
         if not {"software", "software version"} <= set(file.attrs) or "0" not in file:
             raise UnreadableError(f"{path}: holds no force curves as afmformats exports them")
         if reading.sensitivity is not None:
             raise InputError(f"{path}: {OWN_SENSITIVITY}")
-        yield [_Exported(file, member, number) for number in sorted(int(name) for name in file if name.isdecimal())], ""
+        numbers = sorted(int(name) for name in file if name.isdecimal())
+        yield [_Exported(file, members, number) for number in numbers], ""
 
 
 @dataclass(eq=False)
@@ -607,16 +608,16 @@ class _Exported:
     file for each column."""
 
     file: Any
-    member: Callable[[Any, str], Any]
+    members: hdf5.Members
     enum: int
 
     @cached_property
     def group(self) -> Any:
-        return self.member(self.file, str(self.enum))
+        return self.members.member(self.file, str(self.enum))
 
     @cached_property
     def columns(self) -> list[str]:
-        return sorted(self.group)
+        return hdf5.names_of(self.group)
 
     @cached_property
     def _raw_data(self) -> dict[str, Array]:
@@ -636,7 +637,7 @@ class _Exported:
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._raw_data:
-            self._raw_data[name] = hdf5.values_of(self.member(self.group, name))
+            self._raw_data[name] = self.members.values(self.group, name)
         return self._raw_data[name]
 
 
@@ -730,14 +731,14 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
         raise InputError(f"{where}: holds {counted(P.size, 'row')}, at least {LEAST_ROWS} are needed")
     t = _column(where, data, "time") if _holds(data, "time") else None
     flags: tuple[str, ...] = (f"displacement from the {height}",)
-    if t is not None and (np.diff(t) < 0).any():
+    if t is not None and (t[1:] < t[:-1]).any():
         t, flags = None, (*flags, "its time runs back and was left out")
     segment = None
     if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion divides them
         numbers = np.asarray(data["segment"]).astype(int)
-        starts = np.flatnonzero(np.diff(numbers, prepend=numbers[:1] - 1))
+        starts = [0, *(np.flatnonzero(numbers[1:] != numbers[:-1]) + 1).tolist()][: numbers.size]
         words = [SEGMENTS.get(one, f"segment {one}") for one in numbers[starts].tolist()]
-        segment = np.repeat(words, np.diff(starts, append=numbers.size))
+        segment = np.repeat(words, np.diff([*starts, numbers.size]))
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
 
 

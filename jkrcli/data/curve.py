@@ -65,7 +65,10 @@ class Curve:
     def __post_init__(self) -> None:
         sizes = {}
         for name in (*self.measured, *(() if self.segment is None else ("segment",))):
-            array = np.array(getattr(self, name), dtype=str if name == "segment" else float)
+            given = getattr(self, name)
+            is_fixed = isinstance(given, np.ndarray) and given.flags.owndata and not given.flags.writeable
+            convert = np.asarray if is_fixed else np.array  # the columns of another curve are not copied
+            array = convert(given, dtype=str if name == "segment" else float)
             if name != "segment" and array.ndim != 1:
                 raise InputError(f"{self.where}: {name} must be one-dimensional, got shape {array.shape}")
             if name != "segment" and not np.isfinite(array).all():

@@ -1038,8 +1038,9 @@ def stiffness_of_noise(delta: Array, P: Array) -> float | None:
     their order; None where less than half of it is, or where differences are those of a smooth curve."""
     if delta.size < TIP_POSITION_FEWEST:
         return None
-    x, y = np.diff(delta, 3), np.diff(P, 3)
-    usual = np.all([size <= TIP_POSITION_USUAL * median(size) for size in (np.abs(x), np.abs(y))], axis=0)
+    x, y = (bends[1:] - bends[:-1] for bends in map(_bends, (delta, P)))
+    usual_x, usual_y = (size <= TIP_POSITION_USUAL * median(size) for size in map(np.abs, (x, y)))
+    usual = usual_x & usual_y
     x, y = x * usual, y * usual
     xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
     smooth = float(y[1:] @ y[:-1]) > 0  # neighbours correlate by 1 on a smooth curve, by -0.75 in white noise

@@ -36,7 +36,7 @@ def printable(text: str) -> str:
 
 def writable(text: str) -> str:
     """``text`` as UTF-8 can hold it: the bytes of file names that are no text as escapes."""
-    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+    return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def first_line(error: BaseException) -> str:

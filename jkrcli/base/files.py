@@ -362,14 +362,18 @@ def _cell(value: Any) -> Any:
     return _finite(value)
 
 
-def as_json(data: Mapping[str, Any]) -> str:
-    """JSON with no NaN or infinity in it, ever; a reason where a number is unknown. Of a list of many records, as of
-    the curves of a map, each stands in one line."""
-    text = functools.partial(json.dumps, allow_nan=False, default=attrgetter("reason"))
+# JSON with no NaN or infinity in it, ever; a reason where a number is unknown.
+_ENCODING: Mapping[str, Any] = {"allow_nan": False, "default": attrgetter("reason")}
+json_line = json.JSONEncoder(**_ENCODING).encode
+
+
+def as_json(data: Mapping[str, Any], lines: Sequence[str] = ()) -> str:
+    """JSON without NaN, over several lines. Of a list of many records, as of the curves of a map, each stands in one
+    line; ``lines``: these of its one such list, by ``json_line``, where they are known."""
 
     def of(value: Any) -> str:
         if isinstance(value, list) and len(value) > RECORDS and isinstance(value[0], dict):
-            return "[\n    " + ",\n    ".join(map(text, value)) + "\n  ]"
-        return text(value, indent=2).replace("\n", "\n  ")
+            return "[\n    " + ",\n    ".join(lines or map(json_line, value)) + "\n  ]"
+        return json.dumps(value, indent=2, **_ENCODING).replace("\n", "\n  ")
 
-    return "{\n" + ",\n".join(f"  {text(name)}: {of(value)}" for name, value in data.items()) + "\n}\n"
+    return "{\n" + ",\n".join(f"  {json_line(name)}: {of(value)}" for name, value in data.items()) + "\n}\n"

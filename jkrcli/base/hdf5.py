@@ -104,7 +104,8 @@ def _update(sha: Any, name: str, value: Any) -> None:
     else:
         value = [_plain(item) for item in value] if isinstance(value, list | tuple) else value
         content = repr(list(value) if isinstance(value, np.ndarray | Sequence) else value).encode()
-    sha.update(b"%d %s %d " % (len(name.encode()), name.encode(), len(content) + len(numbers)) + content)
+    sha.update(b"%d %s %d " % (len(name.encode()), name.encode(), len(content) + len(numbers)))
+    sha.update(content)
     sha.update(numbers)
 
 
@@ -155,8 +156,9 @@ def _describe(target: h5py.Group | h5py.Dataset, attributes: Mapping[str, Any]) 
 
 def _fixed(texts: str | Sequence[str]) -> Array:
     """A text, or a column of them, of the length of the longest."""
-    contents = writable(texts).encode() if isinstance(texts, str) else [writable(text).encode() for text in texts]
-    return np.array(contents, dtype=h5py.string_dtype("utf-8", max(np.array(contents, dtype=bytes).itemsize, 1)))
+    contents = [writable(text).encode() for text in ([texts] if isinstance(texts, str) else texts)]
+    dtype = h5py.string_dtype("utf-8", max(map(len, contents), default=0) or 1)
+    return np.array(contents[0] if isinstance(texts, str) else contents, dtype=dtype)
 
 
 # ---------------------------------------------------------------------- reading

@@ -312,8 +312,9 @@ def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pict
     several = output.plots and len(result.outcomes) > 1
     of_curves = output.files(Path(f"{targets.stem}-curves"), (".html",) if several else (), request.inputs)
     with together():
-        targets.write(result.columns, summary)
-        archive.write_fits(targets[".h5"], result.outcomes, summary)
+        lines = [files.json_line(one) for one in summary["curves"]]
+        targets.write(result.columns, summary, lines=lines)
+        archive.write_fits(targets[".h5"], result.outcomes, result.body, lines)
         if pictures:
             _draw(pictures)
         if several:

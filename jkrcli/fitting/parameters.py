@@ -73,7 +73,7 @@ class Answer(Reported):
         """The value called ``name``, SI."""
         return self.estimate(name).value
 
-    @property
+    @cached_property
     def correlation(self) -> Array | None:
         """Correlation coefficients of the free parameters; 0 of one that has no variance, as a w whose root is 0."""
         if self.covariance is None:

@@ -223,8 +223,9 @@ def archive_words(listing: Mapping[str, Any]) -> list[str]:
 UNITS = {"a": "m", "delta": "m", "P": "N", "foot_a": "m", "row": "1", "curve": "1"}
 
 
-def write_fits(path: Path, outcomes: Sequence[Fit | Failure], summary: Mapping[str, Any]) -> None:
-    """Write all fits to ``path`` with their ``summary``, in which a curve has its number from 0 in order."""
+def write_fits(path: Path, outcomes: Sequence[Fit | Failure], body: str, summaries: Sequence[str]) -> None:
+    """Write all fits to ``path`` with the ``summaries`` of the curves, JSON each: a curve has its number from 0 in
+    order. ``body``: what they were fitted to, in words."""
     fits = [(number, item) for number, item in enumerate(outcomes) if isinstance(item, Fit)]
     tables: dict[str, list[tuple[int, dict[str, Array]]]] = {"data": [], "fitted": [], "bootstrap": []}
     for number, item in fits:
@@ -236,9 +237,9 @@ def write_fits(path: Path, outcomes: Sequence[Fit | Failure], summary: Mapping[s
         if item.samples is not None:
             tables["bootstrap"].append((number, dict(zip(item.free, item.samples.T, strict=True))))
     curves: dict[str, Group | Dataset] = {name: _joined(table) for name, table in tables.items() if table}
-    curves["summary"] = Dataset([json.dumps(one) for one in summary["curves"]])
+    curves["summary"] = Dataset(summaries)
     images = {"map": images_of(scan)} if (scan := map_of(outcomes)) else {}
-    write(path, FITS, {"body": summary["body"]}, {"curves": Group({}, curves), **images})
+    write(path, FITS, {"body": body}, {"curves": Group({}, curves), **images})
 
 
 def _joined(tables: Sequence[tuple[int, Mapping[str, Array]]]) -> Group:

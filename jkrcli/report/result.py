@@ -69,14 +69,15 @@ class Files:
         table: Mapping[str, Any] | None = None,
         summary: Mapping[str, Any] | None = None,
         figure: Figure | None = None,
+        lines: Sequence[str] = (),
     ) -> None:
-        """The columns of a table as CSV, a summary as JSON, a figure as pictures, as far as they are given; all or
-        none of them."""
+        """The columns of a table as CSV, a summary (with the ``lines`` of its records) as JSON, a figure as pictures,
+        as far as they are given; all or none of them."""
         with together():
             if table is not None:
                 write_csv(self[".csv"], table)
             if summary is not None:
-                write_text(self[".json"], as_json(summary))
+                write_text(self[".json"], as_json(summary, lines))
             if figure is not None:
                 from . import plots
 

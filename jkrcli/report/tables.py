@@ -4,6 +4,7 @@ import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
 from ..base.errors import Estimate, InputError, Unknown, counted, known
 from ..base.files import read_bytes
-from ..base.numerics import SAME, Array
+from ..base.numerics import REMEMBERED, SAME, Array
 from ..base.process import check_text
 from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
@@ -58,6 +59,7 @@ def stacked(tables: Sequence[Mapping[str, Iterable[Any]]]) -> dict[str, list[Any
     return {name: [cell for table in plain for cell in table[name]] for name in tables[0]}
 
 
+@lru_cache(maxsize=REMEMBERED)
 def with_unit(name: str, dimension: str) -> str:
     """The name of a column or key with its SI unit: ``w_J_per_m2``."""
     return f"{name}_{SI[dimension].replace('/', '_per_').replace('^', '')}".rstrip("_")

@@ -222,7 +222,9 @@ class DirectionReadings:
         size = self.z.size // ROWS
         if size < 2:
             return self
-        first = np.union1d(np.arange(0, self.z.size, size), np.flatnonzero(np.diff(self.touching)) + 1)
+        begins = np.arange(self.z.size) % size == 0
+        begins[1:] |= self.touching[1:] != self.touching[:-1]
+        first = begins.nonzero()[0]
         count = np.diff(np.append(first, self.z.size))
         z, P, t = (np.add.reduceat(column, first) / count for column in (self.z, self.P, self.t))
         return replace(self, rows=self.rows[first], touching=self.touching[first], z=z, P=P, t=t)
@@ -762,9 +764,12 @@ def residuals_of(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exce
 # How many starts are tried.
 # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
 STARTS_ALONE = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
-STARTS_ROWS = 120  # choice: rows by which starts are compared
-STARTS_SHAPES = 25  # choice: ratios w/s tried
+STARTS_ROWS = 60  # choice: rows by which starts are compared
+STARTS_SHAPES = 13  # choice: ratios w/s tried
 STARTS_POINTS = 41  # choice: contact points tried
+_BESIDE = np.geomspace(1e-4, 0.5, STARTS_POINTS // 3)
+# choice: of the way in contact, contact points tried beside that of its first row
+STARTS_BESIDE = np.concatenate([-_BESIDE, [0.0], _BESIDE])
 
 
 def starts_of(model: ForceCurveModel) -> Iterator[Array]:
@@ -798,11 +803,10 @@ def by_base_lines(model: ForceCurveModel) -> dict[str, float]:
 
 def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
     """q of moduli times ``s`` that a contact is pulled off at a ``tension`` [N] with."""
-    (D, T, H, V), _, _ = on_grid(model.family)
-    r = _shapes(D, T)[:, None]
-    folds = np.argmin(D - r * T + s * (H - r * V) / model.k, axis=1)
-    tensions = s * (r[:, 0] * V[folds] - H[folds])
-    return float(np.interp(tension, np.maximum.accumulate(tensions), r[:, 0])) ** 2
+    r, path, load = _shapes(model.family)
+    folds = np.argmin(path + s / model.k * load, axis=1)
+    tensions = -s * load[np.arange(r.size), folds]
+    return float(np.interp(tension, np.maximum.accumulate(tensions), r)) ** 2
 
 
 def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tuple[float, float, float]:
@@ -839,13 +843,8 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
 @lru_cache(maxsize=REMEMBERED)
 def _moving_curves(family: Family) -> list[tuple[float, Array, Array]]:
     """Ratios sqrt(w/s) with the displacement and the load of each from the fold on, at s = 1 without a device."""
-    (D, T, H, V), _, _ = on_grid(family)
-    curves = []
-    for r in _shapes(D, T).tolist():
-        path, load = D - r * T, H - r * V
-        fold = int(np.argmin(path))
-        curves.append((r, path[fold:], load[fold:]))
-    return curves
+    each = zip(*_shapes(family), strict=True)
+    return [(float(r), path[fold:], load[fold:]) for r, path, load in each for fold in (int(np.argmin(path)),)]
 
 
 def _some_rows(part: DirectionReadings) -> Array:
@@ -853,15 +852,20 @@ def _some_rows(part: DirectionReadings) -> Array:
     n = part.z.size
     if n <= STARTS_ROWS:
         return np.arange(n)
-    near = int(np.argmax(part.touching)) if part.jumped else n // 2
-    halves = [np.linspace(first, n - 1, STARTS_ROWS // 2) for first in (0, near)]
-    return np.unique(np.concatenate(halves).astype(int))
+    some = np.zeros(n, dtype=bool)
+    for first in (0, int(np.argmax(part.touching)) if part.jumped else n // 2):
+        some[np.linspace(first, n - 1, STARTS_ROWS // 2).astype(int)] = True
+    return some.nonzero()[0]
 
 
-def _shapes(D: Array, T: Array) -> Array:
-    """Ratios sqrt(w/s): of almost no adhesion, and so that the shift is the displacement at radii across the series."""
-    ratio = np.unique(D / T)
-    return np.concatenate([[0.0], np.geomspace(ratio[0], ratio[-1], STARTS_SHAPES)])
+@lru_cache(maxsize=REMEMBERED)
+def _shapes(family: Family) -> tuple[Array, Array, Array]:
+    """Ratios r = sqrt(w/s), of almost no adhesion, and so that the shift is the displacement at radii across the
+    series, with the displacement D - r T and the load H - r V of each on the grid, at s = 1."""
+    (D, T, H, V), _, _ = on_grid(family)
+    ratio = D / T
+    r = np.append(0.0, np.geomspace(ratio.min(), ratio.max(), STARTS_SHAPES))
+    return r, D - r[:, None] * T, H - r[:, None] * V
 
 
 def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array:
@@ -870,8 +874,7 @@ def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array
     if not part.jumped:
         return np.linspace(delta.min(), delta.max() - 0.01 * span, STARTS_POINTS)
     first = float(delta[part.touching[rows]][0])
-    steps = span * np.geomspace(1e-4, 0.5, STARTS_POINTS // 3)
-    return first + np.concatenate([-steps, [0.0], steps])
+    return first + span * STARTS_BESIDE
 
 
 # --------------------------------------------------------------------------------------------------
@@ -888,7 +891,7 @@ FIT_BLUNT = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt f
 FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
 FIT_PERIODS = 0.3  # choice: the same of the log of a wave's period
 FIT_CONVERGED = 1e-11  # choice: relative change of parameters
-FIT_FELL = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
+FIT_FELL = 4e-4  # theory: of chi^2 over its rows, its rise two hundredths of a standard error from the minimum
 FIT_BEGUN = 1e-5  # choice: of chi^2, its fall by a step with which a search goes on with all rows and a sharper fold
 FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
 FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
@@ -995,9 +998,10 @@ class Weighted:
 
 def _problem(
     model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float,
-    fell: float = FIT_FELL,
+    fell: float | None = None,
 ) -> LeastSquares:  # fmt: skip
-    return LeastSquares(Weighted(model, weight, blunt), bounds, enough, fell, FIT_EVALUATIONS)
+    least = FIT_FELL / model.ends[-1] if fell is None else fell
+    return LeastSquares(Weighted(model, weight, blunt), bounds, enough, least, FIT_EVALUATIONS)
 
 
 def misfit_at(model: ForceCurveModel, x: Array) -> float:

@@ -8,6 +8,7 @@ attraction makes of an estimate is a part by the model.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -16,19 +17,22 @@ from typing import TypeAlias
 import numpy as np
 
 from ..base.errors import JkrError
+from ..base.executors import Pool
+from ..base.lockstep import Flow
 from ..base.units import show
 from ..data.free_rows import FreeRows
 from ..data.segmentation import ForceCurve
 from .force_curve import ForceCurveFit
 from .forward_model import FittedBody
 from .least_squares import t_quantile, wider
-from .record import outcome_of, whole_fit
+from .record import fit_record, outcome_of, whole_fit
 from .result import Fit
-from .settings import Settings
+from .settings import AUTO, Settings
 
 NUISANCE_FARTHEST = 10.0  # choice: standard errors of the free rows, which the contact moves the size by at most
 NUISANCE_ROUNDS = 3  # choice: parabolas through sizes
 NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which another law is none of these data
+NUISANCE_NEEDED = 4.0  # theory: of chi^2, Akaike's criterion, the fall by the two parameters of an attraction
 OTHER_LAW = "the law of the attraction"
 
 
@@ -44,6 +48,28 @@ class Nuisance:
     changes: tuple[Mapping[str, float], ...]
     laws: Mapping[str, float]
     words: tuple[str, ...]
+
+
+def fit_settled(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Flow[Fit]:
+    """The fit of a raw record less what its free rows hold.
+
+    A model that is wrong in the first rows of contact makes them look like an attraction: where the best alternative
+    is to be taken, it is fitted to the loads as they are too, and that is the answer where it leaves no more.
+    """
+    nuisance = settled(body, record, settings)
+    if nuisance is None or record.held is None:
+        return (yield from fit_record(body, record, settings, pool))
+    fitted = with_nuisance((yield from fit_record(body, nuisance.record, settings, pool)), nuisance)
+    if settings.model != AUTO or record.plain is None or record.held.attraction is None:
+        return fitted
+    with contextlib.suppress(JkrError):
+        whole = replace(record.plain, flags=record.flags, saturated=record.saturated)
+        other = yield from fit_record(body, whole, settings, pool)
+        rise = other.rows.size * ((other.scales["P"] / fitted.scales["P"]) ** 2 - 1)
+        if other.verdict is not None and other.verdict.tied and rise < NUISANCE_NEEDED:
+            words = f"with {other.verdict.tied[0].name} no attraction before contact is left"
+            return replace(other, held=(words,))
+    return fitted
 
 
 def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisance | None:

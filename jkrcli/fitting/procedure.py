@@ -40,10 +40,10 @@ from .least_squares import (
     variance_factor,
     wider,
 )
-from .nuisance import settled, with_nuisance
+from .nuisance import fit_settled
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import Rivals, missed_pull_off, rivals_of
-from .record import RESTS, beside, beyond_the_record, contact_rows, differ, fit_record, raw_force_curve
+from .record import RESTS, beside, beyond_the_record, contact_rows, differ, raw_force_curve
 from .result import Fit, Further, JKRBeside
 from .rows import (
     COLUMNS,
@@ -505,9 +505,7 @@ def preparing(body: FittedBody, curve: Curve, settings: Settings) -> Flow[Prepar
 def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Flow[Fit]:
     ready = yield from preparing(body, curve, settings)
     if isinstance(ready, ForceCurve):
-        nuisance = settled(body, ready, settings)
-        record = ready if nuisance is None else nuisance.record
-        return with_nuisance((yield from fit_record(body, record, settings, pool)), nuisance)
+        return (yield from fit_settled(body, ready, settings, pool))
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)

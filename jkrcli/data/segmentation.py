@@ -16,7 +16,7 @@ import numpy as np
 
 from ..base.errors import Estimate, InputError, Unknown, counted, known
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import FEWEST_ROWS, NOTICEABLE, REMEMBERED, ROUNDED, SAME, Array, median
+from ..base.numerics import FEWEST_ROWS, NOTICEABLE, REMEMBERED, ROUNDED, ROUNDING, SAME, Array, median
 from ..base.units import show
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve
 from .free_rows import FreeRows, Side, free_rows
@@ -581,7 +581,11 @@ def _ringing(y: Array) -> int:
 
 def in_succession(marked: Array) -> Array:
     """Whether each place begins a run of ``RECORD_RUN`` that are ``marked`` (a mask)."""
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(marked, RECORD_RUN, axis=-1).all(axis=-1))
+    places = max(marked.shape[-1] - RECORD_RUN + 1, 0)
+    runs = marked[..., :places].copy()
+    for shift in range(1, RECORD_RUN):
+        runs &= marked[..., shift : shift + places]
+    return runs
 
 
 def _block(rows: int) -> int:
@@ -629,28 +633,36 @@ def _ends_of_free_parts(x: Array, y: Array, rows: Array) -> Array:
     size, all_of = _block(int(rows[0])), np.arange(rows.size)
     ends = np.maximum(_best_cuts(x, y, rows), 5)
     rough = _robust_of_first(_bends(y), rows - 2) / math.sqrt(6 * size)
-    lowest, highest = np.minimum.accumulate(y, axis=1), np.maximum.accumulate(y, axis=1)
     x, y = x - x[:, :1], y - y[:, :1]
-    sums = [np.cumsum(products, axis=1) for products in (x, y, x * x, x * y)]
+    products = [column.ravel() for column in (x, y, x * x, x * y)]
+    starts, loads = x.shape[1] * all_of, products[1]
     x, y = _blocks(x, size), _blocks(y, size)
     blocks = np.arange(x.shape[1] + RECORD_RUN - 1)
     last = np.minimum(blocks, rows[:, None] // size - 1)  # which may alone be in contact: it goes on
     for _ in range(2):
         sure = np.maximum(np.rint(RECORD_INSIDE * ends).astype(int), 5)
-        X, Y, XX, XY = (total[all_of, sure - 1] for total in sums)
+        X, Y, XX, XY = (_over_first(np.add, column, starts, sure) for column in products)
         way = XX - X * X / sure
         tilt = np.where(way > 0, XY - X * Y / sure, 0.0) / np.where(way > 0, way, 1.0)
         off = y - (Y / sure)[:, None] - tilt[:, None] * (x - (X / sure)[:, None])
         inside = sure // size
         slow = np.sum(off**2 * (blocks[: off.shape[1]] < inside[:, None]), axis=1) / np.maximum(inside, 1)
         scatter = np.maximum(np.sqrt(slow), rough)
-        seen = np.minimum(2 * ends, rows) - 1
-        least = RECORD_LEAST * (highest[all_of, seen] - lowest[all_of, seen])
+        seen = np.minimum(2 * ends, rows)
+        highest, lowest = (_over_first(extreme, loads, starts, seen) for extreme in (np.maximum, np.minimum))
+        least = RECORD_LEAST * (highest - lowest)
         away = np.abs(off) > np.maximum(RECORD_SIGMAS * scatter, least)[:, None]
         away &= (inside > 0)[:, None]
         runs = in_succession(np.take_along_axis(away, last, axis=1))
         ends = np.where(runs.any(axis=1), np.maximum(np.argmax(runs, axis=1) * size, 5), rows)
     return ends
+
+
+def _over_first(operation: np.ufunc, values: Array, starts: Array, rows: Array) -> Array:
+    """The sums, or extremes, by an ``operation`` of so many ``rows`` (B,) of the ``values`` from each of the
+    ``starts`` (B,) on."""
+    edges = np.column_stack([starts, starts + rows]).ravel()
+    return np.asarray(operation.reduceat(values, edges[:-1] if edges[-1] == values.size else edges)[::2])
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -740,13 +752,16 @@ def resolutions(y: Array, rows: Array) -> list[float]:
     values = np.sort(y, axis=1)
     steps = values[:, 1:] - values[:, :-1]
     differ = steps > SAME * (values[:, -1:] - values[:, :1])  # conversion to other units parts equal ones by round-off
-    counts = np.count_nonzero(differ, axis=1)
-    found = [0.0] * counts.size
-    for i in np.flatnonzero((counts > 0) & (2 * counts <= rows)).tolist():
-        own = steps[i, differ[i]]
-        step = median(own[own < 1.5 * own.min()])
-        whole = own / step
-        found[i] = step if float(np.abs(whole - np.rint(whole)).max()) < RECORD_WHOLE else 0.0
+    found = []
+    for own_steps, of_own, count in zip(steps, differ, rows.tolist(), strict=True):
+        step = 0.0
+        if 0 < 2 * np.count_nonzero(of_own) <= count:
+            own = own_steps[of_own]
+            step = median(own[own < 1.5 * own.min()])
+            whole = own / step
+            if float(np.abs(whole - np.rint(whole)).max()) >= RECORD_WHOLE:
+                step = 0.0
+        found.append(step)
     return found
 
 
@@ -775,8 +790,9 @@ def _left(x: Array, y: Array, rows: Array, degree: int) -> Array:
     for i in range(degree):
         np.multiply(powers[:, i], along, out=powers[:, i + 1])
     normal, right = powers @ powers.transpose(0, 2, 1), powers @ y[..., None]
-    inverse = np.linalg.pinv(normal, rcond=(degree + 1) * np.finfo(float).eps, hermitian=True)
-    left = (y - (powers.transpose(0, 2, 1) @ (inverse @ right))[..., 0]) * within
+    # a device that stands still leaves the powers alike: at round-off they add to the diagonal
+    normal += (degree + 1) * ROUNDING * rows[:, None, None] * np.eye(degree + 1)
+    left = (y - (powers.transpose(0, 2, 1) @ np.linalg.solve(normal, right))[..., 0]) * within
     left -= np.sum(left, axis=1, keepdims=True) / rows[:, None] * within
     return np.sqrt(np.sum(left * left, axis=1) / rows)
 

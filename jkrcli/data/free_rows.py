@@ -248,13 +248,17 @@ def _edge(y: Array, noise: float) -> int | None:
     """The row at which the load changes at once, by the change between two windows over those to the next windows on
     both sides; None where none stands out at any width."""
     best, widest = (0.0, 0, 0), y.size // FREE_WIDEST
-    total = np.concatenate([[0.0], np.cumsum(y - y.mean())])
+    total = np.zeros(y.size + 1)
+    np.cumsum(y - y.mean(), out=total[1:])
     width = FREE_NARROWEST
     while width <= widest:
-        means = (total[width:] - total[:-width]) / width
-        a, b, c, d = (means[i * width : means.size - (3 - i) * width] for i in range(4))
-        change = np.abs((a - d) / 2 + 1.5 * (c - b))
-        at, least = int(np.argmax(change)), noise * math.sqrt(5 / width)
+        # of the means a, b, c, d of windows, (a - d)/2 + 3/2 (c - b): a fourth difference of the sums at their edges
+        change = total
+        for _ in range(4):
+            change = change[width:] - change[:-width]
+        change = np.abs(change)
+        at, unit = int(change.argmax()), 2 * width
+        least = noise * math.sqrt(5 / width) * unit
         if change[at] > max(best[0], FREE_SIGMAS) * least:  # or it cannot stand out, whatever is usual
             usual = max(1.4826 * median(change), least)
             if usual > 0 and change[at] / usual > max(best[0], FREE_SIGMAS):

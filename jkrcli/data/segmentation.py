@@ -327,7 +327,7 @@ def _spikes(P: Array) -> Array:
     bends = _bends(P)
     size = np.abs(bends)
     off = np.minimum(size[:-2], size[2:])
-    rows = np.flatnonzero(off > RECORD_LEAST * float(np.ptp(P)))
+    rows = np.flatnonzero(off > RECORD_LEAST * float(P.max() - P.min()))
     before, after = bends[rows], bends[rows + 2]
     rows = rows[(np.abs(before - after) < RECORD_HALF * off[rows]) & ((before > 0) == (after > 0))]
     if rows.size:
@@ -384,15 +384,17 @@ def _parts_of_way(delta: Array) -> list[Segment]:
     rows = np.concatenate([delta[:1].repeat(window), delta, delta[-1:].repeat(window)])
     smooth = np.convolve(rows, np.ones(2 * window + 1) / (2 * window + 1), "valid")
     turn = int(np.argmax(smooth))
-    ends = smooth[1:2] - smooth[:1], smooth[-1:] - smooth[-2:-1]
-    speed = np.abs(np.concatenate([ends[0], (smooth[2:] - smooth[:-2]) / 2, ends[1]]))
+    speed = np.empty(n)
+    speed[1:-1] = (smooth[2:] - smooth[:-2]) / 2
+    speed[[0, -1]] = smooth[1] - smooth[0], smooth[-1] - smooth[-2]
+    np.abs(speed, out=speed)
     # The speed at which half of the way is covered or less: dwells have no part in it, however long they last.
     ordered = np.sort(speed)
     way = np.cumsum(ordered)
     moving = speed >= RECORD_STILL * float(ordered[np.searchsorted(way, way[-1] / 2)])
-    before, after = np.flatnonzero(moving[:turn]), np.flatnonzero(moving[turn:])
-    first = int(before[-1]) if before.size else 0
-    last = turn + int(after[0]) - 1 if after.size else n - 1
+    before, after = moving[:turn][::-1], moving[turn:]
+    first = turn - 1 - int(before.argmax()) if before.any() else 0
+    last = turn + int(after.argmax()) - 1 if after.any() else n - 1
     if last - first < RECORD_SMALL * n:
         first = last = turn
     if last == 0 and delta[0] == delta.max():  # retraction from the first row on
@@ -488,7 +490,8 @@ def _direction(
         falls = [main, *(fall for fall in falls if fall[0] not in rung and fall[1] not in rung)]
         others = [step for step in others if step[0] not in rung and step[1] not in rung]
     falls = sorted(falls + _end_of_tether(off, base, falls))
-    deepest, way = float(x.max()), float(np.ptp(x))
+    deepest = float(x.max())
+    way = deepest - float(x.min())
     turn = deepest - RECORD_SMALL * way  # beyond, a change of drag is no event
     others = [(first, last) for first, last in others if x[last] < turn and not _by_motion(x, off, first, last)]
     jumps, steps = (
@@ -546,7 +549,7 @@ def _largest_tension(
         least_told, most_told = max(least_told, told - 2 * unsure), min(most_told, told + 2 * unsure)
         between = float(smooth[1] - smooth[0]) / 2 if least == 0 else 0.0
     free = x[: base.rows]
-    away = float(x[lowest] - free.mean()) / (float(np.ptp(free)) or 1.0)
+    away = float(x[lowest] - free.mean()) / (float(free.max() - free.min()) or 1.0)
     line = base.noise * math.sqrt((1 + 12 * away**2) / base.rows)
     return tension, math.hypot(error, line, base.waviness, between)
 
@@ -801,14 +804,14 @@ def _touch(x: Array, off: Array, base: BaseLine) -> tuple[int, float]:
     """The row from which on the load is off the base line for good, and how far about that its position may be
     wrong: a block of rows; all rows where it never is, by more than round-off."""
     i = base.rows
-    if i >= x.size or np.ptp(off) <= ROUNDED * abs(base.offset):
+    if i >= x.size or off.max() - off.min() <= ROUNDED * abs(base.offset):
         return x.size, math.inf
     size = _block(x.size)
     limit = 2 * math.hypot(base.noise / math.sqrt(size), base.waviness)
     while i > size and abs(float(np.add.reduce(off[i - size : i])) / size) > limit:
         i -= size
     near = x[max(i - size, 0) : i + size + 1]
-    return i, float(np.ptp(near)) / 2
+    return i, float(near.max() - near.min()) / 2
 
 
 def _jumps(
@@ -841,6 +844,12 @@ def _by_motion(x: Array, y: Array, first: int, last: int) -> bool:
     return abs(float(y[last] - y[first])) <= 2 * max(slopes) * abs(float(x[last] - x[first]))
 
 
+@lru_cache(maxsize=REMEMBERED)
+def _along(rows: int) -> Array:
+    """Evenly spaced positions over a length of 1, about 0."""
+    return np.linspace(-0.5, 0.5, rows)
+
+
 def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Rows before and after which the load leaves a level tension inside of the only one of the ``falls``, which a
     tether or a second contact holds there, however little happens where the first one ends; none without one."""
@@ -850,7 +859,7 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     count = max(round(RECORD_TETHER * off.size), FEWEST_ROWS // 2)
     if inside.size < count:
         return []
-    tension, along = -float(inside[:count].mean()), np.linspace(-0.5, 0.5, count)
+    tension, along = -float(inside[:count].mean()), _along(count)
     left = inside[:count] + tension
     change = 12 * float(along @ left) / count
     left -= change * along
@@ -988,17 +997,17 @@ def _on_signs(device: Array, P: Array, directions: Sequence[Direction]) -> Itera
     """Flags of devices that run to and fro, and of columns that count the other way round."""
     ways = (device[item.segment.rows] for item in directions)
     means = [_blocks(way, max(1, round(way.size / 20))) for way in ways]  # without noise
-    if any(float(np.abs(np.diff(way)).sum()) > RECORD_WANDERING * float(np.ptp(way)) for way in means):
+    if any(float(np.abs(way[1:] - way[:-1]).sum()) > RECORD_WANDERING * float(way.max() - way.min()) for way in means):
         yield "no force curve", "the instrument reverses more than once"
     for item in directions:
         name = item.segment.kind
         # Whether a direction goes the other way than the file names it, or back and then in again.
         z, load = device[item.segment.rows], P[item.segment.rows]
-        ends = max(1, round(z.size * RECORD_FAR))
+        ends, least = max(1, round(z.size * RECORD_FAR)), float(z.min())
         first, last = float(z[:ends].mean()), float(z[-ends:].mean())
         way = (last - first) * (1 if item.segment.kind == APPROACH else -1)
-        returns = min(first, last) - float(z.min())
-        if max(-way, returns) > RECORD_HALF * float(np.ptp(z)):
+        returns = min(first, last) - least
+        if max(-way, returns) > RECORD_HALF * (float(z.max()) - least):
             which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
             sentence = f"the displacement{which} has the opposite sign: indentation must be positive (--flip delta)"
             yield "wrong way", sentence
@@ -1015,9 +1024,10 @@ def _on_signs(device: Array, P: Array, directions: Sequence[Direction]) -> Itera
 def _pulls_deepest(z: Array, P: Array, item: Direction) -> bool:
     """Whether tension is largest where it presses deepest, and compression is not, as where tension counts as
     positive; a gel that relaxes after the turn has both there."""
+    if not (isinstance(item.touch, float) and isinstance(item.adhesion, float)):
+        return False
     deepest = item.adhesion_at > z.max() - RECORD_SMALL * float(np.ptp(z))
-    pressed = z[np.argmax(P)] > item.adhesion_at
-    return deepest and not pressed and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
+    return bool(deepest and z[np.argmax(P)] <= item.adhesion_at and item.based)
 
 
 # --------------------------------------------------------------------------------------------------

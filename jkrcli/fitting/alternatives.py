@@ -460,18 +460,16 @@ class FittedRecord:
         return next(tables([self]))
 
     def products(self, rows: Array) -> Array:
-        """Products of all columns of the ``table`` over some ``rows`` [N^2]: from those over the ``regular`` ones."""
-        if rows is self.regular:
-            return self._products
-        more, less = (self.table[:, np.flatnonzero(some)] for some in (rows & ~self.regular, self.regular & ~rows))
-        products: Array = self._products + more @ more.T - less @ less.T
+        """Products of all columns of the ``table`` over some ``rows`` [N^2]: those over all, less those over the
+        others, which are few."""
+        others = self.table[:, np.flatnonzero(~rows)]
+        products: Array = self._products - others @ others.T
         return products
 
     @cached_property
     def _products(self) -> Array:
-        """Those over the regular rows."""
-        table = self.table[:, np.flatnonzero(self.regular)]
-        products: Array = table @ table.T
+        """Those over all rows."""
+        products: Array = self.table @ self.table.T
         return products
 
     @cached_property
@@ -652,17 +650,9 @@ def _log_load(family: Family) -> PiecewisePolynomial:
 
 
 def prepare(records: Sequence[FittedRecord]) -> None:
-    """Find what memories of some records act on, their short rings of attraction and their columns together, which are
-    remembered."""
+    """Find what memories of some records act on and their columns together, which are remembered."""
     for record, history in zip(records, histories(records), strict=True):
         vars(record)["history"] = history
-    changes = [(record, RANGE.effect(record)) for record in records]
-    rings = [
-        change.rings(record.model.family, {**record.values, AMOUNT: LITTLE})
-        for record, change in changes
-        if isinstance(change, Perturbation) and change.rings is not None
-    ]
-    ring_changes([ring for ring in rings if ring is not None])
     for record, tabled in zip(records, tables(records), strict=True):
         vars(record)["tabled"] = tabled
 
@@ -1567,6 +1557,12 @@ def tables(
 def changed_bodies(records: Sequence[FittedRecord], changes: Sequence[Mapping[int, Perturbation]]) -> Iterator[Array]:
     """Of each of some records the changes of the logs of its body (changes, stretches, 4, n) per amount of each of the
     ``changes`` of it."""
+    rings = (
+        one.rings(record.model.family, {**record.values, AMOUNT: LITTLE})
+        for record, some in zip(records, changes, strict=True) for one in some.values() if one.rings is not None
+    )  # fmt: skip
+    ring_changes([ring for ring in rings if ring is not None])  # of all at once, which are remembered
+
     # changes that follow from those of displacement and stiffness, of each body together
     shapes: dict[Family, list[tuple[Array, Array]]] = {}
     for record, some in zip(records, changes, strict=True):

@@ -542,7 +542,17 @@ class ForceCurveModel:
 
     def edges(self, x: Array) -> Sequence[Edges]:
         """Of each stretch the branch and the resting edge, the depth [m] of all rows, and the numbers of those at which
-        the edge moves, and of those at which it rests."""
+        the edge moves, and of those at which it rests; remembered."""
+        if (key := x.tobytes()) not in self._edges:
+            self._edges.clear()
+            self._edges[key] = self._edges_at(x)
+        return self._edges[key]
+
+    @cached_property
+    def _edges(self) -> dict[bytes, Sequence[Edges]]:
+        return {}
+
+    def _edges_at(self, x: Array) -> Sequence[Edges]:
         edges: list[Edges] = []
         values = self.values(x)
         for part, kept in zip(self.stretches, self._path(x)[1], strict=True):
@@ -573,10 +583,12 @@ class ForceCurveModel:
 
     def _by_names(self, part: DirectionReadings, values: Mapping[str, float], columns: Array) -> dict[str, Array]:
         """Derivatives of the load of the contact at all rows of a stretch, by the names of the unknowns."""
-        _, by_s, by_q, by_z, by_before, by_turn = columns
+        _, by_s, by_q, by_z, *of_rest = columns
         own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
-        more: dict[str, Array] = {}
-        if by_turn.any():
+        by_zero, more = -by_z, dict[str, Array]()
+        if of_rest:
+            by_before, by_turn = of_rest
+            by_zero -= by_turn
             root = math.sqrt(max(q, 1e-300))
             if "turn" in values:
                 by_q = by_q + by_before * (values["turn"] / (2 * root))
@@ -586,10 +598,10 @@ class ForceCurveModel:
             more = {name: 2 * abs(values[name]) * by_q}
         for name, misplaced in self.misplaced(part).items() if self.positions else ():
             more[name] = by_z * misplaced
-            if name == "creep":
-                more[name] += by_turn * self.deepened(part, values)
+            if name == "creep" and of_rest:
+                more[name] += of_rest[1] * self.deepened(part, values)
         by_modulus = by_s - q * by_q if part.kind in self.works else by_s
-        return {"ln_s": by_modulus, "z0": -by_z - by_turn, own: by_q} | more
+        return {"ln_s": by_modulus, "z0": by_zero, own: by_q} | more
 
 
 def radii_at(
@@ -637,9 +649,9 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
 
 
 class OnPath(NamedTuple):
-    """Loads of the contact at all rows of a stretch with their derivatives by ln s, own q, z, and of the edge at rest
-    by the root of q before and by the turn, (6, rows), or loads alone, (1, rows); ``edges``: the branch and the resting
-    edge that they are on, if these are kept."""
+    """Loads of the contact at all rows of a stretch with their derivatives by ln s, own q and z, (4, rows), and where
+    its edge rests by the root of q before and by the turn, (6, rows), or loads alone, (1, rows); ``edges``: the branch
+    and the resting edge that they are on, if these are kept."""
 
     columns: Array
     edges: tuple[DeviceBranch, Rest | None] | None = None
@@ -693,7 +705,8 @@ def contact_loads(
             continue
         kept = slopes and not asked[place][3]
         held = None if edge is None or at_rest[i] is None or not kept else edge.some(number[i])
-        answers[place] = OnPath(columns[:, ends[i] : ends[i + 1]], (moving.one(i), held) if kept else None)
+        some = columns[: 4 if at_rest[i] is None else 6, ends[i] : ends[i + 1]]
+        answers[place] = OnPath(some, (moving.one(i), held) if kept else None)
     return answers
 
 

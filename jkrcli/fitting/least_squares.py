@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
@@ -924,12 +925,13 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
         return of(level), float(np.mean(level))
 
     beside, (covariance, level) = of(every), (of(every), float(np.mean(every))) if seen is None else of_spectrum(noise)
-    if seen is not None and _rise(beside, covariance) < COLOURED_HIDDEN**2:
+    rise = _rise(beside, covariance)
+    if seen is not None and rise < COLOURED_HIDDEN**2:
         hidden = _hidden(seen, noise, weight if weight.slow else all_rows)
         if hidden is not noise:
             noise, (covariance, level) = hidden, of_spectrum(hidden)
-    tau = _rise(covariance, of(level))
-    excess = math.sqrt(max(_rise(beside, covariance), 1.0))
+            rise = _rise(beside, covariance)
+    tau, excess = _rise(covariance, of(level)), math.sqrt(max(rise, 1.0))
     if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
         covariance = covariance * (COLOURED_UNSEEN * min(excess, COLOURED_EXCEEDED)) ** 2
     possible = None if seen is None or noise.slow else seen.possible()
@@ -954,8 +956,9 @@ def _factors(J: Array) -> tuple[Array, Array]:
 
 def _rise(one: Array, other: Array) -> float:
     """The median factor between the variances of two covariances."""
-    known = np.diag(other) > 0
-    return median((np.diag(one) / np.diag(other))[known]) if known.any() else 1.0
+    pairs = zip(one.diagonal().tolist(), other.diagonal().tolist(), strict=True)
+    factors = [more / less for more, less in pairs if less > 0]
+    return statistics.median(factors) if factors else 1.0
 
 
 def _hidden(seen: Periodogram, noise: Spectrum, every: Spectrum) -> Spectrum:

@@ -964,7 +964,7 @@ def _rise(one: Array, other: Array) -> float:
 def _hidden(seen: Periodogram, noise: Spectrum, every: Spectrum) -> Spectrum:
     """The noise of free rows that were ``seen``; where their own ``noise`` is not slow, of the colour of
     ``every`` row if it is as likely in them: noise slower than they are long shows in the others."""
-    if noise.slow or not every.A:
+    if noise.slow or not every.slow or not every.A:
         return noise
     likely = every.of_level(noise.A)
     return likely if seen.unlikely(likely) <= seen.unlikely(noise) else noise
@@ -1060,7 +1060,7 @@ class Periodogram:
         """The spectrum that is likeliest, with those that are nearly so; white where none that falls gains enough."""
         mean, count = self.mean, self.octaves.count
         white = float(mean @ count / count.sum())
-        if count @ np.log(white / _falling(mean, count)) < COLOURED_LEAST:
+        if not white or sum(n * math.log(white / level) for level, n in _falling(mean, count)) < COLOURED_LEAST:
             return Spectrum(white)  # no spectrum that falls gains as much
         (corner, power), (slow, tops) = _shapes(self.octaves.lowest), self.octaves.slow
         A, B = _parts(slow, mean, count)
@@ -1104,19 +1104,19 @@ def _shapes(lowest: float) -> tuple[Array, Array]:
     return np.append(corners, 0 * powers + COLOURED_LOWEST * lowest), np.append(0 * corners + 2.0, powers)
 
 
-def _falling(mean: Array, count: Array) -> Array:
+def _falling(mean: Array, count: Array) -> list[tuple[float, float]]:
     """The likeliest spectrum of octaves with these ``mean`` squares that rises nowhere: means of those that do pooled
-    (Barlow et al., Statistical Inference under Order Restrictions, 1972)."""
-    pools: list[tuple[float, float, int]] = []  # mean, weight, octaves
+    (Barlow et al., Statistical Inference under Order Restrictions, 1972), the level and the waves of each pool."""
+    pools: list[tuple[float, float]] = []
     for one, weight in zip(mean.tolist(), count.tolist(), strict=True):
-        pool = one, weight, 1
+        pool = one, weight
         while pools and pools[-1][0] < pool[0]:
             before = pools.pop()
-            weights = before[1] + pool[1]
-            pool = (before[0] * before[1] + pool[0] * pool[1]) / weights, weights, before[2] + pool[2]
+            waves = before[1] + pool[1]
+            pool = (before[0] * before[1] + pool[0] * pool[1]) / waves, waves
         pools.append(pool)
-    levels, _, octaves = zip(*pools, strict=True)
-    return np.maximum(np.repeat(levels, octaves), COLOURED_SINGULAR * mean.max())
+    least = COLOURED_SINGULAR * float(mean.max())
+    return [(max(level, least), waves) for level, waves in pools]
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -900,13 +900,17 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
     residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""
     free = [run for run in free if run.size > 2]  # of fewer a line leaves nothing
-    rows = numerics.cosine_transform(np.concatenate([J.T, off[None]]))
+    # as many waves as are transformed fast: of each what is not of these rows counts as taken
+    waves = off.size if weight.slow else numerics.fast_length(off.size)
+    columns = np.zeros((J.shape[1] + 1, waves))
+    columns[:-1, : off.size], columns[-1, : off.size] = J.T, off
+    rows = numerics.cosine_transform(columns)
     own = density(weight, off.size) if weight.slow else 1.0  # no white weight changes the covariance
     if weight.slow:
         rows /= np.sqrt(own)
     Q, inverse = _factors(rows[:-1].T)
-    f = frequencies(off.size)
-    octaves = Octaves.of(f, np.einsum("ij,ij->i", Q, Q))
+    f = frequencies(waves)
+    octaves = Octaves.of(f, np.einsum("ij,ij->i", Q, Q) + (1 - off.size / waves))
     all_rows = Periodogram(octaves, octaves.means(rows[-1] ** 2)).spectrum()
     every = all_rows(f) * own if all_rows.slow or weight.slow else all_rows.A
     loose = sum(run.size for run in free)
@@ -921,7 +925,7 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
         return matrix
 
     def of_spectrum(noise: Spectrum) -> tuple[Array, float]:
-        level = density(noise, off.size) if noise.slow else noise.A
+        level = density(noise, waves) if noise.slow else noise.A
         return of(level), float(np.mean(level))
 
     beside, (covariance, level) = of(every), (of(every), float(np.mean(every))) if seen is None else of_spectrum(noise)

@@ -381,12 +381,13 @@ def _parts_of_way(delta: Array) -> list[Segment]:
     """The parts of what rises, rests and falls again."""
     n = delta.size
     window = _block(n)
-    rows = np.concatenate([delta[:1].repeat(window), delta, delta[-1:].repeat(window)])
-    smooth = np.convolve(rows, np.ones(2 * window + 1) / (2 * window + 1), "valid")
+    rows = np.empty(n + 2 * window)
+    rows[:window], rows[window : n + window], rows[n + window :] = delta[0], delta, delta[-1]
+    smooth = np.convolve(rows, np.full(2 * window + 1, 1 / (2 * window + 1)), "valid")
     turn = int(np.argmax(smooth))
     speed = np.empty(n)
     speed[1:-1] = (smooth[2:] - smooth[:-2]) / 2
-    speed[[0, -1]] = smooth[1] - smooth[0], smooth[-1] - smooth[-2]
+    speed[0], speed[-1] = smooth[1] - smooth[0], smooth[-1] - smooth[-2]
     np.abs(speed, out=speed)
     # The speed at which half of the way is covered or less: dwells have no part in it, however long they last.
     ordered = np.sort(speed)
@@ -899,10 +900,10 @@ def _sudden(off: Array, rows: Array, bases: Sequence[BaseLine]) -> tuple[list[li
     low, high = (n - 1) // 2, n // 2
     ordered = np.sort(some, axis=1)
     away = (step < ordered[:, high - n, None] - least) | (step > ordered[:, low, None] + least)
-    which, rows = np.nonzero(away & (np.arange(step.shape[1]) <= last))
-    windows = np.lib.stride_tricks.sliding_window_view(some, n, axis=1)
+    which, rows = np.divmod(np.flatnonzero(away & (np.arange(step.shape[1]) <= last)), step.shape[1])
+    first = (rows // width)[:, None] + np.arange(n)
     before, after = (
-        np.sort(windows[which, rows // width + shift], axis=1)[:, low : high + 1].mean(axis=1) for shift in (0, n + 3)
+        np.sort(some[which[:, None], first + shift], axis=1)[:, low : high + 1].mean(axis=1) for shift in (0, n + 3)
     )
     there, least = step[which, rows], least[which, 0]
     falls: list[list[int]] = [[] for _ in bases]

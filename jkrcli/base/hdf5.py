@@ -257,17 +257,21 @@ class Members:
 
     def member(self, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
         """One member, itself checked, of a group not yet what it holds."""
-        opened = self._opened(group, name)
+        where, opened = self._opened(group, name)
         if isinstance(opened, h5py.h5g.GroupID):
             return h5py.Group(opened)
-        return h5py.Dataset(opened, readonly=True) if isinstance(opened, h5py.h5d.DatasetID) else group[name]
+        if not isinstance(opened, h5py.h5d.DatasetID):
+            return group[name]
+        self._check_dataset(where, opened)
+        return h5py.Dataset(opened, readonly=True)
 
     def values(self, group: h5py.Group, name: str) -> Any:
         """What one member, a dataset, holds."""
-        return values_of(self._opened(group, name))
+        where, opened = self._opened(group, name)
+        return values_of(opened, *self._check_dataset(where, opened))
 
-    def _opened(self, group: h5py.Group, name: str) -> Any:
-        """The identifier of one member, itself checked."""
+    def _opened(self, group: h5py.Group, name: str) -> tuple[str, Any]:
+        """The place of one member, for messages, and its identifier, which may be anything's but a link's."""
         if isinstance(name, bytes):  # which is no UTF-8
             raise InputError(f"{self.path}: the HDF5 file is damaged: it has a member whose name is no text")
         where, stored = f"{group.name.strip('/')}/{name}".strip("/"), name.encode("utf-8", "surrogateescape")
@@ -275,22 +279,21 @@ class Members:
         if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:  # so a small file becomes a huge tree
             raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
         self.seen.add(link.u)
-        opened = h5py.h5o.open(group.id, stored)
-        if isinstance(opened, h5py.h5d.DatasetID):
-            self._check_dataset(where, opened)
-        return opened
+        return where, h5py.h5o.open(group.id, stored)
 
-    def _check_dataset(self, where: str, data: h5py.h5d.DatasetID) -> None:
-        stored, shape = data.get_create_plist(), data.shape  # None: without a value
+    def _check_dataset(self, where: str, data: h5py.h5d.DatasetID) -> tuple[tuple[int, ...] | None, h5py.h5t.TypeID]:
+        """InputError where a dataset is not to be read; its shape, None without a value, and the type in the file."""
+        shape, kind, stored = data.shape, data.get_type(), data.get_create_plist()
         layout = stored.get_layout()
         if stored.get_external_count() or layout == h5py.h5d.VIRTUAL:
             raise InputError(f'{self.path}: "{where}" lies in another file')
         chunks = stored.get_chunk() if layout == h5py.h5d.CHUNKED else shape or ()
         pieces = math.prod(-(-size // of) for size, of in zip(shape or (), chunks, strict=True) if of)
         count = 0 if shape is None else math.prod(shape)
-        self._check_values(where, data.get_type(), max(count, math.prod(chunks)), pieces)
+        self._check_values(where, kind, max(count, math.prod(chunks)), pieces)
         if self.of_ours:
             self._check_attributes(h5py.Dataset(data, readonly=True))
+        return shape, kind
 
     def _check_attributes(self, item: h5py.Group | h5py.Dataset) -> None:
         for name in item.attrs if self.of_ours else ():
@@ -359,12 +362,12 @@ def names_of(group: h5py.Group) -> list[str]:
     return sorted(name.decode() for name in names)
 
 
-def values_of(data: h5py.h5d.DatasetID) -> Any:
-    """What a dataset holds: the same as the ``[()]`` of h5py's, by one call of the library where there are values."""
-    shape = data.shape
+def values_of(data: h5py.h5d.DatasetID, shape: tuple[int, ...] | None, kind: h5py.h5t.TypeID) -> Any:
+    """What a dataset of a ``shape`` and ``kind`` holds: the same as the ``[()]`` of h5py's, by one call of the library
+    where there are values."""
     if shape is None or 0 in shape:
         return h5py.Dataset(data)[()]
-    values = np.empty(shape, _dtype_of(data.get_type()))
+    values = np.empty(shape, _dtype_of(kind))
     # HDF5 converts: what a file holds need not be as wide as NumPy's type (truth values, short floats)
     data.read(h5py.h5s.ALL, h5py.h5s.ALL, values, _in_memory(values.dtype))
     return values

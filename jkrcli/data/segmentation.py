@@ -111,7 +111,7 @@ RECORD_WAVY = 0.03  # choice: of the range of the load, waviness of a base line 
 # least of what it makes over all of the base line
 RECORD_STEEP = 0.2
 CUTS = 200  # choice: places at which a direction may be cut into a line and a curve
-ALONGSIDE = 20_000  # choice: rows of directions that are read at once; more no longer saves time
+ALONGSIDE = 30_000  # choice: rows of directions that are read at once; more no longer saves time
 RECORD_WANDERING = 2.0  # theory: way over distance of a device that reverses once
 
 

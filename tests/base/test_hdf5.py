@@ -36,5 +36,6 @@ def test_numbers_of_any_width(tmp_path: Path, kind: Any) -> None:
         h5py.h5d.create(file.id, b"values", kind(), space).write(h5py.h5s.ALL, h5py.h5s.ALL, numbers, held)
         h5py.h5a.create(file.id, b"values", kind(), space).write(numbers, held)
     with h5py.File(tmp_path / "others.h5") as file:
-        assert hdf5.values_of(file["values"].id).tolist() == numbers.tolist()
+        data = file["values"].id
+        assert hdf5.values_of(data, data.shape, data.get_type()).tolist() == numbers.tolist()
         assert hdf5.attributes_among(file, ["values"])["values"].tolist() == numbers.tolist()

@@ -61,7 +61,7 @@ def columns_read(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the columns whose values are read from HDF5 files, in their order."""
     loaded: list[str] = []
     whole, name = hdf5.values_of, pytest.importorskip("h5py").h5i.get_name
-    monkeypatch.setattr(hdf5, "values_of", lambda dataset: loaded.append(name(dataset).decode()) or whole(dataset))
+    monkeypatch.setattr(hdf5, "values_of", lambda data, *of: loaded.append(name(data).decode()) or whole(data, *of))
     return loaded
 
 

@@ -109,11 +109,11 @@ class Score:
     @cached_property
     def most(self) -> float:
         """The largest amount that is known to be possible and not excluded by the data."""
-        if math.isinf(self.error):
+        if math.isinf(self.error) or self.least == self.known:
             return self.known
         room = self.quantile * self.error
-        interval = (self.amount - room, self.amount + room)
-        return max(abs(min(max(end, self.least), self.known)) for end in interval)
+        low, high = (min(max(end, self.least), self.known) for end in (self.amount - room, self.amount + room))
+        return max(abs(low), abs(high))
 
 
 @dataclass(frozen=True)
@@ -293,12 +293,15 @@ def _chances(record: FittedRecord, left: Array | None, rows: Array, sizes: Array
     possible, noise = record.fit.spread.possible, record.fit.spread.noise
     if possible is None or left is None:
         return numerics.f_tail(1, dofs, taken)
-    taken_at = record.model.rows[rows] - record.model.rows[rows].min()  # as white noise of those missing tells nothing
+    used = np.flatnonzero(rows)
+    taken_at = record.model.rows[used] - record.model.rows[used].min()  # as white noise of those missing tells nothing
     size = numerics.fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
     if len(record.model.stretches) == 1 and record.model.stretches[0].kind == APPROACH:
         taken_at += size - 1 - taken_at.max()
-    series = np.zeros((len(left), size))
-    series[:, taken_at] = left[:, np.flatnonzero(rows)]
+    which, there = np.zeros(size, dtype=int), np.zeros(size)
+    which[taken_at], there[taken_at] = used, 1.0
+    series = left.take(which, axis=1)
+    series *= there  # 0 where no row was taken
     power, edges = numerics.cosine_transform(series), _octaves(size)
     power *= power
     energy = np.add.reduceat(power, edges, axis=1)
@@ -604,7 +607,7 @@ def relative_errors(fit: ForceCurveFit) -> tuple[float, float]:
 def _weighted(record: FittedRecord, table: Array, rows: Array) -> Array:
     """The ``rows`` of a ``table`` (columns, rows) in units of the noise of the free rows, so that noise has unit
     variance and no colour."""
-    noise, some = record.fit.spread.noise, table[:, rows]
+    noise, some = record.fit.spread.noise, table.take(np.flatnonzero(rows), axis=1)
     return (
         noise.whitened(in_time(some.T, record.model.rows[rows], noise)).T if noise.slow else some / math.sqrt(noise.A)
     )
@@ -686,7 +689,8 @@ def _bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
         return rivals
     every = np.ones(record.residuals.size, dtype=bool)
     off, near = yield from ask(linearised, (record, [off_folds(record), every]))
-    each = [_bounded(off if one.name in (RANGE.name, TENSION.name) else near, one, i)
+    by_moves = _by_moves(record.fit)
+    each = [_bounded(off if one.name in (RANGE.name, TENSION.name) else near, one, i, by_moves)
             for i, one in enumerate(rivals.scores)]  # fmt: skip
     followed = yield from beside([quiet(one) for one in each if not isinstance(one, Score)])
     ends = iter(followed)
@@ -695,10 +699,10 @@ def _bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
     return replace(rivals, scores=tuple(scores), named=named)
 
 
-def _bounded(near: Linearised, score: Score, which: int) -> Score | Flow[Score]:
+def _bounded(near: Linearised, score: Score, which: int, by_moves: Array) -> Score | Flow[Score]:
     """The score with the moves at the largest amount that is possible, or what leads to it: to first order where they
     are small by it, and long ranges of adhesion, of which it says nothing, are excluded. ``which`` of the columns is
-    the rival's."""
+    the rival's; ``by_moves``: of the fit."""
     ranged, tense = score.name == RANGE.name, score.name == TENSION.name
     if not (ranged or tense or score.most > 0):
         return score
@@ -711,7 +715,7 @@ def _bounded(near: Linearised, score: Score, which: int) -> Score | Flow[Score]:
     certain = max(score.amount, 0.0) + FULL_EXCLUDED * score.error
     long = ranged and amount_of_range(record, FULL_RANGES[-1] * record.neck) <= certain
     seen = replace(score, amount=best, error=error) if ranged else score
-    rates = _by_moves(record.fit) @ ahead
+    rates = by_moves @ ahead
     little = seen.most > 0 and float(np.abs(rates).max()) * seen.most < FULL_LINEAR * SCORE_MATTERS
     if little and not (tense or long or (ranged and _by_chance(record, falls))):
         return replace(seen, E_star=float(rates[0]), w=float(rates[1]), word=EXCLUDED if ranged else score.word)

@@ -658,6 +658,12 @@ def prepare(records: Sequence[FittedRecord]) -> None:
 
 
 @lru_cache(maxsize=REMEMBERED)
+def _radii(family: Family) -> Array:
+    """Contact radii [m] at the nodes of its grid."""
+    return np.exp(grid(family))
+
+
+@lru_cache(maxsize=REMEMBERED)
 def log_ratio(other: Family, family: Family) -> Array:
     """Logs (4, n) of D, T, H, V of an ``other`` body over a ``family``'s, on its grid; constant where one ends."""
     inside = np.clip(grid(family), max(family.low, other.low), min(family.high, other.high))
@@ -697,7 +703,7 @@ def work_over_radius(record: FittedRecord) -> Perturbation | None:
     a_max, a_min = record.a_max, float(a[a > 0].min())
 
     def changes(family: Family, amount: float) -> Array:
-        place = (a_max - np.exp(grid(family))) / max(a_max - a_min, LITTLE * a_max)
+        place = (a_max - _radii(family)) / max(a_max - a_min, LITTLE * a_max)
         half, zero = amount / 2 * np.maximum(place, -1.0), np.zeros_like(place)
         return np.stack([zero, half, zero, half])
 
@@ -853,7 +859,7 @@ def _maugis(rings: Sequence[Ring]) -> Array:
 @lru_cache(maxsize=REMEMBERED)
 def _ring_nodes(family: Family) -> Array:
     """Contact radii and displacements without adhesion at which rings are solved, (2, some)."""
-    return np.stack([np.exp(grid(family)), on_grid(family)[0, 0]])[:, ::ADHESION_EVERY]
+    return np.stack([_radii(family), on_grid(family)[0, 0]])[:, ::ADHESION_EVERY]
 
 
 @lru_cache
@@ -1014,7 +1020,7 @@ def graded(record: FittedRecord) -> Perturbation:
     a_max = record.a_max
 
     def shape(family: Family, amount: float) -> tuple[Array, Array]:
-        place = np.minimum(np.exp(grid(family)) / a_max, CHANGE_BEYOND)
+        place = np.minimum(_radii(family) / a_max, CHANGE_BEYOND)
         return np.zeros_like(place), amount * place
 
     return shape_perturbation(shape, (BODY_SOFTEST, CHANGE_LARGEST))
@@ -1059,7 +1065,7 @@ def quartic(record: FittedRecord) -> Perturbation | None:
         return None
 
     return shape_perturbation(
-        lambda family, amount: _of_tip(amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3),
+        lambda family, amount: _of_tip(amount * np.minimum(_radii(family) / R, 1.0) ** 2 / 3),
         (BODY_FLATTEST, CHANGE_LARGEST),
     )
 
@@ -1090,10 +1096,13 @@ def tension(record: FittedRecord) -> Perturbation | None:
         return None
 
     def relative(family: Family, amount: float) -> Array:
-        kappa = max(amount, LITTLE**2) * a_max
-        a = np.maximum(np.exp(grid(family)), BODY_FINEST * kappa)
-        x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + EULER
-        return x * np.stack([2 * (log - 1), np.ones_like(a), 3 * log, log + 1])
+        """Changes of delta_H, S', P_H and S, in this order."""
+        kappa, changes = max(amount, LITTLE**2) * a_max, np.ones((FUNCTIONS, grid(family).size))
+        a = np.maximum(_radii(family), BODY_FINEST * kappa)
+        log = np.log(2 / kappa * a) + EULER
+        changes[0], changes[2], changes[3] = 2 * (log - 1), 3 * log, log + 1
+        changes *= kappa / math.pi / a
+        return changes
 
     def functions(changes: Array) -> Array:
         """Of D, T, H, V, from those of delta_H, S', P_H and S: T^2 goes with 1/S', V with S T."""
@@ -1547,7 +1556,7 @@ def tables(
         if of_body:
             table[[*of_body]] = record.by_bodies(changes)
         columns = table[1 + record.fit.x.size :]
-        sums = np.einsum("ij,ij->i", columns, columns)
+        sums = np.vecdot(columns, columns)
         means = (0 < sums) & (sums < math.inf)  # of what is 0 throughout or has no meaning, too
         if not means.all():
             table = np.delete(table, 1 + record.fit.x.size + np.flatnonzero(~means), axis=0)

@@ -8,9 +8,9 @@ import importlib.util
 import io
 import math
 import sys
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,8 @@ else:  # it runs when something of it is first used: many commands open no HDF5 
     _spec.loader.exec_module(h5py)
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
+# theory: HDF5's flags of an image that is read where it lies, neither copied nor freed (H5LT_FILE_IMAGE_DONT_...)
+IN_PLACE = 2 | 4
 HEAP = b"GCOL\1\0\0\0"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
@@ -204,7 +206,7 @@ def members_of(path: Path, content: bytes, remedy: str) -> Iterator[tuple[h5py.F
 @contextlib.contextmanager
 def _opened(path: Path, content: bytes, remedy: str) -> Iterator[h5py.File]:
     try:
-        with h5py.File(h5py.h5f.open_file_image(content)) as file:
+        with h5py.File(h5py.h5f.open_file_image(content, IN_PLACE)) as file:
             yield file
     except InputError:
         raise
@@ -257,36 +259,39 @@ class Members:
 
     def member(self, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
         """One member, itself checked, of a group not yet what it holds."""
-        where, opened = self._opened(group, name)
+        opened = self._opened(group, name)
         if isinstance(opened, h5py.h5g.GroupID):
             return h5py.Group(opened)
         if not isinstance(opened, h5py.h5d.DatasetID):
             return group[name]
-        self._check_dataset(where, opened)
+        self._check_dataset(group, name, opened)
         return h5py.Dataset(opened, readonly=True)
 
     def values(self, group: h5py.Group, name: str) -> Any:
         """What one member, a dataset, holds."""
-        where, opened = self._opened(group, name)
-        return values_of(opened, *self._check_dataset(where, opened))
+        opened = self._opened(group, name)
+        return values_of(opened, *self._check_dataset(group, name, opened))
 
-    def _opened(self, group: h5py.Group, name: str) -> tuple[str, Any]:
-        """The place of one member, for messages, and its identifier, which may be anything's but a link's."""
+    def _opened(self, group: h5py.Group, name: str) -> Any:
+        """The identifier of one member, which may be anything's but a link's."""
         if isinstance(name, bytes):  # which is no UTF-8
             raise InputError(f"{self.path}: the HDF5 file is damaged: it has a member whose name is no text")
-        where, stored = f"{group.name.strip('/')}/{name}".strip("/"), name.encode("utf-8", "surrogateescape")
+        stored = name.encode("utf-8", "surrogateescape")
         link = group.id.links.get_info(stored)
         if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:  # so a small file becomes a huge tree
-            raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
+            raise InputError(f'{self.path}: "{_place(group, name)}" is a link, not data of this file')
         self.seen.add(link.u)
-        return where, h5py.h5o.open(group.id, stored)
+        return h5py.h5o.open(group.id, stored)
 
-    def _check_dataset(self, where: str, data: h5py.h5d.DatasetID) -> tuple[tuple[int, ...] | None, h5py.h5t.TypeID]:
+    def _check_dataset(
+        self, group: h5py.Group, name: str, data: h5py.h5d.DatasetID
+    ) -> tuple[tuple[int, ...] | None, h5py.h5t.TypeID]:
         """InputError where a dataset is not to be read; its shape, None without a value, and the type in the file."""
+        where = partial(_place, group, name)
         shape, kind, stored = data.shape, data.get_type(), data.get_create_plist()
         layout = stored.get_layout()
         if stored.get_external_count() or layout == h5py.h5d.VIRTUAL:
-            raise InputError(f'{self.path}: "{where}" lies in another file')
+            raise InputError(f'{self.path}: "{where()}" lies in another file')
         chunks = stored.get_chunk() if layout == h5py.h5d.CHUNKED else shape or ()
         pieces = math.prod(-(-size // of) for size, of in zip(shape or (), chunks, strict=True) if of)
         count = 0 if shape is None else math.prod(shape)
@@ -298,15 +303,21 @@ class Members:
     def _check_attributes(self, item: h5py.Group | h5py.Dataset) -> None:
         for name in item.attrs if self.of_ours else ():
             stored = item.attrs.get_id(name)
-            self._check_values(name, stored.get_type(), stored.get_space().get_simple_extent_npoints())
+            count = stored.get_space().get_simple_extent_npoints()
+            self._check_values(partial(str, name), stored.get_type(), count)
 
-    def _check_values(self, where: str, kind: h5py.h5t.TypeID, count: int, pieces: int = 1) -> None:
+    def _check_values(self, where: Callable[[], str], kind: h5py.h5t.TypeID, count: int, pieces: int = 1) -> None:
         is_text = kind.get_class() == STRING
         if kind.get_class() not in KINDS or (is_text and kind.is_variable_str()):
-            raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts of fixed length')
+            raise InputError(f'{self.path}: "{where()}" holds neither numbers nor texts of fixed length')
         each = LETTERS * kind.get_size() + WORD if is_text else kind.get_size()
         self.taken += count * each + process.PART * pieces
         process.check_size(self.path, self.taken)
+
+
+def _place(group: h5py.Group, name: str) -> str:
+    """Where a member is, for messages."""
+    return f"{group.name.strip('/')}/{name}".strip("/")
 
 
 def _group(group: h5py.Group, without: Container[str] = ()) -> Group:

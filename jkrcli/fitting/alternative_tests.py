@@ -780,7 +780,7 @@ class _Amounts:
         near = self.near
         c = near.whitened(near.record.by_bodies(near.record.bodies_at(self.change, amounts)))
         own, r = c @ near.Q, near.residuals
-        rises = np.sum((2 * r + c) * c, axis=1) - np.sum((2 * (r @ near.Q) + own) * own, axis=1)
+        rises = np.vecdot(c, c) + 2 * (c @ r) - np.vecdot(own, own + 2 * (r @ near.Q))
         return rises.tolist(), -(own @ near.inverse.T) / near.scale
 
     def _first(self, amount: float) -> Array:

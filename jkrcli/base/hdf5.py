@@ -41,6 +41,7 @@ KINDS = INTEGER, FLOAT, STRING, ENUM = 0, 1, 3, 8  # theory: HDF5's numbers of c
 LETTERS, WORD = 4, 60  # choice: bytes of memory of a byte of a text while it is read, and of each text beside them
 CHUNK = 1 << 18  # choice: bytes that are written at once, which stay in the cache of a core
 WIDEST, REFERENCE = 16, 16  # theory: bytes of the widest number, and of the place of a text of any length in a file
+LOOK = 1 << 20  # choice: bytes that are read between two looks at free memory, which cost as much as a column
 MOST_VALUES = 100  # choice: of an attribute that others wrote; positions and ranges are two or three
 RUN_AGAIN = "run the case again"
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError)  # h5py's, of damage
@@ -243,11 +244,13 @@ def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAI
 @dataclass
 class Members:
     """Members of groups by their names, of which it refuses what no file ``of_ours`` holds, before any value of the
-    file at ``path`` is read; ``taken``: bytes that reading takes; ``seen``: addresses in the file."""
+    file at ``path`` is read; ``taken``: bytes that reading takes, ``allowed``: that it may take before memory is looked
+    at again; ``seen``: addresses in the file."""
 
     path: Path
     of_ours: bool = True
     taken: int = 0
+    allowed: int = 0
     seen: set[int] = field(default_factory=set)
 
     def check(self, group: h5py.Group, without: Container[str] = ()) -> None:
@@ -312,7 +315,9 @@ class Members:
             raise InputError(f'{self.path}: "{where()}" holds neither numbers nor texts of fixed length')
         each = LETTERS * kind.get_size() + WORD if is_text else kind.get_size()
         self.taken += count * each + process.PART * pieces
-        process.check_size(self.path, self.taken)
+        if self.taken > self.allowed:
+            process.check_size(self.path, self.taken)
+            self.allowed = min(self.taken + LOOK, process.SIZE)
 
 
 def _place(group: h5py.Group, name: str) -> str:

@@ -244,6 +244,12 @@ class ForceCurve:
         within = np.zeros(0, dtype=int) if self.held is None else self.held.spoilt
         return np.unique(np.concatenate([self.spikes, self.saturated, within]))
 
+    def contact(self, side: Direction) -> Array:
+        """The rows of a direction from contact on that count, from the far end inwards."""
+        rows = np.arange(side.segment.first, side.segment.last + 1)
+        rows = (rows if side.segment.kind == APPROACH else rows[::-1])[side.border[1] :]
+        return rows[~np.isin(rows, self.ignored)]
+
     @property
     def rest(self) -> int:
         """How many rows belong to no segment."""

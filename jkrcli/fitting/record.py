@@ -18,7 +18,7 @@ from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, ROUNDED, SAME, TINY, UNSEE
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
-from ..data.segmentation import PERMANENT_SET, ForceCurve, examined
+from ..data.segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from ..methods.radii import ROOM
 from .alternative_tests import (
     SCORE_NORMAL,
@@ -477,7 +477,12 @@ def usable(record: ForceCurve, kind: str) -> bool:
     side = record.direction(kind)
     if side is None or isinstance(side.touch, Unknown):
         return False
-    return side.begins_free and side.base.rows >= FEWEST_ROWS
+    return side.begins_free and side.base.rows >= FEWEST_ROWS and not _spoilt(record, side)
+
+
+def _spoilt(record: ForceCurve, side: Direction) -> bool:
+    """Whether no row of the contact of a direction counts."""
+    return record.ignored.size > 0 and not isinstance(side.touch, Unknown) and not record.contact(side).size
 
 
 def requested(settings: Settings) -> tuple[str, ...]:
@@ -490,7 +495,9 @@ def directions_of(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     wanted = requested(settings)
     kinds = tuple(kind for kind in wanted if usable(record, kind))
     if not kinds and settings.contact == "auto" and record.curve.stiffness is not None:
-        kinds = tuple(kind for kind in wanted if record.direction(kind) is not None)
+        kinds = tuple(
+            kind for kind in wanted if (side := record.direction(kind)) is not None and not _spoilt(record, side)
+        )
     if not kinds:
         reasons = [f"{kind}: {reason_not(record, kind)}" for kind in wanted]
         raise InputError(f"no direction can be fitted ({'; '.join(reasons)})")
@@ -502,7 +509,9 @@ def reason_not(record: ForceCurve, kind: str) -> str:
     side = record.direction(kind)
     if side is None:
         return "not in the force curve"
-    return side.touch.reason if isinstance(side.touch, Unknown) else "it has no base line"
+    if isinstance(side.touch, Unknown):
+        return side.touch.reason
+    return "all its rows in contact are left out" if _spoilt(record, side) else "it has no base line"
 
 
 # --------------------------------------------------------------------------------------------------

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dirty_records import KINDS
 from force_curves import Instrument, record
 from test_fit_record import BODY, body, usual
 
 from jkrcli.base.errors import InputError
 from jkrcli.base.lockstep import alone
+from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.data.curve import Curve
 from jkrcli.data.free_rows import Side, free_rows
 from jkrcli.data.measured import read
@@ -132,6 +134,22 @@ def test_a_fit_without_saturated_rows_finds_the_values() -> None:
     assert within(found, "E_star", E_STAR)
     assert within(found, "w", W)
     assert any("saturated" in words for words in found.left_out)
+
+
+def test_a_direction_whose_contact_is_saturated_is_left_out(tmp_path: Path) -> None:
+    """What the jump into contact rings through is left out as well, and of the approach no row in contact is left."""
+    dirty = KINDS["saturated"](np.random.default_rng((73, 5, 0)))
+    dirty.write(tmp_path / "ringing.txt")
+    (curve,) = read(tmp_path / "ringing.txt")
+    reason = "approach: all its rows in contact are left out"
+    specimen = BODY.under(Paraboloid(dirty.at.R), 0.2 * dirty.at.R)
+    found = fit(specimen, curve, usual())
+    assert found.directions == f"retraction alone ({reason})"
+    assert found.flags == ("saturated",)
+    assert within(found, "E_star", dirty.truth["E_star"])
+    assert within(found, "w", dirty.truth["w"])
+    with pytest.raises(InputError, match=reason):
+        fit(specimen, curve, usual(segment="approach"))
 
 
 def test_saturated_rows_count_for_nothing() -> None:

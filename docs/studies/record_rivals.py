@@ -1,11 +1,12 @@
-"""Whether rivals of raw records are asked for where they are there, and not where not: ``make record-rivals SEED=7``.
+"""Whether alternatives of raw records are asked for where they are there, and not where not: ``make record-rivals
+SEED=7``.
 
 Records of fourteen wrong models, and of right ones, by the generator of the tests, which shares no code with the fit;
 at its noise and at five times that. Per kind: how many are asked for, of which the right family is named, how many hold
 E* and w within the intervals widened by the model's part, and how many are *fitted* with E* or w more than three total
 errors off; the systematic part over the statistical one; the cost of all scores over that of the fit. Then what
-``--model auto`` makes of those whose right rival it fits in full; and how the systematic part of each rival compares
-with what a fit in full at its bound moves E* and w by.
+``--model auto`` makes of those whose right alternative it fits in full; and how the systematic part of each alternative
+compares with what a fit in full at its bound moves E* and w by.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting import force_curve, record
-from jkrcli.fitting.alternative_tests import RecordRivals, bounds, relative_errors, rivals_of_records
-from jkrcli.fitting.alternatives import AMOUNT, RIVALS, FittedRecord, Perturbation, RivalModel
+from jkrcli.fitting.alternative_tests import RecordAlternatives, alternatives_of_records, bounds, relative_errors
+from jkrcli.fitting.alternatives import ALTERNATIVES, AMOUNT, ChangedModel, FittedRecord, Perturbation
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.result import Fit
@@ -44,13 +45,13 @@ RIGHT: dict[str, dict[str, Any]] = {
     "white": {}, "pink": {}, "peak": {}, "steps": {}, "drift": {"free": ["drift"]}, "wave": {"base_line": "sine"},
 }  # fmt: skip
 CALIBRATED = ("stiffness +10 %", "R +10 %", "nu .3 as .5 on a layer")
-# Where the right rival is among those that are fitted in full:
+# Where the right alternative is among those that are fitted in full:
 IN_FULL = ("layer as half-space", "Maugis mu 0.3", "w rising to four times", "w over the speed", "relaxation", "cone",
            "stiffness +10 %", "creep", "hysteresis")  # fmt: skip
 # Of which some is likely before the data:
 BOUNDED = ("adhesion of finite range", "exponent of the tip", "no slip", "surface tension")
 spent = [0.0, 0.0]  # seconds of all fits, of their scores
-last: list[Any] = []  # body, fit and rivals of the record that was fitted last
+last: list[Any] = []  # body, fit and alternatives of the record that was fitted last
 
 
 @lru_cache
@@ -82,9 +83,9 @@ def fitted(kind: str, made: Wrong, **options: Any) -> Fit:
 
 def timed_scores() -> None:
     """Counts the time of the scores apart, and keeps what was judged first of each fit."""
-    plain = rivals_of_records
+    plain = alternatives_of_records
 
-    def scores(records: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
+    def scores(records: Sequence[FittedRecord]) -> list[RecordAlternatives | Exception]:
         begin = time.process_time()
         found = plain(records)
         spent[1] += time.process_time() - begin
@@ -92,20 +93,20 @@ def timed_scores() -> None:
             last[:] = [records[0].body, records[0].fit, found[0]]
         return found
 
-    def timed(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
+    def timed(record: FittedRecord, alternatives: RecordAlternatives) -> Flow[RecordAlternatives]:
         begin = time.process_time()
-        found = alone(bounds(record, rivals))
+        found = alone(bounds(record, alternatives))
         spent[1] += time.process_time() - begin
         yield from ()
         return found
 
-    vars(record).update(rivals_of_records=scores, bounds=timed)
+    vars(record).update(alternatives_of_records=scores, bounds=timed)
 
 
 def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
     """By name 1 where it is so."""
     assert found.verdict is not None
-    named, told = found.verdict.rivals, {"asked for": float(bool(found.verdict.rivals.named))}
+    named, told = found.verdict.alternatives, {"asked for": float(bool(found.verdict.alternatives.named))}
     if named.named and made.families:
         told["right family"] = float(bool({*named.families} & {*made.families}))
     inside, far = True, False
@@ -124,7 +125,7 @@ def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
 
 
 def in_full(seed: int, count: int) -> None:
-    """How often a rival is taken, of the right family and alone, and the truth is within three total errors."""
+    """How often an alternative is taken, of the right family and alone, and the truth is within three total errors."""
     for kind in IN_FULL:
         columns: dict[str, list[float]] = defaultdict(list)
         for i in range(count):
@@ -141,7 +142,7 @@ def _taken(kind: str, made: Wrong) -> dict[str, float]:
     except JkrError:
         return {"refused": 1.0}
     assert found.verdict is not None
-    if not found.verdict.rivals.named:
+    if not found.verdict.alternatives.named:
         return {"asked for": 0.0}
     told, tied = {"asked for": 1.0, "taken": float(bool(found.verdict.tied))}, found.verdict.tied
     if not tied:
@@ -175,17 +176,17 @@ def at_bounds(seed: int, count: int) -> None:
 
 
 def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
-    body, plain, rivals = last
+    body, plain, alternatives = last
     at = FittedRecord(body, plain)
-    score = next((one for one in rivals.scores if one.name == name), None)
-    if score is None or rivals.named or score.most == 0:
+    score = next((one for one in alternatives.scores if one.name == name), None)
+    if score is None or alternatives.named or score.most == 0:
         return
-    change = next(one for one in RIVALS if one.name == name).effect(at)
+    change = next(one for one in ALTERNATIVES if one.name == name).effect(at)
     assert isinstance(change, Perturbation)
     upward = np.linspace(0.4, 1, 4) * score.most  # E* moves most at a range below that which moves w most
     moves = []
     for amount in (*upward, *-upward[upward * score.least < 0]):
-        model = replace(RivalModel.of(plain.model, change), known={**plain.model.known, AMOUNT: amount})
+        model = replace(ChangedModel.of(plain.model, change), known={**plain.model.known, AMOUNT: amount})
         here = FittedRecord(body, force_curve.fit(model, plain.x, near=True))
         moves.append([math.log(here.modulus / at.modulus), math.log(here.work / at.work) if here.work else 0.0])
     largest = np.abs(moves).max(axis=0)

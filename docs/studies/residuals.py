@@ -73,7 +73,7 @@ def _said(found: Fit, truth: dict[str, float]) -> str:
     symbols = {"E_star": "E*", "w": "w"}
     off = {symbols[name]: round(100 * (found.estimate(name).value / true - 1)) for name, true in truth.items()}
     said = ", ".join(f"{symbol} {percent:+d}%" for symbol, percent in off.items())
-    return f"{said}: {'rejected' if found.verdict.rivals.named else 'not rejected'}"
+    return f"{said}: {'rejected' if found.verdict.alternatives.named else 'not rejected'}"
 
 
 def residuals_figure(panels: Sequence[Panel]) -> Figure:

@@ -30,7 +30,7 @@ from ..fitting.procedure import Failure, fit_all, friction_warnings, memory_of, 
 from ..fitting.result import Fit
 from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
 from ..methods.protocol import Forecast, Limits
-from ..report.inverse import Fits, plan_table, rivals_table
+from ..report.inverse import Fits, alternatives_table, plan_table
 from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import options
@@ -288,7 +288,7 @@ def fit_curves(
     more = f"; the table has all {len(result.outcomes):,} curves" if len(result.fits) > SHOWN else ""
     give(result, output.json, f"  written {request.targets}{drawn}{more_files}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
-        if lines := [*(rivals_table(item) if request.options.rivals else []), *plan_table(item)]:
+        if lines := [*(alternatives_table(item) if request.options.rivals else []), *plan_table(item)]:
             say("\n".join(lines))
     for line in preferred:
         (note if output.json else say)(line)
@@ -407,7 +407,8 @@ ASKED = as_one(
                  show_default=True, help="How the intervals are found."),
     click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
                  help="Of a raw force curve; auto: the best other models too, where its data favour one."),
-    click.option("--rivals", is_flag=True, help="Print what the data of a raw force curve say of each other model."),
+    click.option("--alternatives", "--rivals", "rivals", is_flag=True,
+                 help="Print what the data of a raw force curve say of each other model."),
     click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
     click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals."),
     click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True,

@@ -1,9 +1,10 @@
-"""What the data say of every rival of a raw record's model, by one step of Gauss and Newton each.
+"""What the data say of every alternative of a raw record's model, by one step of Gauss and Newton each.
 
-Residuals r, the Jacobian J and the column c of a rival are weighted by the spectrum of the noise in the free rows. With
-r' and c' what is left of them beyond the columns of J, the rival takes (c' r')^2/c'^2 from chi^2, one degree of freedom
-where the model holds; its amount is -c' r'/c'^2 with the standard error 1/|c'|, and the unknowns move by -J+ c per
-amount. That detects, and does not name: rivals that take nearly as much of the misfit as the best are named together.
+Residuals r, the Jacobian J and the column c of an alternative are weighted by the spectrum of the noise in the free
+rows. With r' and c' what is left of them beyond the columns of J, the alternative takes (c' r')^2/c'^2 from chi^2, one
+degree of freedom where the model holds; its amount is -c' r'/c'^2 with the standard error 1/|c'|, and the unknowns move
+by -J+ c per amount. That detects, and does not name: alternatives that take nearly as much of the misfit as the best
+are named together.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ from ..bodies.problem import GEL_TENSION
 from ..data.curve import APPROACH
 from .alternatives import (
     ADHESION_ENDLESS,
+    ALTERNATIVES,
     AMOUNT,
     LONG,
     RANGE,
-    RIVALS,
     TENSION,
     AlternativeModel,
+    ChangedModel,
     FittedRecord,
     Perturbation,
-    RivalModel,
     amount_of_range,
     amount_of_tension,
     changed_offs,
@@ -52,11 +53,11 @@ from .least_squares import (
 
 DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
 
-# When a rival is detected, and when it is excluded.
-SCORE_CHANCE = 0.01  # choice: of any rival being detected in data of the model itself
+# When an alternative is detected, and when it is excluded.
+SCORE_CHANCE = 0.01  # choice: of any alternative being detected in data of the model itself
 SCORE_MOVES = 0.5  # choice: of its error, by which E* or w must move
-SCORE_MATTERS = 0.02  # choice: relative change of E* and w, below which a rival is excluded
-SCORE_TIED = 9.0  # choice: of chi^2, three standard errors: rivals nearer are named together or not at all
+SCORE_MATTERS = 0.02  # choice: relative change of E* and w, below which an alternative is excluded
+SCORE_TIED = 9.0  # choice: of chi^2, three standard errors: alternatives nearer are named together or not at all
 SCORE_NEAR = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
 SCORE_OVER = 1.25  # choice: of what is possible, up to which an amount may come out: the same
 SCORE_NORMAL = 1.96  # theory: 95 % of a normal value
@@ -70,7 +71,8 @@ SCORE_FARTHEST = 1e3  # choice: of the same, beyond which a tail is as there
 
 @dataclass(frozen=True)
 class Score:
-    """What the data say of one rival, by its ``name`` and ``family``; ``amount_is``: what its ``amount`` is, in words.
+    """What the data say of one alternative, by its ``name`` and ``family``; ``amount_is``: what its ``amount`` is, in
+    words.
 
     ``error``: standard error of the amount, infinite where no row determines it; ``chance`` of as much from noise;
     ``taken`` from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per
@@ -100,8 +102,8 @@ class Score:
 
     def moved(self, rate: float) -> float:
         """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount and its error, at
-        the level of the intervals, where the rival is detected; else by the largest that the data and what is known
-        leave."""
+        the level of the intervals, where the alternative is detected; else by the largest that the data and what is
+        known leave."""
         if self.word == DETECTED and math.isfinite(self.error):
             return abs(rate) * (abs(self.amount) + self.quantile * self.error)
         return abs(rate) * self.most if rate else 0.0
@@ -117,7 +119,7 @@ class Score:
 
 
 @dataclass(frozen=True)
-class RecordRivals:
+class RecordAlternatives:
     """The ``scores`` of a record, and among them those that are ``named``: detected, and explaining the misfit about as
     well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of freedom
     ``dof``; ``loose``: free rows that the noise is estimated from, 0 where they are too few."""
@@ -135,11 +137,12 @@ class RecordRivals:
 
     @property
     def chance(self) -> float:
-        """That noise makes as much of any rival as of the best one."""
+        """That noise makes as much of any alternative as of the best one."""
         return min(1.0, len(self.scores) * min((one.chance for one in self.scores), default=1.0))
 
     def worst(self, quantity: str) -> tuple[str, float] | None:
-        """The rival that may move "E_star" or "w" most, and by how much, relative: of the named, where some are."""
+        """The alternative that may move "E_star" or "w" most, and by how much, relative: of the named, where some
+        are."""
         return self._worst[quantity]
 
     @cached_property
@@ -153,9 +156,9 @@ class RecordRivals:
 
 
 @dataclass(frozen=True)
-class FittedRival:
-    """A rival fitted in full: by how much chi^2 ``falls``, the ``chance`` that the noise of the free rows leaves as
-    much, whether it is ``taken``; E* [Pa], w [J/m^2], and its own ``quantities``, SI, by name."""
+class FittedAlternative:
+    """An alternative fitted in full: by how much chi^2 ``falls``, the ``chance`` that the noise of the free rows leaves
+    as much, whether it is ``taken``; E* [Pa], w [J/m^2], and its own ``quantities``, SI, by name."""
 
     name: str
     family: str
@@ -169,30 +172,31 @@ class FittedRival:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The ``rivals`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by name and
-    its ``E_star`` [Pa], None where the tip has no radius. ``fitted``: rivals that were fitted in full, best first; if
-    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be distinguished.
+    """The ``alternatives`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by
+    name and its ``E_star`` [Pa], None where the tip has no radius. ``fitted``: alternatives that were fitted in full,
+    best first; if the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be
+    distinguished.
     """
 
-    rivals: RecordRivals
+    alternatives: RecordAlternatives
     formula: str
     E_star: float | None
-    fitted: tuple[FittedRival, ...] = ()
+    fitted: tuple[FittedAlternative, ...] = ()
 
     @property
-    def tied(self) -> tuple[FittedRival, ...]:
+    def tied(self) -> tuple[FittedAlternative, ...]:
         """Those that are taken, the best one first."""
         return tuple(one for one in self.fitted if one.taken)
 
     @property
     def families(self) -> tuple[str, ...]:
         """The families that are named: of those that are tied, else of those that one step names."""
-        return tuple(dict.fromkeys(one.family for one in self.tied)) or self.rivals.families
+        return tuple(dict.fromkeys(one.family for one in self.tied)) or self.alternatives.families
 
 
-def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Exception]:
-    """The scores of all rivals of some fits, each by itself."""
-    found: list[RecordRivals | Exception] = []
+def alternatives_of_records(records: Sequence[FittedRecord]) -> list[RecordAlternatives | Exception]:
+    """The scores of all alternatives of some fits, each by itself."""
+    found: list[RecordAlternatives | Exception] = []
     with contextlib.suppress(JkrError, ArithmeticError):  # of one of them, which tells so itself
         prepare(records)
     white = [record for record in records if not record.fit.spread.noise.slow]
@@ -206,7 +210,7 @@ def rivals_of_records(records: Sequence[FittedRecord]) -> list[RecordRivals | Ex
     return found
 
 
-def _scored(record: FittedRecord, linear: Linearised | None) -> RecordRivals:
+def _scored(record: FittedRecord, linear: Linearised | None) -> RecordAlternatives:
     """The scores of one; ``linear``: of noise that is white, on the rows that columns are trusted in."""
     table, noise, own = record.table, record.fit.spread.noise, 1 + record.fit.x.size
     if linear is None:
@@ -224,39 +228,42 @@ def _scored(record: FittedRecord, linear: Linearised | None) -> RecordRivals:
     evidence = zip(sizes.tolist(), along.tolist(), linear.whole.tolist(), dofs.tolist(), chances.tolist(), strict=True)
     rates, errors = (moves @ _by_moves(record.fit).T).tolist(), relative_errors(record.fit)
     scores = [
-        _score(record, rival, _Evidence(*items, len(record.alternatives), misfit), (E, w), errors)
-        for rival, items, (E, w) in zip(record.alternatives, evidence, rates, strict=True)
+        _score(record, alternative, _Evidence(*items, len(record.alternatives), misfit), (E, w), errors)
+        for alternative, items, (E, w) in zip(record.alternatives, evidence, rates, strict=True)
     ]
     dof = max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
-    return RecordRivals(tuple(scores), _named(scores, linear.alike), misfit, dof, _loose(record))
+    return RecordAlternatives(tuple(scores), _named(scores, linear.alike), misfit, dof, _loose(record))
 
 
 class _Evidence(NamedTuple):
-    """What the rows say of one of ``rivals``: |c'|, c' r'/|c'|, |c|, degrees of freedom of the noise, and the chance of
-    what it takes from the ``misfit``, chi^2 in all."""
+    """What the rows say of one of ``alternatives``: |c'|, c' r'/|c'|, |c|, degrees of freedom of the noise, and the
+    chance of what it takes from the ``misfit``, chi^2 in all."""
 
     size: float
     along: float
     whole: float
     dof: float
     chance: float
-    rivals: int
+    alternatives: int
     misfit: float
 
 
 def _score(
-    record: FittedRecord, rival: AlternativeModel, by: _Evidence, rates: tuple[float, float],
+    record: FittedRecord, alternative: AlternativeModel, by: _Evidence, rates: tuple[float, float],
     errors: tuple[float, float],
 ) -> Score:  # fmt: skip
-    """The score of a rival that moves the logs of E* and w at these ``rates`` per amount; ``errors``: theirs."""
-    most, quantile, (low, high) = rival.likely_in(record), record.known.quantile, rival.limits
-    labels, likely = (rival.name, rival.family, rival.amount, rival.of_directions), (max(low, -most), most)
+    """The score of an alternative that moves the logs of E* and w at these ``rates`` per amount; ``errors``: theirs."""
+    most, quantile, (low, high) = alternative.likely_in(record), record.known.quantile, alternative.limits
+    labels, likely = (
+        (alternative.name, alternative.family, alternative.amount, alternative.of_directions),
+        (max(low, -most), most),
+    )
     if by.size <= UNSEEN * by.whole:
         return Score(*labels, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNDECIDED, quantile)
     amount, error, taken = -by.along / by.size, 1 / by.size, by.along**2
     room, E, w = SCORE_NORMAL * error, abs(rates[0]), abs(rates[1])
     detected = (
-        by.chance * by.rivals < SCORE_CHANCE
+        by.chance * by.alternatives < SCORE_CHANCE
         and SCORE_OVER * low - room <= amount <= SCORE_OVER * high + room
         and (E * abs(amount) > SCORE_MOVES * errors[0] or w * abs(amount) > SCORE_MOVES * errors[1])
     )
@@ -386,9 +393,9 @@ def off_folds(record: FittedRecord) -> Array:
 @dataclass(frozen=True, eq=False)
 class Linearised:
     """A fit with its derivatives in units of the noise, for steps of models that differ a little, on some ``rows``.
-    ``gram``: products of the residuals, these derivatives and the columns of rivals, as far as they are asked for, in
-    these units. J = Q R over the lengths ``scale`` of its columns, R the ``triangle``; ``along``: what of all columns
-    is along Q."""
+    ``gram``: products of the residuals, these derivatives and the columns of alternatives, as far as they are asked
+    for, in these units. J = Q R over the lengths ``scale`` of its columns, R the ``triangle``; ``along``: what of all
+    columns is along Q."""
 
     record: FittedRecord
     rows: Array
@@ -398,10 +405,11 @@ class Linearised:
     along: Array
 
     @classmethod
-    def of(cls, record: FittedRecord, rows: Array | None = None, rivals: bool = False) -> Linearised:
-        """That of all rows or some, of which the others count as exact; with the columns of ``rivals`` or without."""
+    def of(cls, record: FittedRecord, rows: Array | None = None, alternatives: bool = False) -> Linearised:
+        """That of all rows or some, of which the others count as exact; with the columns of ``alternatives`` or
+        without."""
         rows = np.ones(record.residuals.size, dtype=bool) if rows is None else rows
-        if rivals:
+        if alternatives:
             ((one,),) = linearised([(record, [rows])])
             return one
         own = np.vstack([record.residuals, record.jacobian.T])
@@ -409,7 +417,7 @@ class Linearised:
 
     @classmethod
     def of_table(cls, record: FittedRecord, rows: Array, weighted: Array) -> Linearised:
-        """That of residuals, derivatives and columns of rivals in units of the noise (columns, rows)."""
+        """That of residuals, derivatives and columns of alternatives in units of the noise (columns, rows)."""
         return cls.several([record], [rows], (weighted @ weighted.T)[None], [lambda: weighted])[0]
 
     @classmethod
@@ -435,10 +443,10 @@ class Linearised:
         alongs = np.linalg.solve(lower, grams[:, p] / scales[..., None])
         triangles, found = lower.transpose(0, 2, 1), list[Linearised]()
         evidence = zip(*_evidence(grams, scales, alongs, np.linalg.inv(triangles)), strict=True)
-        for i, of_rivals in enumerate(evidence):
+        for i, of_alternatives in enumerate(evidence):
             if good[i]:
                 found.append(cls(records[i], rows[i], grams[i], scales[i], triangles[i], alongs[i]))
-                vars(found[-1])["evidence"] = of_rivals
+                vars(found[-1])["evidence"] = of_alternatives
                 continue
             table = weighted[i]()
             Q, R = np.linalg.qr((table[p] / scales[i, :, None]).T)
@@ -505,18 +513,18 @@ class Linearised:
 
     @cached_property
     def whole(self) -> Array:
-        """The sizes |c| of the columns of rivals."""
+        """The sizes |c| of the columns of alternatives."""
         whole: Array = np.sqrt(np.diag(self.gram)[1 + len(self.scale) :])
         return whole
 
     @cached_property
     def evidence(self) -> tuple[Array, Array, Array]:
-        """The ``_evidence`` of its rivals."""
+        """The ``_evidence`` of its alternatives."""
         sizes, along, moves = _evidence(self.gram, self.scale, self.along, self.inverse)
         return sizes, along, moves
 
     def alike(self, which: int) -> Array:
-        """The correlations of what is left of the columns of rivals with that of one."""
+        """The correlations of what is left of the columns of alternatives with that of one."""
         c, first, sizes = self.along[:, 1 + len(self.scale) :], 1 + len(self.scale), self.evidence[0]
         shared = self.gram[first:, first + which] - c.T @ c[:, which]
         both = sizes * sizes[which]
@@ -529,7 +537,7 @@ class Linearised:
 
 
 def linearised(asked: Sequence[tuple[FittedRecord, Sequence[Array]]]) -> list[list[Linearised]]:
-    """Fits with the columns of rivals, each on several choices of its rows; those of as many columns together."""
+    """Fits with the columns of alternatives, each on several choices of its rows; those of as many columns together."""
     each = [(record, rows) for record, choices in asked for rows in choices]
     alike: dict[tuple[int, int], list[int]] = {}
     for place, (record, _) in enumerate(each):
@@ -554,13 +562,14 @@ def _on_rows(record: FittedRecord, rows: Array) -> Array:
 
 
 def _evidence(gram: Array, scale: Array, along: Array, inverse: Array) -> tuple[Array, Array, Array]:
-    """Of the columns c of rivals, c' what is left of them beyond the model's: |c'|, what of the residuals is along it,
-    and by how much the unknowns move per amount (rivals, unknowns); of one ``Linearised`` or of several."""
-    rivals = slice(1 + scale.shape[-1], None)
-    c, r, whole = along[..., rivals], along[..., :1], np.sqrt(np.diagonal(gram, 0, -2, -1)[..., rivals])
+    """Of the columns c of alternatives, c' what is left of them beyond the model's: |c'|, what of the residuals is
+    along it, and by how much the unknowns move per amount (alternatives, unknowns); of one ``Linearised`` or of
+    several."""
+    alternatives = slice(1 + scale.shape[-1], None)
+    c, r, whole = along[..., alternatives], along[..., :1], np.sqrt(np.diagonal(gram, 0, -2, -1)[..., alternatives])
     sizes = np.sqrt(np.maximum(whole**2 - np.sum(c * c, axis=-2), 0.0))
     seen = sizes > SCORE_SEEN * whole
-    shared = gram[..., 0, rivals] - np.sum(r * c, axis=-2)
+    shared = gram[..., 0, alternatives] - np.sum(r * c, axis=-2)
     moves = -(inverse @ c).swapaxes(-1, -2) / scale[..., None, :]
     return np.where(seen, sizes, 0.0), np.where(seen, shared, 0.0) / np.where(seen, sizes, 1.0), moves
 
@@ -577,7 +586,7 @@ def _named(scores: Sequence[Score], alike: Callable[[int], Array]) -> tuple[Scor
 
 
 def least_taken(most: float) -> float:
-    """What a rival takes from chi^2 at least that is named beside the one that takes ``most``."""
+    """What an alternative takes from chi^2 at least that is named beside the one that takes ``most``."""
     return min(most - SCORE_TIED, SCORE_NEAR * most)
 
 
@@ -620,15 +629,15 @@ def _loose(record: FittedRecord) -> int:
 
 
 # --------------------------------------------------------------------------------------------------
-# The best rivals of each family, fitted in full where the data ask for them, and the one that is taken.
+# The best alternatives of each family, fitted in full where the data ask for them, and the one that is taken.
 #
 # The best one is taken where its misfit is lower than that of the plain model by more than ``SCORE_TIED``, in chi^2,
 # and what it leaves is no more than the noise of the free rows. Those within as much of it cannot be distinguished.
 
-# Which rivals are fitted in full, and when one is taken.
+# Which alternatives are fitted in full, and when one is taken.
 FULL_EACH = 3  # choice: of a family, its best by one step, which does not always name the right one
-FULL_STEPS = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
-FULL_PROMISING = 1.5  # choice: of the least sum of squares, up to which a rival is fitted to the end
+FULL_STEPS = 20  # choice: guard, of a search that only finds out which alternatives are worth a fit
+FULL_PROMISING = 1.5  # choice: of the least sum of squares, up to which an alternative is fitted to the end
 # choice: of how far adhesion deforms the body, ranges that are tried below endless ones
 FULL_RANGES = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)
 # choice: 2 tension/E* over the contact radius, those tried: the largest of which the first order holds, and smaller
@@ -658,10 +667,10 @@ Moves = tuple[float, float, float]  # rises of chi^2 and of the logs of E* and w
 
 
 @dataclass(frozen=True, eq=False)
-class RivalFit:
-    """A rival fitted in full: its one-step ``score``; ``chance``: that the noise of the free rows leaves as much, where
-    no row is next to a fold; ``falls``: how much lower chi^2 is than without, on the rows of both that are off the
-    folds, in units of the noise without."""
+class AlternativeFit:
+    """An alternative fitted in full: its one-step ``score``; ``chance``: that the noise of the free rows leaves as
+    much, where no row is next to a fold; ``falls``: how much lower chi^2 is than without, on the rows of both that are
+    off the folds, in units of the noise without."""
 
     score: Score
     fit: ForceCurveFit
@@ -672,41 +681,41 @@ class RivalFit:
     def passes(self) -> bool:
         return self.fit.ended and self.chance > STATISTICS_IMPROBABLE
 
-    def taken(self, best: RivalFit) -> bool:
+    def taken(self, best: AlternativeFit) -> bool:
         """Whether the ``best`` one rejects the model without and this one leaves about as little, as noise would."""
         return self.passes and best.falls > SCORE_TIED and self.falls > best.falls - SCORE_TIED
 
 
-def bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
-    """The rivals with their ``_bounds``: unknowns that no row determines may go anywhere meanwhile."""
-    return quiet(_bounds(record, rivals))
+def bounds(record: FittedRecord, alternatives: RecordAlternatives) -> Flow[RecordAlternatives]:
+    """The alternatives with their ``_bounds``: unknowns that no row determines may go anywhere meanwhile."""
+    return quiet(_bounds(record, alternatives))
 
 
-def _bounds(record: FittedRecord, rivals: RecordRivals) -> Flow[RecordRivals]:
-    """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
-    is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
-    if rivals.named:
-        return rivals
+def _bounds(record: FittedRecord, alternatives: RecordAlternatives) -> Flow[RecordAlternatives]:
+    """The alternatives, of which those that are likely before the data move E* and w by what a fit with as much of them
+    as is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
+    if alternatives.named:
+        return alternatives
     every = np.ones(record.residuals.size, dtype=bool)
     off, near = yield from ask(linearised, (record, [off_folds(record), every]))
     by_moves = _by_moves(record.fit)
     each = [_bounded(off if one.name in (RANGE.name, TENSION.name) else near, one, i, by_moves)
-            for i, one in enumerate(rivals.scores)]  # fmt: skip
+            for i, one in enumerate(alternatives.scores)]  # fmt: skip
     followed = yield from beside([quiet(one) for one in each if not isinstance(one, Score)])
     ends = iter(followed)
     scores = [one if isinstance(one, Score) else next(ends) for one in each]
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
-    return replace(rivals, scores=tuple(scores), named=named)
+    return replace(alternatives, scores=tuple(scores), named=named)
 
 
 def _bounded(near: Linearised, score: Score, which: int, by_moves: Array) -> Score | Flow[Score]:
     """The score with the moves at the largest amount that is possible, or what leads to it: to first order where they
     are small by it, and long ranges of adhesion, of which it says nothing, are excluded. ``which`` of the columns is
-    the rival's; ``by_moves``: of the fit."""
+    the alternative's; ``by_moves``: of the fit."""
     ranged, tense = score.name == RANGE.name, score.name == TENSION.name
     if not (ranged or tense or score.most > 0):
         return score
-    (sizes, along, moves), rival, record = near.evidence, _rival(score), near.record
+    (sizes, along, moves), alternative, record = near.evidence, _alternative(score), near.record
     ahead, error = moves[which], 1 / max(float(sizes[which]), math.sqrt(TINY))
     best = -float(along[which]) * error
     falls = (max(best, 0.0) / error) ** 2
@@ -719,7 +728,7 @@ def _bounded(near: Linearised, score: Score, which: int, by_moves: Array) -> Sco
     little = seen.most > 0 and float(np.abs(rates).max()) * seen.most < FULL_LINEAR * SCORE_MATTERS
     if little and not (tense or long or (ranged and _by_chance(record, falls))):
         return replace(seen, E_star=float(rates[0]), w=float(rates[1]), word=EXCLUDED if ranged else score.word)
-    change = rival.effect(record)
+    change = alternative.effect(record)
     if not isinstance(change, Perturbation):
         return score
     if not (ranged or tense):
@@ -730,13 +739,13 @@ def _bounded(near: Linearised, score: Score, which: int, by_moves: Array) -> Sco
 
 def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
     """The ``best``, and those that take nearly as much of the misfit, though they see fewer rows."""
-    limits, least = {rival.name: rival.limits for rival in RIVALS}, least_taken(best.taken)
+    limits, least = {alternative.name: alternative.limits for alternative in ALTERNATIVES}, least_taken(best.taken)
     others = [one for one in scores if one is not best and one.taken > least]
     return (best, *(one for one in others if limits[one.name][0] <= one.amount <= limits[one.name][1]))
 
 
-def _rival(score: Score) -> AlternativeModel:
-    return next(rival for rival in RIVALS if rival.name == score.name)
+def _alternative(score: Score) -> AlternativeModel:
+    return next(alternative for alternative in ALTERNATIVES if alternative.name == score.name)
 
 
 def _at_most(near: Linearised, change: Perturbation, ahead: Array, score: Score) -> Flow[Score]:
@@ -855,8 +864,8 @@ def _of_tension(tried: _Amounts, score: Score) -> Flow[Score]:
 
 
 def _by_chance(record: FittedRecord, taken: float) -> bool:
-    """Whether so much of chi^2 is more than chance takes with any of the rivals."""
-    return chance_of(record.fit, taken) < SCORE_CHANCE / len(RIVALS)
+    """Whether so much of chi^2 is more than chance takes with any of the alternatives."""
+    return chance_of(record.fit, taken) < SCORE_CHANCE / len(ALTERNATIVES)
 
 
 def _of_amounts(tried: _Amounts, score: Score) -> Flow[Score]:
@@ -914,19 +923,19 @@ def _moves(near: Linearised, x: Array) -> tuple[float, float]:
 
 
 def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
-    """The score of a rival that ``moves`` the logs of E* and w at an ``amount``."""
+    """The score of an alternative that ``moves`` the logs of E* and w at an ``amount``."""
     E, w = (float(move) / amount for move in moves)
     word = UNDECIDED if max(map(abs, moves)) > SCORE_MATTERS else EXCLUDED
     return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E, w=w, word=word)
 
 
-def _with_amount(record: FittedRecord, change: Perturbation, amount: float) -> RivalModel:
+def _with_amount(record: FittedRecord, change: Perturbation, amount: float) -> ChangedModel:
     """The model with an amount of a change that is known."""
-    return RivalModel.of(record.model, change, {AMOUNT: amount})
+    return ChangedModel.of(record.model, change, {AMOUNT: amount})
 
 
 def _followed(
-    near: Linearised, model: RivalModel, most: float = math.inf, still: float = FULL_STILL, begin: Array | None = None
+    near: Linearised, model: ChangedModel, most: float = math.inf, still: float = FULL_STILL, begin: Array | None = None
 ) -> Flow[tuple[float, Array] | None]:
     """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
     the fit without, down to ``still`` standard errors, from ``begin`` on, else from that fit; None where they do not
@@ -945,29 +954,31 @@ def _followed(
 
 
 @np.errstate(all="ignore")
-def fit_alternatives(record: FittedRecord, fresh: ForceCurveModel, rivals: RecordRivals) -> tuple[RivalFit, ...]:
+def fit_alternatives(
+    record: FittedRecord, fresh: ForceCurveModel, alternatives: RecordAlternatives
+) -> tuple[AlternativeFit, ...]:
     """The best of each family, by how much the misfit falls, those that pass first; ``fresh``: the model of the
     record before its fit left any row out."""
     fresh, begun = replace(fresh, family=record.model.family), []
-    for score in _likeliest(rivals):
+    for score in _likeliest(alternatives):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
-            if isinstance(change := _rival(score).effect(record), Perturbation):
+            if isinstance(change := _alternative(score).effect(record), Perturbation):
                 begun.append((*_roughly(record, fresh, change, score.amount), change, score))
     most = FULL_PROMISING * min((cost for cost, *_ in begun), default=0.0)
     fits = []
     for cost, x, change, score in begun:
         if cost <= most:
             with contextlib.suppress(JkrError):
-                fits.append(_in_full(record, RivalModel.of(fresh, change), x, score))
+                fits.append(_in_full(record, ChangedModel.of(fresh, change), x, score))
     return tuple(sorted(fits, key=lambda one: (not one.passes, -one.falls)))
 
 
-def _likeliest(rivals: RecordRivals) -> Iterator[Score]:
+def _likeliest(alternatives: RecordAlternatives) -> Iterator[Score]:
     """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
     an amount that is not small says much. The range of adhesion stands for a long one, which has a column alone."""
-    detected = [one for one in rivals.scores if one.taken > SCORE_TIED or one in rivals.named]
+    detected = [one for one in alternatives.scores if one.taken > SCORE_TIED or one in alternatives.named]
     ranked = sorted(detected, key=lambda one: -one.taken)
-    of_range = next((one for one in rivals.scores if one.name == RANGE.name), None)
+    of_range = next((one for one in alternatives.scores if one.name == RANGE.name), None)
     for family in dict.fromkeys(one.family for one in ranked):
         best = [one for one in ranked if one.family == family][:FULL_EACH]
         yield from dict.fromkeys((of_range or one) if one.name == LONG.name else one for one in best)
@@ -978,7 +989,7 @@ def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Perturbation,
     for, and from the best that the body suggests at each of these."""
     low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
     starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
-    model = RivalModel.of(fresh, change)
+    model = ChangedModel.of(fresh, change)
     x = _unknowns(record, model, record.fit.x)
     plain, new = [np.append(x, start) for start in starts], [[*_new(record, model, start)] for start in starts]
     groups = [plain, *new]
@@ -995,7 +1006,7 @@ def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Perturbation,
     return min(searches, key=lambda one: one[0])
 
 
-def _valleys(record: FittedRecord, model: RivalModel, starts: Iterable[tuple[float, ...]]) -> Iterator[Array]:
+def _valleys(record: FittedRecord, model: ChangedModel, starts: Iterable[tuple[float, ...]]) -> Iterator[Array]:
     """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
     more than the ones next to them."""
     near, starts = Linearised.of(record, off_folds(record)), sorted(starts)
@@ -1012,7 +1023,7 @@ def _valleys(record: FittedRecord, model: RivalModel, starts: Iterable[tuple[flo
             yield np.append(_unknowns(record, model, end[1]), start)
 
 
-def _unknowns(record: FittedRecord, model: RivalModel, x: Array) -> Array:
+def _unknowns(record: FittedRecord, model: ChangedModel, x: Array) -> Array:
     """The unknowns of a ``model`` but its change's as they are at ``x``, those that were known at what they were."""
     values = record.model.values(x)
     roots = {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0)) for part in model.stretches}
@@ -1020,7 +1031,7 @@ def _unknowns(record: FittedRecord, model: RivalModel, x: Array) -> Array:
     return np.array([({"turn": 0.0} | roots | values)[name] for name in own])
 
 
-def _new(record: FittedRecord, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:
+def _new(record: FittedRecord, model: ChangedModel, start: tuple[float, ...]) -> Iterator[Array]:
     """Unknowns about an amount to ``start`` from, as its body suggests."""
     if model.change.loads_back is not None:
         x, i = _unknowns(record, model, record.fit.x), model.names.index(f"q:{model.stretches[-1].kind}")
@@ -1033,26 +1044,26 @@ def _new(record: FittedRecord, model: RivalModel, start: tuple[float, ...]) -> I
         yield from (np.append(x, start) for x in starts_of(model.followed(model.stretches[-1], values)))
 
 
-def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) -> RivalFit:
+def _in_full(record: FittedRecord, model: ChangedModel, x: Array, score: Score) -> AlternativeFit:
     full = fit(model, x, near=True)
     if (without := windowed(full)) is not full.model:
         full = fit(without, full.x, near=True)
     here = FittedRecord(record.body, reconverge(full))
     misfit, dof, loose = misfit_left(here, here.regular)
     chance = numerics.f_chance(dof, max(loose, 1), misfit / dof)
-    noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
+    noise = record.fit.spread.noise  # for all alternatives: misfit that is slow may pass for noise of the fit's own
     plain = misfit_of(record, common_rows(record, here), noise)
     falls = plain - misfit_of(here, common_rows(here, record), noise)
-    return RivalFit(score, here.fit, chance, falls)
+    return AlternativeFit(score, here.fit, chance, falls)
 
 
 def reconverge(full: ForceCurveFit) -> ForceCurveFit:
     """The fit whose change, where it is made about one, is made about itself."""
     for _ in range(MOST_SOLVES):
         model, before = full.model, full
-        if not isinstance(model, RivalModel) or model.change.recentred is None or AMOUNT not in full.names:
+        if not isinstance(model, ChangedModel) or model.change.recentred is None or AMOUNT not in full.names:
             break
-        full = fit(RivalModel.of(model, model.change.recentred(full)), full.x, near=True)
+        full = fit(ChangedModel.of(model, model.change.recentred(full)), full.x, near=True)
         if abs(full.value("ln_s") - before.value("ln_s")) < FULL_SETTLED * full.error("ln_s"):
             break
     return full

@@ -1,8 +1,9 @@
-"""The rivals of a raw record: what the model leaves out, each as the change of all loads that a little of it makes.
+"""The alternatives of a raw record: what the model leaves out, each as the change of all loads that a little of it
+makes.
 
-``RIVALS`` is the list: an entry is a name, its family, what its amount is, its effect, and how much of it is likely
-before the data. The effect is a change of the model, or a column alone: the derivative of the loads [N] by the amount,
-at fixed positions of the device. The data are asked for each by its score (``alternative_tests.py``).
+``ALTERNATIVES`` is the list: an entry is a name, its family, what its amount is, its effect, and how much of it is
+likely before the data. The effect is a change of the model, or a column alone: the derivative of the loads [N] by the
+amount, at fixed positions of the device. The data are asked for each by its score (``alternative_tests.py``).
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, gr
 # An alternative model in full: the model of a raw record with an amount of what it leaves out as one more unknown, or
 # two.
 #
-# A ``Perturbation`` says what an amount does to the body, the device or the positions of a stretch; ``RivalModel`` is
+# A ``Perturbation`` says what an amount does to the body, the device or the positions of a stretch; ``ChangedModel`` is
 # the model with it, whose search, covariance and result are those of any record. Derivatives by what a change depends
 # on are differences.
 
@@ -77,13 +78,13 @@ AMOUNT, ANY = "amount", (-math.inf, math.inf)
 Values = Mapping[str, float]  # of all unknowns, by name
 Shape = Callable[[Family, float], tuple[Array, Array]]  # changes of the logs of displacement and stiffness (n,)
 
-# Differences by amounts, and how far rivals are followed.
+# Differences by amounts, and how far alternatives are followed.
 CHANGE_LITTLE = 1e-3  # theory: relative amounts whose squares are below the noise of any record
 CHANGE_STEP = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
 # choice: a small amount: below it, and below such a share of the largest w, steps are no smaller; of the largest
 # contact radius, the ring of attraction and the length of a surface tension at which columns are taken
 CHANGE_SMALL = 1e-2
-CHANGE_LARGEST = 6.0  # choice: amount up to which rivals are searched where theory sets no limit
+CHANGE_LARGEST = 6.0  # choice: amount up to which alternatives are searched where theory sets no limit
 CHANGE_BEYOND = 1.5  # choice: over the largest depth or contact radius of a record, where changed bodies end
 CHANGE_FOLD = 0.02  # choice: of the way in contact, rows left out about folds and before the loss of a slow edge
 
@@ -205,7 +206,7 @@ def _integral(u: Array, rate: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Perturbation:
-    """What an amount of a rival does to the model of a record. One of
+    """What an amount of an alternative does to the model of a record. One of
 
     - ``log_changes``: changes of the logs of D, T, H, V of the body of a stretch (4, n) on its grid, None for none;
     - ``model``: the model that a stretch follows, from the plain one, where more changes or bodies are shared;
@@ -300,15 +301,15 @@ def _inputs(model: ForceCurveModel) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class RivalModel(ForceCurveModel):
+class ChangedModel(ForceCurveModel):
     """The model of a record with a ``change``."""
 
     change: Perturbation = Perturbation()
 
     @classmethod
-    def of(cls, plain: ForceCurveModel, change: Perturbation, known: Values | None = None) -> RivalModel:
-        """The ``plain`` model, of a rival or not, with a change in place of its own, of whose unknowns some may be
-        ``known``."""
+    def of(cls, plain: ForceCurveModel, change: Perturbation, known: Values | None = None) -> ChangedModel:
+        """The ``plain`` model, of an alternative or not, with a change in place of its own, of whose unknowns some may
+        be ``known``."""
         inputs = _inputs(plain)
         inputs["known"] = {**plain.known, **(known or {})}
         if change.loads is not None:  # which knows no adhesion
@@ -380,7 +381,7 @@ class RivalModel(ForceCurveModel):
 
 
 @np.errstate(all="ignore")
-def changed_offs(asked: Sequence[tuple[RivalModel, Array, float]]) -> list[Array | Exception]:
+def changed_offs(asked: Sequence[tuple[ChangedModel, Array, float]]) -> list[Array | Exception]:
     """Model minus reading [N] of all rows of models with changes, of which rings of attraction and changed bodies are
     made for all together."""
     each = [(model, model.values(x)) for model, x, _ in asked]
@@ -418,7 +419,7 @@ class Known:
 
 @dataclass(frozen=True, eq=False)
 class FittedRecord:
-    """The ``fit`` of a record of a ``body``, and what is ``known`` besides, as rivals need them."""
+    """The ``fit`` of a record of a ``body``, and what is ``known`` besides, as alternatives need them."""
 
     body: FittedBody
     fit: ForceCurveFit
@@ -576,7 +577,7 @@ class FittedRecord:
         of one of the body, which has ``bodies``."""
         if change.column is not None or change.per_amount is not None or change.log_changes is not None:
             return change.column
-        model = RivalModel.of(self.model, change)
+        model = ChangedModel.of(self.model, change)
         x = np.concatenate([self.fit.x, [LITTLE, *change.starts[0][1:]]])
         return (model.off(x, 0.0) - self.residuals) / LITTLE
 
@@ -672,7 +673,7 @@ def log_ratio(other: Family, family: Family) -> Array:
 
 
 # --------------------------------------------------------------------------------------------------
-# Rivals of adhesion in a raw record: w over the contact radius or over the speed of the edge, and adhesion of a
+# Alternatives of adhesion in a raw record: w over the contact radius or over the speed of the edge, and adhesion of a
 # range.
 #
 # With r = sqrt(w/s) the contact has delta = D - r T and P = s (H - r V): a change of w is one of the logs of T and V.
@@ -910,7 +911,8 @@ def long_range(record: FittedRecord) -> Array | None:
 
 
 # --------------------------------------------------------------------------------------------------
-# Rivals of body and tip in a raw record: layers, a modulus over the depth, profiles, slip, surface tension, strains.
+# Alternatives of body and tip in a raw record: layers, a modulus over the depth, profiles, slip, surface tension,
+# strains.
 #
 # Each is another body, by how the logs of its functions D = delta_H, T, H = P_H and V of the contact radius change:
 # of tips by D, of moduli by the contact stiffness S, as dP_H = S d(delta_H).
@@ -1039,7 +1041,7 @@ def exponent(record: FittedRecord) -> Perturbation:
 
 def _exponent_at_turn(fit: ForceCurveFit) -> Perturbation:
     """The same about the contact radius at the turn, which follows the unknowns: its error is one of E*."""
-    part, values, model = fit.model.stretches[0], fit.model.values(fit.x), cast(RivalModel, fit.model)
+    part, values, model = fit.model.stretches[0], fit.model.values(fit.x), cast(ChangedModel, fit.model)
     turn, kind = part.turn, part.kind
     start = np.log(model.branch(part, values).radii(np.array([turn - values["z0"]])))
     (D, T, _, _), _, _ = model.followed(part, values).family.at(start)
@@ -1147,7 +1149,7 @@ def likely_strains(record: FittedRecord) -> float:
 
 
 # --------------------------------------------------------------------------------------------------
-# Rivals of the device in a raw record, and of one direction against the other: stiffness, positions, flow.
+# Alternatives of the device in a raw record, and of one direction against the other: stiffness, positions, flow.
 
 
 def stiffness(record: FittedRecord) -> Perturbation | None:
@@ -1230,7 +1232,8 @@ def slope_at_rest(record: FittedRecord) -> Array | None:
 
 
 # --------------------------------------------------------------------------------------------------
-# Rivals of relaxation in a raw record: moduli that fall over the time since the strain, where the contact was and is.
+# Alternatives of relaxation in a raw record: moduli that fall over the time since the strain, where the contact was and
+# is.
 #
 # A body whose moduli are r(t) times those at once, under a contact that grows and then shrinks (Ting, J. Appl. Mech.
 # 33 (1966) 845): while it grows P = int r(t - t') dP_H, and while it shrinks P = int_0^t1 r(t - t') dP_H + S int_t1^t
@@ -1397,7 +1400,7 @@ def _dense_at_ends(first: float, last: float) -> Array:
     return first + (last - first) * place
 
 
-# What is known of rivals before the data.
+# What is known of alternatives before the data.
 ALTERNATIVE_CONE = 3.0  # choice: three times what a cone's exponent differs from a paraboloid's by: one step overshoots
 ALTERNATIVE_STRAINS = 2.0  # choice: of the effect of large strains on rubber, that of other materials
 ALTERNATIVE_DEVICE = 1.0  # choice: relative, by which a stiffness that someone measured may be off
@@ -1412,8 +1415,8 @@ BODY, TIP, ADHESION, DEVICE, MEMORY = (
     "instrument",
     "relaxation or flow",
 )
-# What the unknowns of rivals mean, by dimension:
-OF_RIVALS = {
+# What the unknowns of alternatives mean, by dimension:
+OF_ALTERNATIVES = {
     AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",
     "surface_tension": "tension", "stiffness": "stiffness", "fall": "number", TIME: "time", POWER: "number",
     "creep": "number", "hysteresis": "number",
@@ -1422,7 +1425,7 @@ OF_RIVALS = {
 
 @dataclass(frozen=True, eq=False)
 class AlternativeModel:
-    """Name one thing that the fitted model leaves out: an entry of ``RIVALS``.
+    """Name one thing that the fitted model leaves out: an entry of ``ALTERNATIVES``.
 
     Parameters
     ----------
@@ -1471,7 +1474,7 @@ LONG = AlternativeModel("adhesion of long range (DMT)", ADHESION, "from JKR to D
 TENSION = AlternativeModel(
     "surface tension", BODY, "2 tension/E* over the contact radius", tension, likely_tension, POSITIVE
 )
-RIVALS: tuple[AlternativeModel, ...] = (
+ALTERNATIVES: tuple[AlternativeModel, ...] = (
     AlternativeModel("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
     AlternativeModel(
         "w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
@@ -1517,29 +1520,31 @@ RIVALS: tuple[AlternativeModel, ...] = (
 )  # fmt: skip
 
 
-def columns(record: FittedRecord, rivals: Sequence[AlternativeModel] = RIVALS) -> dict[AlternativeModel, Array]:
-    """The columns of all rivals that mean anything for a record, by rival."""
-    found, table = next(tables([record], rivals))
+def columns(
+    record: FittedRecord, alternatives: Sequence[AlternativeModel] = ALTERNATIVES
+) -> dict[AlternativeModel, Array]:
+    """The columns of all alternatives that mean anything for a record, by alternative."""
+    found, table = next(tables([record], alternatives))
     return dict(zip(found, table[1 + record.fit.x.size :], strict=True))
 
 
 def tables(
-    records: Sequence[FittedRecord], rivals: Sequence[AlternativeModel] = RIVALS
+    records: Sequence[FittedRecord], alternatives: Sequence[AlternativeModel] = ALTERNATIVES
 ) -> Iterator[tuple[tuple[AlternativeModel, ...], Array]]:
-    """Of some records the rivals that mean anything and the ``table``; columns of changed bodies are taken together, by
-    one look at where the rows lie on their branches."""
+    """Of some records the alternatives that mean anything and the ``table``; columns of changed bodies are taken
+    together, by one look at where the rows lie on their branches."""
     each = list[tuple[list[AlternativeModel], Array]]()
     bodies = list[dict[int, Perturbation]]()  # of each record by their rows of its table
     for record in records:
         own, found, of_body = 1 + record.fit.x.size, list[AlternativeModel](), dict[int, Perturbation]()
-        table = np.empty((own + len(rivals), record.a.size))
+        table = np.empty((own + len(alternatives), record.a.size))
         table[0], table[1:own] = record.residuals, record.jacobian.T
-        for rival in rivals:
+        for alternative in alternatives:
             try:
-                effect = rival.effect(record)
+                effect = alternative.effect(record)
                 column = record.column(effect) if isinstance(effect, Perturbation) else effect
             except (JkrError, FloatingPointError):
-                continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
+                continue  # a neighbouring body that cannot be solved is no alternative, and takes no fit with it
             row = own + len(found)
             if column is not None:
                 table[row] = column
@@ -1547,7 +1552,7 @@ def tables(
                 of_body[row] = effect
             else:
                 continue
-            found.append(rival)
+            found.append(alternative)
         each.append((found, table[: own + len(found)]))
         bodies.append(of_body)
 

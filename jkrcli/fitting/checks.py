@@ -13,7 +13,7 @@ from ..base.units import implausible_work, show
 from ..series import Record
 from .forward_model import Family, FittedBody
 from .parameters import POSITIONS, word
-from .range_alternative import Rivals, missed_pull_off
+from .range_alternative import TableAlternatives, missed_pull_off
 from .result import Fit
 from .settings import RANGES
 
@@ -23,14 +23,14 @@ CHECKS_FAR = 30.0  # choice: factor of the case's moduli that makes wrong units 
 
 
 def warnings_of(
-    fit: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = (), rivals: Rivals | None = None,
-    ended: bool = True,
+    fit: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = (),
+    alternatives: TableAlternatives | None = None, ended: bool = True,
 ) -> list[str]:  # fmt: skip
     """Sentences on all that stands against the fit or limits it; ``body`` and its ``family`` with the fitted values,
-    ``at_bound``: parameters that end on a bound; ``rivals``: the nearest other models; ``ended``: the search."""
+    ``at_bound``: parameters that end on a bound; ``alternatives``: the nearest other models; ``ended``: the search."""
     return [
-        *_of_search(fit, at_bound, ended), *_of_model(fit, rivals), *_of_values(fit, body, at_bound, rivals),
-        *_of_validity(fit, body, family),
+        *_of_search(fit, at_bound, ended), *_of_model(fit, alternatives),
+        *_of_values(fit, body, at_bound, alternatives), *_of_validity(fit, body, family),
     ]  # fmt: skip
 
 
@@ -62,8 +62,8 @@ def _of_search(fit: Fit, at_bound: Sequence[str], ended: bool) -> Iterator[str]:
             yield from fit.vague([item.name])
 
 
-def _of_model(fit: Fit, rivals: Rivals | None) -> Iterator[str]:
-    """What the residuals say of the model: JKR beside a range, structure, rivals, a scatter unlike the noise."""
+def _of_model(fit: Fit, alternatives: TableAlternatives | None) -> Iterator[str]:
+    """What the residuals say of the model: JKR beside a range, structure, alternatives, a scatter unlike the noise."""
     jkr, law = fit.jkr, fit.settings.range
     if isinstance(jkr, Unknown):
         yield f"no JKR curve resembles the data: {jkr}"
@@ -79,7 +79,7 @@ def _of_model(fit: Fit, rivals: Rivals | None) -> Iterator[str]:
         yield misfit
 
     structured = fit.quality is None and fit.structure.suspicious
-    if structured or rivals is not None:
+    if structured or alternatives is not None:
         # Residuals larger than errors of the series' interpolation, in units of the curve's own size
         size = min(np.ptp(fit.line[name]) / scale for name, scale in fit.scales.items())
         resolved, order = float(np.sqrt(np.mean(fit.residuals**2)) / size) > SAME, fit.structure
@@ -88,14 +88,16 @@ def _of_model(fit: Fit, rivals: Rivals | None) -> Iterator[str]:
                 f"the residuals are structured (lag-1 autocorrelation {order.lag1:.2f}, {order.runs} runs where "
                 f"{order.expected:.0f} are expected): check body, indenter and rows; intervals are too narrow"
             )
-        if rivals is not None and resolved:
-            yield from rivals.warnings()
+        if alternatives is not None and resolved:
+            yield from alternatives.warnings()
     if fit.settings.noise and not 1 / CHECKS_SCATTER <= fit.scatter <= CHECKS_SCATTER:
         more = "more" if fit.scatter > 1 else "less"
         yield f"the data scatter {fit.scatter:.2g} times as much as the given noise, {more} than it explains"
 
 
-def _of_values(fit: Fit, body: FittedBody, at_bound: Sequence[str], rivals: Rivals | None) -> Iterator[str]:
+def _of_values(
+    fit: Fit, body: FittedBody, at_bound: Sequence[str], alternatives: TableAlternatives | None
+) -> Iterator[str]:
     """What is odd about the values, and what of the data would have to tell them."""
     factor = fit.value("modulus")
     if body.moduli_known and "modulus" in fit.free and not 1 / CHECKS_FAR <= factor <= CHECKS_FAR:
@@ -112,7 +114,11 @@ def _of_values(fit: Fit, body: FittedBody, at_bound: Sequence[str], rivals: Riva
         yield (
             f"no pull-off in the data: they end at a = {show(missed[0], 'length')}, contact is lost at "
             f"{show(missed[1], 'length')}; w comes from the shape of the curve alone"
-            + (f"; not tested, and not in the errors: {rivals.sensitivity}" if rivals and rivals.sensitivity else "")
+            + (
+                f"; not tested, and not in the errors: {alternatives.sensitivity}"
+                if alternatives and alternatives.sensitivity
+                else ""
+            )
         )
     problem = body.problem
     if fit.settings.known("modulus").free and problem.indenter.material is not None and problem.layers:

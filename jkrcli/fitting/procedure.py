@@ -42,7 +42,7 @@ from .least_squares import (
 )
 from .nuisance import fit_settled
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
-from .range_alternative import Rivals, missed_pull_off, rivals_of
+from .range_alternative import TableAlternatives, alternatives_of, missed_pull_off
 from .record import RESTS, beside, beyond_the_record, contact_rows, differ, raw_force_curve
 from .result import Fit, Further, JKRBeside
 from .rows import (
@@ -511,12 +511,12 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     minimum = robust(search(body, points, settings), settings.loss)
     sharp = None if settings.range is None else jkr_comparison(minimum, body, points, settings)
     confidence = confidence_of(minimum, settings, sharp, pool)
-    rivals = Rivals((), 1.0)
+    alternatives = TableAlternatives((), 1.0)
     if settings.range is None and minimum.least.ended:
-        rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)
+        alternatives = alternatives_of(minimum, confidence.scatter**2, confidence.dof, settings)
     flags = {name: line for name, line in flags_of(curve).items() if curve.stiffness is not None or SET in name}
     free = minimum.objective.unknowns.names
-    estimates = _resting(minimum, rivals.with_parts(confidence.estimates))
+    estimates = _resting(minimum, alternatives.with_parts(confidence.estimates))
     undetermined = any(item.name in free and item.low is None and item.high is None for item in estimates)
     distances = minimum.distances
     readings, a = distances.readings, distances.a
@@ -529,10 +529,10 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         scales=dict(zip(points.columns, map(float, readings.scales), strict=True)), scatter=confidence.scatter,
         dof=confidence.dof, structure=structure(distances.residuals[-1][distances.along]), line=distances.line(),
         evaluations=minimum.least.steps, settings=settings, flags=(*flags, *["not determined"] * undetermined),
-        jkr=sharp, range_left=None if rivals.range is None else rivals.range.most,
+        jkr=sharp, range_left=None if alternatives.range is None else alternatives.range.most,
     )  # fmt: skip
     checks = warnings_of(
-        result, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.least.ended
+        result, minimum.objective.body, readings.members.plain, minimum.at_bound, alternatives, minimum.least.ended
     )
     on_record = [f"{name}: {sentence}" for name, sentence in flags.items()]
     if "no base line" in flags and not zero.free and not zero.value:

@@ -1,4 +1,4 @@
-"""The range of adhesion as a rival of JKR: how far ranges that the data do not exclude move what was fitted.
+"""The range of adhesion as an alternative of JKR: how far ranges that the data do not exclude move what was fitted.
 
 The curves are those of a constant tension up to the range (Maugis) on the body itself. A sphere's pull-off hardly
 changes its shape with the range, but w and the zero of the displacement do: from displacement and load alone w of
@@ -40,7 +40,7 @@ WORKS = ("w", "w_approach")
 
 
 @dataclass(frozen=True, eq=False)
-class RangeRival:
+class RangeAlternative:
     """The ranges [m] that the data leave: the ``best`` of those tried, 0 for JKR, and the ``most``; ``moves``: how far
     they move each parameter. ``chance``: that data of JKR itself speak as much for one."""
 
@@ -67,7 +67,9 @@ class _Rung:
     moves: Mapping[str, float]
 
 
-def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Settings) -> RangeRival | None:
+def range_alternative_of(
+    minimum: Minimum, variance: float, limit: float, settings: Settings
+) -> RangeAlternative | None:
     """The ranges that the data leave; None where none can be tried: bodies without such curves, layers that are
     fitted, cylinders and gradients, whose kernels would take longer than the fit.
 
@@ -179,8 +181,8 @@ def _works(values: Mapping[str, float]) -> list[float]:
     return [values[name] for name in WORKS if name in values]
 
 
-def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRival:
-    """The rival by its ``rungs``, by increasing length: those within the ``limit`` of the best are possible, and
+def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeAlternative:
+    """The alternative by its ``rungs``, by increasing length: those within the ``limit`` of the best are possible, and
     between the longest of them and the next the root of the excess is a straight line."""
     best, i = min(rungs, key=lambda rung: rung.excess), _last_possible(rungs, limit)
     last, possible = rungs[i], [rung for rung in rungs if rung.excess - best.excess <= limit]
@@ -194,32 +196,32 @@ def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRiva
         ends = {key: abs(move + part * (beyond.moves[key] - move)) for key, move in last.moves.items()}
         moves = {key: max(move, ends[key]) for key, move in moves.items()}
     n = minimum.distances.residuals.size - minimum.least.x.size
-    return RangeRival(best.length, most, moves, float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0))))
+    return RangeAlternative(best.length, most, moves, float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0))))
 
 
 # --------------------------------------------------------------------------------------------------
 # How far a fit rests on its model: the nearest other models, which the data reject or not.
 #
-# There are three rivals: a work of adhesion that changes along the record, moduli that do, as those of a layer or a
-# base seem to, and adhesion that has a range (``range_rival``). The first two add one direction each to the
-# residuals, that of w or of the moduli times a straight line in the contact radius. Where a rival is significant to
-# first order, this is a warning. What the data leave of it is fitted again at both of its ends: it moves the
+# There are three alternatives: a work of adhesion that changes along the record, moduli that do, as those of a layer or
+# a base seem to, and adhesion that has a range (``range_alternative``). The first two add one direction each to the
+# residuals, that of w or of the moduli times a straight line in the contact radius. Where an alternative is significant
+# to first order, this is a warning. What the data leave of it is fitted again at both of its ends: it moves the
 # parameters, a second part of their uncertainty beside the statistical one.
 
-# What is expected of rivals before the data, and when they are significant.
+# What is expected of alternatives before the data, and when they are significant.
 ALTERNATIVE_LIKELY = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
 # choice: the change for which moves are told, and not counted, where the data hold no pull-off that would test it
 ALTERNATIVE_UNIT = 0.01
-ALTERNATIVE_CHANCE = 5e-3  # choice: at which data of the model itself show a rival
+ALTERNATIVE_CHANCE = 5e-3  # choice: at which data of the model itself show an alternative
 ALTERNATIVE_CHANGES = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
 ALTERNATIVE_CLOSE = 0.5  # theory: the last step, in standard errors; what remains is its square, a quarter
-ALTERNATIVE_FEWEST = 6  # choice: degrees of freedom; two of them go to the rivals
+ALTERNATIVE_FEWEST = 6  # choice: degrees of freedom; two of them go to the alternatives
 ALTERNATIVE_REACHED = 1.1  # choice: in contact radius, how near to pull-off the data must come
 ALTERNATIVE_TOUCHING = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
 
 # What changes along the record, how it is called, and where on the record the fitted value is meant to hold: 0 at the
 # smallest contact radius (w there decides pull-off), 1/2 in the middle.
-RIVALS = {"w": ("a change of w along the curve", 0.0), "modulus": ("a change of E* along the curve", 0.5)}
+ALTERNATIVES = {"w": ("a change of w along the curve", 0.0), "modulus": ("a change of E* along the curve", 0.5)}
 RANGE = "a range of adhesion"
 
 
@@ -236,19 +238,19 @@ class AddedTerm:
     def words(self) -> str:
         """The change with its size, which is of first order and no number where it is beyond the guards."""
         clipped = float(np.clip(self.change, *ALTERNATIVE_CHANGES))
-        return f"{RIVALS[self.name][0]} by {'' if clipped == self.change else 'more than '}{clipped:+.0%}"
+        return f"{ALTERNATIVES[self.name][0]} by {'' if clipped == self.change else 'more than '}{clipped:+.0%}"
 
 
 @dataclass(frozen=True, eq=False)
-class Rivals:
-    """The rivals of a fit; ``chance``: that data of the model itself speak as much for its ``members``; ``range``: of
-    adhesion, None where none was tried. ``untested``: whether the data end before pull-off, so that nothing tests a
-    change along the record: the moves of the ``values`` are then those of a change by ``ALTERNATIVE_UNIT``, told and
-    not counted."""
+class TableAlternatives:
+    """The alternatives of a fit; ``chance``: that data of the model itself speak as much for its ``members``;
+    ``range``: of adhesion, None where none was tried. ``untested``: whether the data end before pull-off, so that
+    nothing tests a change along the record: the moves of the ``values`` are then those of a change by
+    ``ALTERNATIVE_UNIT``, told and not counted."""
 
     members: tuple[AddedTerm, ...]
     chance: float
-    range: RangeRival | None = None
+    range: RangeAlternative | None = None
     untested: bool = False
     values: Mapping[str, float] = field(default_factory=dict)
 
@@ -257,19 +259,19 @@ class Rivals:
         """What a change along the record would move, where it is not counted; empty where it is."""
         names = {"w": "w", "modulus": "E*"}
         parts = [
-            f"of {names[rival.name]} moves " + " and ".join(
-                f"{names[key]} by {rival.moves[key] / self.values[key]:.1%}" for key in names if rival.moves.get(key)
+            f"of {names[one.name]} moves " + " and ".join(
+                f"{names[key]} by {one.moves[key] / self.values[key]:.1%}" for key in names if one.moves.get(key)
             )
-            for rival in self.members
+            for one in self.members
         ]  # fmt: skip
         return (
             f"a change by {ALTERNATIVE_UNIT:.0%} along the curve {', '.join(parts)}" if self.untested and parts else ""
         )
 
     def warnings(self) -> Iterator[str]:
-        """A sentence where a rival is significant."""
+        """A sentence where an alternative is significant."""
         if self.chance < ALTERNATIVE_CHANCE:
-            parts = " or ".join(rival.words for rival in self.members)
+            parts = " or ".join(alternative.words for alternative in self.members)
             yield (
                 f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact "
                 "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "
@@ -279,8 +281,13 @@ class Rivals:
             yield from self.range.warnings()
 
     def with_parts(self, estimates: Sequence[FittedValue]) -> tuple[FittedValue, ...]:
-        """The ``estimates`` with what the rivals may move each by; what follows from the moduli's factor with it."""
-        moves = {} if self.untested else {RIVALS[rival.name][0]: rival.moves for rival in self.members}
+        """The ``estimates`` with what the alternatives may move each by; what follows from the moduli's factor with
+        it."""
+        moves = (
+            {}
+            if self.untested
+            else {ALTERNATIVES[alternative.name][0]: alternative.moves for alternative in self.members}
+        )
         moves |= {} if self.range is None else {RANGE: self.range.moves}
         modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
 
@@ -302,15 +309,15 @@ def missed_pull_off(a: Array, line: Mapping[str, Array]) -> tuple[float, float] 
     return (least, radius) if least > near else None
 
 
-def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> Rivals:
-    """The rivals of a ``minimum``; ``variance`` of the residuals and its degrees of freedom. None of few points, and of
-    parameters that are 0."""
+def alternatives_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> TableAlternatives:
+    """The alternatives of a ``minimum``; ``variance`` of the residuals and its degrees of freedom. None of few points,
+    and of parameters that are 0."""
     residuals, values = minimum.distances.residuals.ravel(), minimum.values
-    wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
+    wanted = [name for name in ALTERNATIVES if values.get(name, 0.0) > 0]
     if dof < ALTERNATIVE_FEWEST or not wanted or not variance > 0:
-        return Rivals((), 1.0)
+        return TableAlternatives((), 1.0)
     t, both = t_quantile(settings.level, dof), dof * chi2_increase(settings.level, dof, 2)  # w and the range together
-    ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
+    ranged = range_alternative_of(minimum, variance, both, settings) if "w" in wanted else None
     jacobian = minimum.distances.jacobian(minimum.objective.unknowns.names)
 
     # Derivatives of the residuals by the relative change of a parameter along the record
@@ -319,10 +326,10 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
     for name in wanted:
         parameter, x = scales[name], minimum.x[name]
         by_log = minimum.distances.jacobian([name])[:, 0] * parameter.outer(x) / parameter.derivative(x)
-        columns.append(by_log * np.tile(along - RIVALS[name][1], by_log.size // a.size))
+        columns.append(by_log * np.tile(along - ALTERNATIVES[name][1], by_log.size // a.size))
     directions = np.stack(columns, axis=1)
     alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
-    rivals, close = [], ALTERNATIVE_CLOSE * math.sqrt(variance)
+    alternatives, close = [], ALTERNATIVE_CLOSE * math.sqrt(variance)
     untested = values.get("w", 0.0) > 0 and missed_pull_off(minimum.distances.a, minimum.distances.line()) is not None
     for name, direction in zip(wanted, alone.T, strict=True):
         precision = float(direction @ direction) / variance
@@ -331,11 +338,11 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
             spread = t / math.sqrt(precision + 1 / ALTERNATIVE_LIKELY**2)
             centre = change * (spread / t) ** 2 * precision
             changes = (-ALTERNATIVE_UNIT, ALTERNATIVE_UNIT) if untested else (centre - spread, centre + spread)
-            rivals.append(AddedTerm(name, change, _shifts(minimum, name, changes, close)))
+            alternatives.append(AddedTerm(name, change, _shifts(minimum, name, changes, close)))
     taken = residuals @ alone @ np.linalg.lstsq(alone, residuals, rcond=None)[0]  # of the squares by all together
     k = alone.shape[1]
     chance = float(f_tail(k, max(dof - k, 1), max(taken, 0.0) / k / variance))  # F test
-    return Rivals(tuple(rivals), chance, ranged, untested, values)
+    return TableAlternatives(tuple(alternatives), chance, ranged, untested, values)
 
 
 def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:
@@ -345,7 +352,7 @@ def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: floa
     moves = dict.fromkeys(minimum.objective.unknowns.names, 0.0)
     for change in changes:
         drift = Drift(
-            name, float(np.clip(change, *ALTERNATIVE_CHANGES)), RIVALS[name][1], float(a.min()), float(a.max())
+            name, float(np.clip(change, *ALTERNATIVE_CHANGES)), ALTERNATIVES[name][1], float(a.min()), float(a.max())
         )
         after = _followed(minimum, drift, close)
         moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}

@@ -22,16 +22,16 @@ from ..data.segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from ..methods.radii import ROOM
 from .alternative_tests import (
     SCORE_NORMAL,
-    FittedRival,
-    RecordRivals,
-    RivalFit,
+    AlternativeFit,
+    FittedAlternative,
+    RecordAlternatives,
     Verdict,
+    alternatives_of_records,
     bounds,
     fit_alternatives,
     relative_errors,
-    rivals_of_records,
 )
-from .alternatives import MEMORY, OF_RIVALS, FittedRecord, Known
+from .alternatives import MEMORY, OF_ALTERNATIVES, FittedRecord, Known
 from .checks import warnings_of
 from .force_curve import (
     FIT_ENOUGH,
@@ -218,9 +218,8 @@ def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
 
 REJECTED, DIFFER = "model rejected", "directions differ"
 
-# When rivals leave nothing determined.
-# choice: share of E* and of w that rivals may move it by, above which it is flagged: half of w, of which an approach
-# tells no more where adhesion may have a range
+# When alternatives leave nothing determined. choice: share of E* and of w that alternatives may move it by, above which
+# it is flagged: half of w, of which an approach tells no more where adhesion may have a range
 VERDICT_LARGE = (0.3, 0.5)
 VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
 
@@ -229,27 +228,27 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fi
     """The result with its verdict: that of a ``fit`` of all directions of the record."""
     settings = result.settings
     record = FittedRecord(body, fit, Known(settings.range_at_most, settings.tension_at_most, settings.level))
-    scores = yield from ask(rivals_of_records, record)
-    rivals = yield from bounds(record, scores)
-    new = {name: sentence for name, sentence in _flags(rivals, fit) if name not in result.flags}
-    estimates = tuple(_with_part(item, rivals) for item in result.estimates)
+    scores = yield from ask(alternatives_of_records, record)
+    alternatives = yield from bounds(record, scores)
+    new = {name: sentence for name, sentence in _flags(alternatives, fit) if name not in result.flags}
+    estimates = tuple(_with_part(item, alternatives) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
     return replace(
         result, estimates=estimates, flags=(*result.flags, *new), warnings=(*warnings, *result.warnings),
-        verdict=Verdict(rivals, *_by_formula(body.problem, fit)),
+        verdict=Verdict(alternatives, *_by_formula(body.problem, fit)),
     )  # fmt: skip
 
 
 def replace_by_best_alternative(
     plain: Fit, body: FittedBody, fit: ForceCurveFit, fresh: ForceCurveModel, result_of: Callable[[ForceCurveFit], Fit]
 ) -> Fit:
-    """The result by the best of the rivals that are taken, where the data favour one; ``result_of`` a fit of the
+    """The result by the best of the alternatives that are taken, where the data favour one; ``result_of`` a fit of the
     record. The systematic part holds what is tied with it."""
     verdict = plain.verdict
-    if verdict is None or not verdict.rivals.named:
+    if verdict is None or not verdict.alternatives.named:
         return plain
-    full = fit_alternatives(FittedRecord(body, fit), fresh, verdict.rivals)
-    verdict = replace(verdict, fitted=tuple(_fitted_rival(one, full[0], body) for one in full))
+    full = fit_alternatives(FittedRecord(body, fit), fresh, verdict.alternatives)
+    verdict = replace(verdict, fitted=tuple(_fitted_alternative(one, full[0], body) for one in full))
     if not verdict.tied:
         return replace(plain, verdict=verdict)
     results = {one.score.name: result_of(one.fit) for one in full[: len(verdict.tied)]}
@@ -258,16 +257,16 @@ def replace_by_best_alternative(
     return replace(result, estimates=estimates, verdict=verdict)
 
 
-def _fitted_rival(one: RivalFit, best: RivalFit, body: FittedBody) -> FittedRival:
+def _fitted_alternative(one: AlternativeFit, best: AlternativeFit, body: FittedBody) -> FittedAlternative:
     model, score = one.fit.model, one.score
     values = model.values(one.fit.x)
     s, quantities = math.exp(values["ln_s"]), model.further(values)
     w = quantities.pop("w", max(values[f"q:{model.stretches[-1].kind}"], 0.0) * s)
     E_star, taken = s * body.problem.E_star, one.taken(best)
-    return FittedRival(score.name, score.family, one.falls, one.chance, taken, E_star, w, quantities)
+    return FittedAlternative(score.name, score.family, one.falls, one.chance, taken, E_star, w, quantities)
 
 
-def _with_ties(item: FittedValue, tied: Sequence[FittedRival], results: Mapping[str, Fit]) -> FittedValue:
+def _with_ties(item: FittedValue, tied: Sequence[FittedAlternative], results: Mapping[str, Fit]) -> FittedValue:
     """The estimate with what the farthest of those that are tied makes of it, or how far its interval reaches beyond
     this one's, where that is more; ``results`` by name."""
     of_modulus, best = _of_modulus(item), tied[0]
@@ -295,31 +294,31 @@ def _by(change: float) -> str:
     return f"{change:+.1%}" if change < VERDICT_TENFOLD else "more than tenfold"
 
 
-def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]]:
-    """Flags with a sentence each; a quantity whose interval is wider than what rivals may change it by tells so
+def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tuple[str, str]]:
+    """Flags with a sentence each; a quantity whose interval is wider than what alternatives may change it by tells so
     itself."""
-    if rivals.named:
-        names = " or ".join(f"{one.name} (E* {_by(one.change(one.E_star))})" for one in rivals.named)
-        apart = ", not distinguishable by this test" if len(rivals.named) > 1 else ""
-        yield REJECTED, f"p = {rivals.chance:.1g}, the residuals favour {names}{apart}"
-    if rivals.named and rivals.named[0].of_directions:
-        compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)
+    if alternatives.named:
+        names = " or ".join(f"{one.name} (E* {_by(one.change(one.E_star))})" for one in alternatives.named)
+        apart = ", not distinguishable by this test" if len(alternatives.named) > 1 else ""
+        yield REJECTED, f"p = {alternatives.chance:.1g}, the residuals favour {names}{apart}"
+    if alternatives.named and alternatives.named[0].of_directions:
+        compared = (one for one in alternatives.scores if one.of_directions and one.family == MEMORY)
         amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
-        families = ", ".join(rivals.families)
+        families = ", ".join(alternatives.families)
         yield DIFFER, f"approach and retraction favour {amounts}; {families} would explain the difference"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
     for quantity, symbol, error, most in zip(
         ("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True
     ):
-        worst = rivals.worst(quantity)
+        worst = alternatives.worst(quantity)
         if worst is not None and worst[1] > max(most, SCORE_NORMAL * error):
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 
-def _with_part(item: FittedValue, rivals: RecordRivals) -> FittedValue:
-    """The estimate with what the worst rival may move it by."""
+def _with_part(item: FittedValue, alternatives: RecordAlternatives) -> FittedValue:
+    """The estimate with what the worst alternative may move it by."""
     of_modulus = _of_modulus(item)
-    worst = rivals.worst("E_star" if of_modulus else "w") if of_modulus or item.dimension == "work" else None
+    worst = alternatives.worst("E_star" if of_modulus else "w") if of_modulus or item.dimension == "work" else None
     return item if worst is None or item.error is None else replace(item, model={worst[0]: worst[1] * abs(item.value)})
 
 
@@ -520,7 +519,7 @@ def reason_not(record: ForceCurve, kind: str) -> str:
 WORKS = {APPROACH: "w_approach", RETRACT: "w"}
 DIMENSIONS = {
     "modulus": "number", "w": "work", "w_approach": "work", "delta0": "length", "P0": "load",
-    "tilt": "stiffness", "wave_period": "length", "wave_amplitude": "load", **OF_RIVALS,
+    "tilt": "stiffness", "wave_period": "length", "wave_amplitude": "load", **OF_ALTERNATIVES,
     **{name: dimension_of(name) for name in POSITIONS},
 }  # fmt: skip
 

@@ -55,7 +55,7 @@ class Fit(Answer):
     tension on retraction [N], None where there is none; ``directions``: of it that were fitted. ``pixel``: in a map.
     ``jkr``: of a fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows
     leave, None
-    where none was tried; ``verdict``: of a raw record, on its rivals; ``plan``: the errors that
+    where none was tried; ``verdict``: of a raw record, on its alternatives; ``plan``: the errors that
     further measurements would leave, on request.
     """
 

@@ -43,7 +43,7 @@ class Settings:
     seed``: of the bootstrap.
     ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
-    ``model`` of a raw record: "auto" fits the best rivals in full where the data favour one.
+    ``model`` of a raw record: "auto" fits the best alternatives in full where the data favour one.
     ``named``: the parameters that the user frees or fixes. ``range_at_most`` [m]: what is known of the range of
     adhesion where JKR is fitted; ``tension_at_most`` [N/m]: of a surface tension that is left out.
     """

@@ -46,7 +46,7 @@ NUMBER = re.compile(r"[-+]?\d[\d.,e+-]*")  # in a line of text
 ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
 REASONS_SHOWN, LONGEST_REASON = 6, 60  # choice: of a line; letters of one
 LOPSIDED = 0.05  # choice: of an interval, by which its middle may miss the value before its ends are printed
-VAGUE = "not determined"  # how flags end of what rivals may change by much
+VAGUE = "not determined"  # how flags end of what alternatives may change by much
 NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a smaller part lies below the second
 
 
@@ -283,7 +283,7 @@ def fit_words(item: Fit) -> list[str]:
 
 def verdict_words(item: Fit) -> list[str]:
     """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
-    give, and which rivals the parts by the model are from."""
+    give, and which alternatives the parts by the model are from."""
     shown, formula = [item.estimate("E_star"), item.work], list[str]()
     doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
     verdict = brief(shown, item.settings.level)
@@ -294,7 +294,7 @@ def verdict_words(item: Fit) -> list[str]:
         by = item.verdict.E_star
         change = by / item.value("E_star") - 1
         formula = [f"{item.verdict.formula} fit at maximum load would give {show(by, 'modulus', 3)} ({change:+.0%})"]
-    others = item.verdict.rivals
+    others = item.verdict.alternatives
     rejected = f"; likely cause: {' or '.join(others.families)}" if others.named else ""
     judged = [] if others.named else ["no alternative model is favoured"]
     if tied := item.verdict.tied:
@@ -354,20 +354,21 @@ def _parts(item: FittedValue, level: float) -> dict[str, float]:
     return {kind: size for kind, size in parts.items() if size > NOTICEABLE * own}
 
 
-def parameter_words(one: alternative_tests.FittedRival) -> str:
-    """What else a rival in full tells, in words."""
-    values = (f"{name} {show(value, alternatives.OF_RIVALS[name], 3)}" for name, value in one.quantities.items())
+def parameter_words(one: alternative_tests.FittedAlternative) -> str:
+    """What else an alternative in full tells, in words."""
+    values = (f"{name} {show(value, alternatives.OF_ALTERNATIVES[name], 3)}" for name, value in one.quantities.items())
     return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
 
 
-def rivals_table(item: Fit) -> list[str]:
-    """A line per rival of a raw record: what the data say, how much of it they ask for, and how E* and w would move."""
+def alternatives_table(item: Fit) -> list[str]:
+    """A line per alternative of a raw record: what the data say, how much of it they ask for, and how E* and w would
+    move."""
     if item.verdict is None:
         return []
     head = f"  {'alternative model':<43}{'the data':<21}{'p':>8}{'E*':>8}{'w':>8}{'chi^2':>10}"
     return [head, *(
         f"  {one.name:<43}{one.word:<21}{one.chance:>8.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
-        f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
+        f"{-one.taken:>10.3g}" for one in item.verdict.alternatives.scores
     ), *(
         f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
         f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {parameter_words(one)}"
@@ -388,19 +389,20 @@ def plan_table(item: Fit) -> list[str]:
 
 
 def _verdict(item: Fit) -> dict[str, Any]:
-    """Rivals of a raw record, each with its score, and what a formula makes of the deepest row."""
+    """Alternatives of a raw record, each with its score, and what a formula makes of the deepest row."""
     if item.verdict is None:
         return {}
     verdict = item.verdict
     return {"verdict": {
         "model": verdict.tied[0].name if verdict.tied else "jkr",
-        "named": [one.name for one in verdict.rivals.named], "families": list(verdict.families),
+        "named": [one.name for one in verdict.alternatives.named], "families": list(verdict.families),
         "in_full": [{
             "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
             **quantities(one, "E_star w"),
-            **{with_unit(name, alternatives.OF_RIVALS[name]): value for name, value in one.quantities.items()},
+            **{with_unit(name, alternatives.OF_ALTERNATIVES[name]): value for name, value in one.quantities.items()},
         } for one in verdict.fitted],
-        "misfit": verdict.rivals.misfit / verdict.rivals.dof, "free_rows_tell_the_noise": verdict.rivals.loose > 0,
+        "misfit": verdict.alternatives.misfit / verdict.alternatives.dof,
+        "free_rows_tell_the_noise": verdict.alternatives.loose > 0,
         "formula": {"name": verdict.formula, "E_star_Pa": verdict.E_star} if verdict.E_star is not None else None,
         "rivals": [{
             "name": one.name, "family": one.family, "word": one.word, "amount_is": one.amount_is, "amount": one.amount,
@@ -409,7 +411,7 @@ def _verdict(item: Fit) -> dict[str, Any]:
             # the relative moves of E* and w with what was found of it
             "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
             "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
-        } for one in verdict.rivals.scores],
+        } for one in verdict.alternatives.scores],
     }}  # fmt: skip
 
 

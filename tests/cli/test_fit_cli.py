@@ -296,8 +296,8 @@ def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
 
 
 def test_a_work_of_adhesion_ten_times_that_of_the_record_is_told_not_to_fit(jkr) -> None:
-    """Its edge recedes wherever the series is, and a rival that leads there is none; the fit is said to leave a misfit,
-    and E* = 200 kPa stays inside what the model leaves open."""
+    """Its edge recedes wherever the series is, and an alternative that leads there is none; the fit is said to leave a
+    misfit, and E* = 200 kPa stays inside what the model leaves open."""
     record = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
     words = ("fit", "--radius", "5 um", "--nu", "0.5", str(record), "--no-plots", "--force", "-o", "raw", "--fix")
     outcome = jkr(*words, "w=10 mJ/m^2")

@@ -390,7 +390,7 @@ def test_odrpack_finds_the_same() -> None:
 def test_a_scaling_fit_is_quick(counted: Counter[str]) -> None:
     fit(half_space(), sphere(500, 0.01), usual())
     assert counted["solves"] == 0
-    assert counted["evaluations"] <= 45  # 41 measured, 12 of them for its rivals
+    assert counted["evaluations"] <= 45  # 41 measured, 12 of them for its alternatives
 
 
 def test_the_end_of_a_curve_on_a_thin_layer_is_no_base_line() -> None:

@@ -89,15 +89,15 @@ def test_a_device_creeps_while_it_waits() -> None:
     assert not found.flags
 
 
-def test_the_rival_in_full_is_what_is_fitted_on_request() -> None:
+def test_the_alternative_in_full_is_what_is_fitted_on_request() -> None:
     curve = made(bowed(0.01))
-    by_rival, asked = fit(BODY, curve, usual(model="auto")), fit(BODY, curve, usual(free=["hysteresis"]))
-    assert by_rival.verdict is not None
-    assert by_rival.verdict.tied[0].name == "hysteresis of the position"
+    by_alternative, asked = fit(BODY, curve, usual(model="auto")), fit(BODY, curve, usual(free=["hysteresis"]))
+    assert by_alternative.verdict is not None
+    assert by_alternative.verdict.tied[0].name == "hysteresis of the position"
     for name in ("hysteresis", "E_star", "w"):
-        assert by_rival.value(name) == pytest.approx(asked.value(name), rel=1e-3)
+        assert by_alternative.value(name) == pytest.approx(asked.value(name), rel=1e-3)
     assert asked.verdict is not None
-    assert "hysteresis of the position" not in {one.name for one in asked.verdict.rivals.scores}
+    assert "hysteresis of the position" not in {one.name for one in asked.verdict.alternatives.scores}
 
 
 def test_hysteresis_needs_no_time() -> None:

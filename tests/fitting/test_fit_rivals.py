@@ -34,7 +34,7 @@ from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import Drift, FittedBody
 from jkrcli.fitting.parameters import Parameter
 from jkrcli.fitting.procedure import OF_STRAINS, fit
-from jkrcli.fitting.range_alternative import RANGE, RIVALS, AddedTerm
+from jkrcli.fitting.range_alternative import ALTERNATIVES, RANGE, AddedTerm
 from jkrcli.fitting.result import Fit
 from jkrcli.fitting.rows import Readings
 from jkrcli.methods.closed_form import ClosedForm
@@ -164,7 +164,7 @@ def test_the_second_part_is_that_of_an_interval() -> None:
     """What is told of a change c along the record, of standard deviation s, and t s beyond: over many records |c| is
     0.8 s in the mean and once next to 0. Half the interval would leave 0.55 for the ratio, twice as much 0.83."""
     found = [fit(half_space(), sphere(60, 1e-3, seed), usual()).estimate("E_star") for seed in range(12)]
-    parts = np.array([[item.model[RIVALS[name][0]] for name in ("w", "modulus")] for item in found])
+    parts = np.array([[item.model[ALTERNATIVES[name][0]] for name in ("w", "modulus")] for item in found])
     share = 2 / (2 + math.sqrt(2 / math.pi))
     assert parts.min(axis=0) / parts.mean(axis=0) == pytest.approx(share, abs=0.06)
 

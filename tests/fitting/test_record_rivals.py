@@ -1,4 +1,5 @@
-"""Rivals of raw records: columns against loads made by formulae of their own, and what is made of their scores."""
+"""Alternatives of raw records: columns against loads made by formulae of their own, and what is made of their
+scores."""
 
 from __future__ import annotations
 
@@ -26,25 +27,25 @@ from jkrcli.fitting.alternative_tests import (
     EXCLUDED,
     UNDECIDED,
     Linearised,
-    RecordRivals,
+    RecordAlternatives,
     _Amounts,
     _of_amounts,
     _tails,
+    alternatives_of_records,
     bounds,
     off_folds,
-    rivals_of_records,
 )
 from jkrcli.fitting.alternatives import (
+    ALTERNATIVES,
     AMOUNT,
     CHANGE_SMALL,
     LITTLE,
-    RIVALS,
     AlternativeModel,
     ChangedFamily,
+    ChangedModel,
     FittedRecord,
     Known,
     Perturbation,
-    RivalModel,
     columns,
     work_over_speed,
 )
@@ -54,7 +55,7 @@ from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.record import _fitted, _model, as_raw_force_curve, directions_of, half_space_modulus
 from jkrcli.fitting.result import Fit
 from jkrcli.fitting.settings import Settings
-from jkrcli.report.inverse import fit_words, rivals_table, summary
+from jkrcli.report.inverse import alternatives_table, fit_words, summary
 
 AT = Drawn(E=1e5, w=2e-4, radius=1.5e-6, k=1.0, largest=4e5 * 1.5e-6**3 / (3 * R), noise=3e-11, seed=5)
 ALL = WRONG | SPEED
@@ -67,8 +68,8 @@ def curve(made: Wrong) -> Curve:
 
 
 @lru_cache
-def rivals_of_record(record: FittedRecord) -> RecordRivals:
-    (found,) = rivals_of_records([record])
+def alternatives_of_record(record: FittedRecord) -> RecordAlternatives:
+    (found,) = alternatives_of_records([record])
     assert not isinstance(found, Exception)
     return found
 
@@ -92,7 +93,7 @@ def answer(kind: str) -> Fit:
 
 
 def named(name: str) -> AlternativeModel:
-    return next(rival for rival in RIVALS if rival.name == name)
+    return next(alternative for alternative in ALTERNATIVES if alternative.name == name)
 
 
 def change(name: str) -> Perturbation:
@@ -106,15 +107,15 @@ def column(at: FittedRecord, name: str) -> np.ndarray:
 
 
 def test_names_and_families() -> None:
-    assert len({rival.name for rival in RIVALS}) == len(RIVALS)
-    assert len({rival.family for rival in RIVALS}) == 5
+    assert len({alternative.name for alternative in ALTERNATIVES}) == len(ALTERNATIVES)
+    assert len({alternative.family for alternative in ALTERNATIVES}) == 5
 
 
 def test_the_load_of_a_sphere() -> None:
     """By Sneddon's series: P over that of the paraboloid at equal depth is 1 - delta/(5 R) to first order."""
     at = still_record()
     a = np.array([1e-2, 1e-1]) * R
-    body = RivalModel.of(at.model, change("sphere or paraboloid"))
+    body = ChangedModel.of(at.model, change("sphere or paraboloid"))
     values = at.model.values(at.fit.x) | {"amount": LITTLE}
     family = body.followed(at.model.stretches[0], values).family
     assert isinstance(family, ChangedFamily)
@@ -187,10 +188,10 @@ def test_the_formula_of_the_half_space() -> None:
 def test_a_right_record_asks_for_nothing() -> None:
     found = answer("right")
     assert found.verdict is not None
-    assert not found.verdict.rivals.named
+    assert not found.verdict.alternatives.named
     assert found.flags == ()
-    assert found.verdict.rivals.misfit / found.verdict.rivals.dof == pytest.approx(1, abs=0.1)
-    assert {one.word for one in found.verdict.rivals.scores} <= {EXCLUDED, UNDECIDED}
+    assert found.verdict.alternatives.misfit / found.verdict.alternatives.dof == pytest.approx(1, abs=0.1)
+    assert {one.word for one in found.verdict.alternatives.scores} <= {EXCLUDED, UNDECIDED}
     assert "no alternative model is favoured" in fit_words(found)[2]
 
 
@@ -198,7 +199,7 @@ def test_a_right_record_asks_for_nothing() -> None:
 def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
     found = answer(kind)
     assert found.verdict is not None
-    assert family in found.verdict.rivals.families
+    assert family in found.verdict.alternatives.families
     assert "model rejected" in found.flags
     assert ("directions differ" in found.flags) == (kind == "plastic")
     assert summary([found], "body")["curves"][0]["status"] == "doubtful"
@@ -206,21 +207,22 @@ def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
 
 
 def test_scores_are_chi_squares() -> None:
-    """Of right records with other noise the amounts scatter by their errors: mean of z^2 near 1 (22 rivals of 12)."""
+    """Of right records with other noise the amounts scatter by their errors: mean of z^2 near 1 (22 alternatives of
+    12)."""
     at = still_record()
-    held = [rivals_of_record(FittedRecord(at.body, _noisy(at, seed))).scores for seed in range(12)]
+    held = [alternatives_of_record(FittedRecord(at.body, _noisy(at, seed))).scores for seed in range(12)]
     z2 = np.array([[one.taken for one in scores] for scores in held])
     assert np.mean(z2) == pytest.approx(1, abs=0.4)
 
 
-def test_what_the_model_itself_takes_is_no_rivals() -> None:
+def test_what_the_model_itself_takes_is_no_alternatives() -> None:
     """Five standard errors beside the best offset: the residuals are others, the scores are not."""
     at = still_record()
     i = next(i for i, name in enumerate(at.fit.names) if name.startswith("offset"))
     beside = at.fit.x.copy()
     beside[i] += 5 * math.sqrt(at.fit.covariance[i, i])
     best, other = (
-        np.array([one.taken for one in rivals_of_record(FittedRecord(at.body, found)).scores])
+        np.array([one.taken for one in alternatives_of_record(FittedRecord(at.body, found)).scores])
         for found in (at.fit, replace(at.fit, x=beside))
     )
     assert other == pytest.approx(best, abs=0.01 * best.max() + 1e-3)
@@ -234,8 +236,8 @@ def _noisy(at: FittedRecord, seed: int) -> object:
 
 
 def test_what_is_left_of_a_known_amount() -> None:
-    """The data exclude part of it: amounts from 0.1 to 0.3 of a rival known within 0.2 leave 0.2."""
-    score = next(one for one in answer("right").verdict.rivals.scores)  # type: ignore[union-attr]
+    """The data exclude part of it: amounts from 0.1 to 0.3 of an alternative known within 0.2 leave 0.2."""
+    score = next(one for one in answer("right").verdict.alternatives.scores)  # type: ignore[union-attr]
     one = replace(score, amount=0.2, error=0.1 / 1.96, quantile=1.96, least=-0.2, known=0.2, word=UNDECIDED)
     assert one.most == pytest.approx(0.2)
     assert replace(one, known=1.0).most == pytest.approx(0.3)
@@ -244,11 +246,11 @@ def test_what_is_left_of_a_known_amount() -> None:
     assert replace(one, known=1.0, word=DETECTED).moved(2.0) == pytest.approx(0.6)
 
 
-def test_columns_are_finite_and_few_rivals_mean_nothing() -> None:
+def test_columns_are_finite_and_few_alternatives_mean_nothing() -> None:
     held = columns(still_record())
-    assert {rival.name for rival in RIVALS} - {rival.name for rival in held} == {
+    assert {alternative.name for alternative in ALTERNATIVES} - {alternative.name for alternative in held} == {
         "thickness of the layer", "nu of the layer", "no slip", "another slope at rest"
-    } - ({"another slope at rest"} & {rival.name for rival in held})  # fmt: skip
+    } - ({"another slope at rest"} & {alternative.name for alternative in held})  # fmt: skip
 
 
 def test_the_command_prints_the_table(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
@@ -264,7 +266,7 @@ def test_the_command_prints_the_table(jkr: Callable[..., Outcome], tmp_path: Pat
     assert "a rigid substrate below" in said.out
     told = json.loads((tmp_path / "curve-fit.json").read_text())["curves"][0]
     assert "relaxation or flow" in told["verdict"]["families"]
-    assert len(told["verdict"]["rivals"]) == len(rivals_table(answer("right"))) - 1
+    assert len(told["verdict"]["rivals"]) == len(alternatives_table(answer("right"))) - 1
 
 
 def test_positions_that_repeat_take_no_fit_with_them() -> None:
@@ -289,7 +291,7 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
         ("relaxation", {"fall": 0.5}), ("w over the speed", {"n": 0.4}),
     ]),
 ])  # fmt: skip
-def test_the_right_rival_in_full_gives_the_truth(kind: str, told: dict[str, float]) -> None:
+def test_the_right_alternative_in_full_gives_the_truth(kind: str, told: dict[str, float]) -> None:
     """E* within four standard errors."""
     made = ALL[kind](AT)
     plain, found = answer(kind), fit(BODY, curve(made), usual(model="auto"))
@@ -363,7 +365,7 @@ def test_adhesion_of_long_range_is_named() -> None:
     """DMT, the limit of long ranges: its column from JKR explains what is left, by an amount towards it."""
     told = answer("DMT").verdict
     assert told is not None
-    score = next(one for one in told.rivals.named if one.name == "adhesion of long range (DMT)")
+    score = next(one for one in told.alternatives.named if one.name == "adhesion of long range (DMT)")
     assert 0.2 < score.amount < 1
     assert score.w < 0
 
@@ -375,7 +377,7 @@ def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str,
     """No column of one step tells it, which trusts no row next to a fold; fits at one range after the other do."""
     found = fit(BODY, curve(WRONG[kind](replace(AT, noise=louder * AT.noise))), usual())
     assert found.verdict is not None
-    assert ("adhesion of finite range" in [one.name for one in found.verdict.rivals.named]) == asked
+    assert ("adhesion of finite range" in [one.name for one in found.verdict.alternatives.named]) == asked
     for name, true in (("E_star", AT.E), ("w", AT.w)):
         item = found.estimate(name)
         assert item.error is not None
@@ -391,11 +393,11 @@ def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str,
 def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) -> None:
     """Of a range below all that the body suggests, which these data exclude."""
     at = of_record(right(drawn), usual())
-    rivals = alone(bounds(at, rivals_of_record(at)))
-    score = next(one for one in rivals.scores if one.name == name)
+    alternatives = alone(bounds(at, alternatives_of_record(at)))
+    score = next(one for one in alternatives.scores if one.name == name)
     effect = named(score.name).effect(at)
     assert isinstance(effect, Perturbation)
-    model = RivalModel.of(at.model, effect)
+    model = ChangedModel.of(at.model, effect)
     held = replace(model, known={**model.known, AMOUNT: score.most})
     here = FittedRecord(at.body, force_curve.fit(held, at.fit.x, near=True))
     for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
@@ -404,9 +406,9 @@ def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) ->
 
 def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     """Of rises of chi^2 by 0, 6 and 7: the larger moves of the last two at 1.96 over the root of theirs."""
-    at, rival = still_record(), named("adhesion of finite range")
-    score = next(one for one in rivals_of_record(at).scores if one.name == rival.name)
-    effect = rival.effect(at)
+    at, alternative = still_record(), named("adhesion of finite range")
+    score = next(one for one in alternatives_of_record(at).scores if one.name == alternative.name)
+    effect = alternative.effect(at)
     assert isinstance(effect, Perturbation)
     tried = _Amounts(Linearised.of(at), effect, np.zeros_like(at.fit.x))
     tried.moves.update({4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)})
@@ -419,11 +421,11 @@ def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
 def test_a_look_ahead_tells_where_steps_lead() -> None:
     """To first order in the loads chi^2 rises with a surface tension as steps find it, within a twentieth, and unknowns
     move as far within half a standard error: of 10 to 68 that they move, 0.009 to 0.32."""
-    at, rival = of_record(right(AT), usual()), named("surface tension")
-    effect = rival.effect(at)
+    at, alternative = of_record(right(AT), usual()), named("surface tension")
+    effect = alternative.effect(at)
     assert isinstance(effect, Perturbation)
-    near = Linearised.of(at, off_folds(at), rivals=True)
-    tried = _Amounts(near, effect, near.evidence[2][at.alternatives.index(rival)])
+    near = Linearised.of(at, off_folds(at), alternatives=True)
+    tried = _Amounts(near, effect, near.evidence[2][at.alternatives.index(alternative)])
     amounts = [2e-4, 8e-4, 1.5e-3]
     rises, moves = tried.look_ahead(amounts)
     assert rises[0] < 0 < rises[1]
@@ -448,10 +450,10 @@ def test_the_angle_of_a_cone_is_an_error_of_its_modulus() -> None:
 def test_a_surface_tension_that_may_be_there_is_in_the_part_of_the_model() -> None:
     """Of 30 mN/m at most: E* of a half-space moves by 3 kappa log/(pi a) at equal depth; none is known by default."""
     at = still_record()
-    rival = named("surface tension")
-    assert rival.likely_in(at) == 0
+    alternative = named("surface tension")
+    assert alternative.likely_in(at) == 0
     kappa = 2 * 0.03 / (at.modulus * at.body.problem.E_star)
-    assert rival.likely_in(replace(at, known=Known(tension=0.03))) == pytest.approx(kappa / at.a_max, rel=1e-12)
+    assert alternative.likely_in(replace(at, known=Known(tension=0.03))) == pytest.approx(kappa / at.a_max, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -482,8 +484,9 @@ def test_a_bound_of_surface_tension_is_for_raw_records(jkr: Callable) -> None:
 
 
 def test_a_column_that_the_model_itself_makes_has_no_chance_and_warns_of_nothing() -> None:
-    """The Jacobian's own first column among those of rivals: nothing of it is left, and no arithmetic overflows."""
-    near = Linearised.of(still_record(), rivals=True)
+    """The Jacobian's own first column among those of alternatives: nothing of it is left, and no arithmetic
+    overflows."""
+    near = Linearised.of(still_record(), alternatives=True)
     first = 1 + len(near.scale)
     gram = near.gram.copy()
     gram[first], gram[:, first] = gram[1], gram[:, 1]

@@ -545,6 +545,42 @@ def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, flo
     return quantities | body.moduli(s)
 
 
+def rates_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, Array]:
+    """Derivatives by the unknowns ``x`` of what they mean, on the scales of ``_quantity``; but of what the model alone
+    knows further."""
+    model, values = best.model, best.model.values(x)
+    by = dict.fromkeys(values, np.zeros(x.size)) | dict(zip(model.names, np.eye(x.size), strict=True))
+    s, last = math.exp(values["ln_s"]), model.stretches[-1]
+    rates = dict.fromkeys(("modulus", *body.moduli(s)), by["ln_s"])  # of their logs
+
+    # w = q s, and of an unknown r = sqrt(q) its root r sqrt(s)
+    for part in model.stretches:
+        kind, r = part.kind, f"r:{part.kind}"
+        if r in model.names:
+            rates[WORKS[kind]] = math.sqrt(s) * (by[r] + values[r] / 2 * by["ln_s"])
+        elif kind in model.works:
+            rates[WORKS[kind]] = by[f"q:{kind}"]
+        else:
+            rates[WORKS[kind]] = s * (by[f"q:{kind}"] + values[f"q:{kind}"] * by["ln_s"])
+
+    # P0 = offset + tilt (z0 - z_first) + wave(z0), delta0 = z0 - P0/k
+    offset, tilt, cos, sin = (f"{name}:{last.kind}" for name in ("offset", "tilt", "cos", "sin"))
+    P0 = by[offset] + (values["z0"] - last.z[0]) * by[tilt] + values[tilt] * by["z0"]
+    if last.wave is not None:
+        size, turn = math.hypot(values[cos], values[sin]), 2 * math.pi / math.exp(values["ln_period"])
+        phase = turn * (values["z0"] - last.wave.at)
+        slope = values[sin] * math.cos(phase) - values[cos] * math.sin(phase)
+        P0 += math.cos(phase) * by[cos] + math.sin(phase) * by[sin]
+        P0 += slope * (turn * by["z0"] - phase * by["ln_period"])
+        rates["wave_period"] = math.exp(values["ln_period"]) * by["ln_period"]
+        rates["wave_amplitude"] = (values[cos] * by[cos] + values[sin] * by[sin]) / (size or 1.0)
+    rates |= {"delta0": by["z0"] - P0 / model.k, "P0": P0, "tilt": by[tilt]}
+    rates |= {name: by[name] for name in model.positions}
+    for name in model.further(values):
+        rates.pop(name, None)
+    return rates
+
+
 def as_fit(
     body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None
 ) -> Fit:
@@ -638,6 +674,7 @@ def _intervals(
     """What is known of the outcome ``here``, of which some are ``fixed``."""
     quantities = [_quantity(name, best) for name in here]
     fixed_values = {name: value for name, value in here.items() if name in fixed}
+    still = dict.fromkeys(fixed_values, np.zeros(best.x.size))
     bent = [item for item in quantities if item.kind in (LOG, ROOT)]
 
     def meaning(x: Array) -> dict[str, float]:
@@ -649,7 +686,10 @@ def _intervals(
         cost = best.least.problem.converged
         samples = bootstrap(best.least, partial(_renewed, best), cost, settings.samples, settings.seed, pool)
     profiled = settings.confidence == "profile" and best.ended
-    return Intervals(best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples)
+    return Intervals(
+        best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples,
+        exact=lambda x: rates_of(best, x, body) | still,
+    )  # fmt: skip
 
 
 def _quantity(name: str, best: ForceCurveFit) -> Parameter:

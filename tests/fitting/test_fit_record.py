@@ -23,6 +23,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.data.curve import Curve, Reading
 from jkrcli.data.measured import read
 from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.least_squares import Intervals
 from jkrcli.fitting.parameters import ROOT, FittedValue, Parameter
 from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.record import as_raw_force_curve
@@ -482,6 +483,28 @@ def test_intervals_of_two_hundred_records_with_a_sine() -> None:
         told = judged(fit(BODY, curve, usual(base_line="sine")), {"E_star": E_star, "w": w})
         held.append([inside for _, inside in told.values()])
     assert (np.abs(np.mean(held, axis=0) - 0.95) <= 0.045).all()  # of 200 records: three standard deviations
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"base_line": "sine"}, {"segment": "approach"}, {"fix": [("w", "1e-4")]}, {"free": ["hysteresis"]}],
+)
+def test_derivatives_of_what_unknowns_mean(options: dict[str, object], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those in closed form are those by central differences, of 1e-3 of each unknown."""
+    made_of = []
+
+    def intervals(*args: object, **more: object) -> Intervals:
+        made_of.append((args, more))
+        return Intervals(*args, **more)
+
+    monkeypatch.setattr("jkrcli.fitting.record.Intervals", intervals)
+    monkeypatch.setattr("jkrcli.fitting.least_squares.INTERVAL_STEP", 1e-3)
+    fit(BODY, wavy(np.random.default_rng(1000))[0] if "base_line" in options else cycled(1), usual(**options))
+    args, more = made_of[0]
+    exact, differences = Intervals(*args, **more).rates, Intervals(*args, **{**more, "exact": lambda _: {}}).rates
+    assert exact.keys() == differences.keys()
+    for name, rate in exact.items():
+        np.testing.assert_allclose(rate, differences[name], rtol=1e-4, atol=1e-6 * np.abs(rate).max())
 
 
 def test_a_sine_that_is_not_there_is_not_fitted() -> None:

@@ -705,11 +705,9 @@ def _quantity(name: str, best: ForceCurveFit) -> Parameter:
 def _resting(item: FittedValue, best: ForceCurveFit, t: float, intervals: Intervals) -> FittedValue:
     """The estimate; w of an edge that rests throughout is a lower bound: what its last row holds, less ``t`` of its
     standard errors. Rows at rest go with the root of the w before: where that may be 0, its limit is by the profile."""
-    if f"q:{RETRACT}" not in best.model.known:
-        return item
-    if item.name == WORKS[APPROACH] and item.low == 0 and best.ended:
+    if item.name == WORKS[APPROACH] and item.low == 0 and best.ended and best.model.edges(best.x)[-1][1] is not None:
         return intervals.with_limit(item)
-    if item.name != WORKS[RETRACT]:
+    if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
         return item
     low = max(item.value - t * _error_of_held(best), 0.0)
     return FittedValue(item.name, item.value, True, item.dimension, None, low)

@@ -318,7 +318,7 @@ class DeviceBranch:
         # between two nodes at the fold, on one of them beyond:
         place = np.maximum((self.u - self.nodes.u[0]) / (self.nodes.u[1] - self.nodes.u[0]), 0.0)
         i, first = np.rint(place).astype(int), min(int(place[0]), self.nodes.u.size - 2)
-        here, parts = changes[..., i], self.nodes.functions[:, 0, i]
+        here, parts = changes.take(i, axis=-1), self.nodes.functions[:, 0, i]
         here[..., 0] = changes[..., first] + (changes[..., first + 1] - changes[..., first]) * (place[0] - first)
         parts[:, 0] = self.at_fold
         parts[:2] *= self.slope / -2

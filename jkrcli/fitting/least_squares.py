@@ -805,15 +805,19 @@ class Spectrum:
 class Spread:
     """``covariance`` of the unknowns; ``tau``: how many rows count as one, the factor by which the colour of the noise
     raises their variances; ``excess``: the factor by which the residuals of all rows would widen the standard errors
-    beyond it (both medians). ``dof``: rows that determine the ``noise``; ``possible``: where it is white, what it may
-    be as well, each with its chance."""
+    beyond it (both medians). ``dof``: rows that determine the ``noise``; ``seen``: its waves in the free rows."""
 
     covariance: Array
     tau: float
     excess: float
     dof: int
     noise: Spectrum
-    possible: Possible | None = None
+    seen: Periodogram | None = None
+
+    @cached_property
+    def possible(self) -> Possible | None:
+        """Where the noise of free rows is white, what it may be as well, each with its chance."""
+        return None if self.seen is None or self.noise.slow else self.seen.possible()
 
 
 @dataclass(frozen=True, eq=False)
@@ -917,9 +921,9 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     own = density(weight, off.size) if weight.slow else 1.0  # no white weight changes the covariance
     if weight.slow:
         rows /= np.sqrt(own)
-    Q, inverse = _factors(rows[:-1].T)
+    Q, inverse = _factors(rows[:-1])
     f = frequencies(waves)
-    octaves = Octaves.of(f, np.einsum("ij,ij->i", Q, Q) + (1 - off.size / waves))
+    octaves = Octaves.of(f, np.einsum("ij,ij->j", Q, Q) + (1 - off.size / waves))
     all_rows = Periodogram(octaves, octaves.means(rows[-1] ** 2)).spectrum()
     every = all_rows(f) * own if all_rows.slow or weight.slow else all_rows.A
     loose = sum(run.size for run in free)
@@ -927,10 +931,10 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
 
     def of(noise: Array | float) -> Array:
-        if isinstance(noise, float) and not weight.slow:  # Q^T Q = 1
+        if isinstance(noise, float) and not weight.slow:  # Q Q^T = 1
             plain: Array = noise * (inverse @ inverse.T)
             return plain
-        matrix: Array = inverse @ (Q.T * (noise / own)) @ Q @ inverse.T
+        matrix: Array = inverse @ ((Q * (noise / own)) @ Q.T) @ inverse.T
         return matrix
 
     def of_spectrum(noise: Spectrum) -> tuple[Array, float]:
@@ -947,24 +951,23 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     tau, excess = _rise(covariance, of(level)), math.sqrt(max(rise, 1.0))
     if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
         covariance = covariance * (COLOURED_UNSEEN * min(excess, COLOURED_EXCEEDED)) ** 2
-    possible = None if seen is None or noise.slow else seen.possible()
-    return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise, possible)
+    return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise, seen)
 
 
 def _factors(J: Array) -> tuple[Array, Array]:
-    """Q and R^-1 of J = Q R, its columns orthonormal: by J^T J, a fifth of the work, unless that loses too many digits;
-    very large along what J does not tell."""
-    squares = J.T @ J
+    """Q and R^-1 of J^T = Q^T R, the rows of Q orthonormal: by J J^T, a fifth of the work, unless that loses too many
+    digits; very large along what J, (unknowns, rows), does not tell."""
+    squares = J @ J.T
     size = np.sqrt(squares.diagonal())
     size[size == 0] = 1.0
     with contextlib.suppress(np.linalg.LinAlgError):
         lower = np.linalg.cholesky(squares / (size[:, None] * size))
         if (pivots := lower.diagonal()).min(initial=1.0) > SEARCH_DIGITS * pivots.max(initial=0.0):
-            inverse = np.linalg.inv(lower).T / size[:, None]
-            return J @ inverse, inverse
-    Q, R = np.linalg.qr(J / size)
+            inverse = np.linalg.inv(lower) / size
+            return inverse @ J, inverse.T
+    Q, R = np.linalg.qr(J.T / size)
     U, s, V = np.linalg.svd(R)
-    return Q, (V.T / np.maximum(s, COLOURED_SINGULAR * s[0])) @ U.T / size[:, None]
+    return Q.T, (V.T / np.maximum(s, COLOURED_SINGULAR * s[0])) @ U.T / size[:, None]
 
 
 def _rise(one: Array, other: Array) -> float:
@@ -989,10 +992,14 @@ def _of_base_lines(runs: Sequence[Array], rounding: float) -> Periodogram:
     order, octaves = _beside_lines(tuple(run.size for run in runs))
     parts = []
     for off in runs:
-        along = np.arange(off.size) - (off.size - 1) / 2
-        line = off.mean() + along * (along @ off / (along @ along))
-        parts.append(numerics.cosine_transform(off - line) ** 2)
-    return Periodogram(octaves, np.maximum(octaves.means(np.concatenate(parts)[order]), max(rounding, TINY)))
+        n = off.size
+        along = np.arange((1 - n) / 2, n / 2)
+        along *= along @ off * 12 / (n * (n**2 - 1.0))
+        along += off.sum() / n
+        parts.append(numerics.cosine_transform(off - along))
+    power = np.concatenate(parts)[order]
+    power *= power
+    return Periodogram(octaves, np.maximum(octaves.means(power), max(rounding, TINY)))
 
 
 @lru_cache(maxsize=TOGETHER)
@@ -1026,15 +1033,18 @@ class Octaves:
     def of(cls, f: Array, taken: Array) -> Octaves:
         """Of frequencies ``f`` in increasing order; ``taken``: how much of each wave the fit has. An octave of which
         too little is left joins the next."""
-        left, lowest = 1 - np.minimum(taken, 1.0), float(f[np.searchsorted(f, 0.0, side="right")])
-        first, joined, so_far = _octaves(f.size), [0], 0.0
-        sums = np.add.reduceat(np.stack([left, left / np.maximum(f, lowest / 2)]), first, axis=1)
-        for i, more in enumerate(sums[0, :-1].tolist(), start=1):
-            so_far += more
-            if so_far > COLOURED_SHARE * (first[i] - first[joined[-1]]):
-                joined, so_far = [*joined, i], 0.0
-        count, over_f = np.add.reduceat(sums, joined, axis=1)
-        return cls(first[joined], count, count / over_f, lowest)  # the centre is where 1/f is its mean
+        lowest, begins = float(f[np.searchsorted(f, 0.0, side="right")]), _octaves(f.size)
+        left = np.empty((2, f.size))
+        np.subtract(1.0, np.minimum(taken, 1.0), out=left[0])
+        np.divide(left[0], np.maximum(f, lowest / 2), out=left[1])
+        first, count, over_f = list[int](), list[float](), list[float]()
+        for begin, waves, over in zip(begins.tolist(), *np.add.reduceat(left, begins, axis=1).tolist(), strict=True):
+            if first and count[-1] <= COLOURED_SHARE * (begin - first[-1]):
+                count[-1], over_f[-1] = count[-1] + waves, over_f[-1] + over
+            else:
+                first, count, over_f = [*first, begin], [*count, waves], [*over_f, over]
+        each = np.array(count)
+        return cls(np.array(first), each, each / over_f, lowest)  # the centre is where 1/f is its mean
 
     def means(self, power: Array) -> Array:
         """The mean squares of waves, of ``power`` each, in octaves."""

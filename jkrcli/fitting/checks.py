@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -130,10 +131,11 @@ def _of_validity(fit: Fit, body: FittedBody, family: Family) -> list[str]:
     specimen, indenter, a = body.problem.specimen, body.problem.indenter, float(np.max(fit.a))
     free = (item.value for item in fit.estimates if item.name.startswith("h:") and item.free)
     h, depth = next(free, specimen.top_thickness), specimen.yielding_depth
+    depth = h if depth == specimen.top_thickness else depth
+    delta = float(family.at(np.log([a]))[0][0, 0]) if math.isfinite(depth) else 0.0  # over the depth alone
     judged = judge(
-        a=a, delta=float(family.at(np.log([a]))[0][0, 0]), E_star=fit.value("E_star"),
-        w=fit.work.value if _adhesion(fit) else 0.0, R=indenter.tip_radius, h=h,
-        depth=h if depth == specimen.top_thickness else depth, L=specimen.radius, end_is_cut=False,
+        a=a, delta=delta, E_star=fit.value("E_star"), w=fit.work.value if _adhesion(fit) else 0.0,
+        R=indenter.tip_radius, h=h, depth=depth, L=specimen.radius, end_is_cut=False,
         z0=Record.z0 if fit.jkr is None else None, tension=specimen.surface_tension, profile=indenter.noun,
     )  # fmt: skip
     return [line.replace(REMEDY, "fit with --free range (or stress)") for line in judged.warnings]

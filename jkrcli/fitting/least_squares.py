@@ -136,7 +136,7 @@ class Structure:
 def structure(residuals: Array) -> Structure:
     """Lag-1 autocorrelation and the runs test of Wald and Wolfowitz, both against positive structure."""
     n = residuals.size
-    centred = residuals - np.mean(residuals)
+    centred = residuals - residuals.sum() / n
     total = float(centred @ centred)
     lag1 = float(centred[1:] @ centred[:-1]) / total if total > 0 else 0.0
     above = residuals > median(residuals)
@@ -582,17 +582,21 @@ class Intervals:
         if not self.rates[item.name].any():
             value = item.outer(y) if item.value is None else item.value
             return FittedValue(item.name, value, False, item.dimension)
-        estimate = item.estimate(y, self._sigma(item), self.t)
+        estimate = item.estimate(y, self.errors[item.name], self.t)
         if self.drawn:
             return self._of_samples(item, estimate)
         if not self.profiled:
             return self.with_limit(estimate) if item.kind == "root" and estimate.low == 0 else estimate
         return self._shared(item, estimate, before) if item.follows else self._with_profile(item, estimate)
 
-    def _sigma(self, item: Parameter) -> float | None:
-        """The standard error on the scale."""
-        rate = self.rates[item.name]
-        return None if self.covariance is None else math.sqrt(max(float(rate @ self.covariance @ rate), 0.0))
+    @cached_property
+    def errors(self) -> Mapping[str, float | None]:
+        """The standard errors on the scales; None where the unknowns are not determined."""
+        if self.covariance is None:
+            return dict.fromkeys(self.rates)
+        by = np.array(list(self.rates.values()))
+        variances = np.sum(by @ self.covariance * by, axis=1)
+        return dict(zip(self.rates, np.sqrt(np.maximum(variances, 0.0)).tolist(), strict=True))
 
     def _of_samples(self, item: Parameter, estimate: FittedValue) -> FittedValue:
         """The estimate with the scatter of the samples, and the interval of so many of them."""
@@ -629,7 +633,7 @@ class Intervals:
     def end(self, item: Parameter, width: float) -> float | None:
         """The value at which the least cost with the quantity held is as much higher as ``width`` standard errors make
         it where the model is linear; None: it never is."""
-        rate, sigma = self.rates[item.name], self._sigma(item)
+        rate, sigma = self.rates[item.name], self.errors[item.name]
         step = math.copysign(INTERVAL_BEGIN, width) if sigma is None else width * sigma
         if item.kind == "log":  # of a vague one more would overflow
             step = max(min(step, 1.0), -1.0)

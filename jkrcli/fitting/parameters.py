@@ -93,9 +93,10 @@ class Answer(Reported):
         """Pairs of free parameters that the data hardly separate, with a sentence on each."""
         if (matrix := self.correlation) is None:
             return
+        rows = matrix.tolist()
         for (i, one), (j, two) in itertools.combinations(enumerate(self.free), 2):
-            if abs(matrix[i, j]) > ANSWER_APART:
-                yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({matrix[i, j]:.4f})"
+            if abs(rows[i][j]) > ANSWER_APART:
+                yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({rows[i][j]:.4f})"
 
     def vague(self, names: Sequence[str]) -> Iterator[str]:
         """A sentence on each of these that is little more than its order."""

@@ -7,14 +7,14 @@ import contextlib
 import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, ROUNDED, SAME, TINY, UNSEEN, Array
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, REMEMBERED, ROUNDED, SAME, TINY, UNSEEN, Array
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
@@ -60,37 +60,48 @@ from .settings import AUTO, CALIBRATED, Settings
 
 @dataclass(frozen=True, eq=False)
 class AddedParameter:
-    """One step of Gauss and Newton from a fit with one more unknown, by which loads change by a ``column`` [N];
-    ``step``: of all unknowns, the new one last; ``size``: of the last one's, in standard errors of white noise."""
+    """One step of Gauss and Newton from a fit with one more unknown, by which loads change by a ``column`` [N].
+    ``lower``: L of the products L L^T of J, the column and r in units of their lengths, ``scale``: its last line is r
+    along what the columns before it leave of each."""
 
     fit: ForceCurveFit
     column: Array
-    step: Array
-    size: float
+    lower: Array
+    scale: Array
 
     @classmethod
     def of(cls, fit: ForceCurveFit, column: Array) -> AddedParameter:
-        """By J^T J and J^T r, to which the column adds one line, unless that loses too many digits."""
+        """By the products, to which the column adds one line, unless that loses too many digits."""
         rows, products = fit.weighted
         c = fit.model.whitened(column, fit.spread.noise)
         by_c, p = rows @ c, len(rows) - 1
-        squares, slopes = products.copy(), np.append(products[:p, p], by_c[p])
-        squares[p, :p], squares[:p, p], squares[p, p] = by_c[:p], by_c[:p], c @ c
+        squares = np.zeros((p + 2, p + 2))  # its lower half
+        squares[:p, :p], squares[-1, :p], squares[-1, -1] = products[:p, :p], products[p, :p], products[p, p]
+        squares[p, :p], squares[p, p], squares[-1, p] = by_c[:p], c @ c, by_c[p]
         scale = np.sqrt(squares.diagonal())
         scale[scale == 0] = 1.0
         with contextlib.suppress(np.linalg.LinAlgError):
             lower = np.linalg.cholesky(squares / (scale[:, None] * scale))
-            if lower.diagonal().min() > SEARCH_DIGITS:
-                inverse = np.linalg.inv(lower)
-                along = inverse @ (slopes / scale)
-                return cls(fit, column, -(along @ inverse) / scale, abs(float(along[-1])))
-        Q, R = np.linalg.qr(np.vstack([rows[:p], c]).T / scale)
-        along = Q.T @ rows[p]
-        return cls(fit, column, -np.linalg.lstsq(R, along, rcond=None)[0] / scale, abs(float(along[-1])))
+            if min(lower.diagonal().tolist()[:-1]) > SEARCH_DIGITS:
+                return cls(fit, column, lower, scale)
+        _, R = np.linalg.qr(np.vstack([rows[:p], c, rows[p]]).T / scale)
+        return cls(fit, column, R.T, scale)
+
+    @property
+    def size(self) -> float:
+        """Of the step of the new unknown, in standard errors of white noise."""
+        return abs(float(self.lower[-1, -2] * self.scale[-1]))
+
+    @cached_property
+    def step(self) -> Array:
+        """Of all unknowns, the new one last."""
+        L, along = self.lower[:-1, :-1], self.lower[-1, :-1]
+        step: Array = -np.linalg.lstsq(L.T, along, rcond=None)[0] * self.scale[-1] / self.scale[:-1]
+        return step
 
     @property
     def last(self) -> float:
-        """The step of the one more."""
+        """The step of the new unknown."""
         return float(self.step[-1])
 
     @cached_property
@@ -147,7 +158,7 @@ def judgement(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[s
     span = max(part.span for part in best.model.stretches)
     off = best.off[touching]
     noise = max(record_side.base.noise for record_side in record.directions)
-    slow = math.sqrt(max(float(np.mean(off**2)) - noise**2, 0.0)) / span if off.size else 0.0
+    slow = math.sqrt(max(float(off @ off) / off.size - noise**2, 0.0)) / span if off.size else 0.0
     depth = max(part.reach for part in best.model.stretches)
     contact = best.error("z0") / depth if "z0" in best.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
@@ -672,7 +683,7 @@ def _intervals(
     t: float, pool: Pool | None,
 ) -> Intervals:  # fmt: skip
     """What is known of the outcome ``here``, of which some are ``fixed``."""
-    quantities = [_quantity(name, best) for name in here]
+    quantities = [_quantity(name, f"r:{APPROACH}" in best.names) for name in here]
     fixed_values = {name: value for name, value in here.items() if name in fixed}
     still = dict.fromkeys(fixed_values, np.zeros(best.x.size))
     bent = [item for item in quantities if item.kind in (LOG, ROOT)]
@@ -692,13 +703,15 @@ def _intervals(
     )  # fmt: skip
 
 
-def _quantity(name: str, best: ForceCurveFit) -> Parameter:
-    """Moduli by their logs, w as it may come out below 0, an advancing one before a rest by its signed root."""
+@lru_cache(maxsize=REMEMBERED)
+def _quantity(name: str, rests: bool) -> Parameter:
+    """Moduli by their logs, w as it may come out below 0, an advancing one before an edge ``rests`` by its signed
+    root."""
     dimension, scale = DIMENSIONS.get(name, "modulus"), LINEAR
     if name == "modulus" or dimension == "modulus":
         scale = LOG
     elif dimension == "work":
-        scale = ROOT if name == WORKS[APPROACH] and f"r:{APPROACH}" in best.names else LIMIT
+        scale = ROOT if name == WORKS[APPROACH] and rests else LIMIT
     return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
 
 
@@ -739,11 +752,9 @@ def _line(best: ForceCurveFit) -> dict[str, Array]:
     """The fitted readings in one stroke, in by the first direction and out by the second: a, delta and P."""
     model = np.concatenate([part.P for part in best.model.stretches]) + best.off
     z = np.concatenate([part.z for part in best.model.stretches])
-    rows = np.arange(z.size)
     first = best.model.stretches[0].z.size  # each direction goes from its far end inwards
-    order = np.concatenate([rows[:first], rows[first:][::-1]])
     columns = {"a": best.a, "delta": z - model / best.model.k, "P": model}
-    return {name: values[order] for name, values in columns.items()}
+    return {name: np.concatenate([each[:first], each[first:][::-1]]) for name, each in columns.items()}
 
 
 def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:

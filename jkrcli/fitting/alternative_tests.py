@@ -315,7 +315,7 @@ def _chances(record: FittedRecord, left: Array | None, rows: Array, sizes: Array
     power *= frequencies(size)
     centre = np.add.reduceat(power, edges, axis=1) / np.maximum(energy, TINY)
     energy /= (noise.A * np.where(sizes > 0, sizes, np.inf) ** 2)[:, None]  # of c'/|c'|, 0 where there is none
-    raised = possible.of_waves(centre.T, energy.T) / noise.A
+    raised = possible.of_waves(centre, energy) / noise.A
     mean: Array = possible.chance @ _tails(taken / np.maximum(raised, TINY), record.fit.spread.dof)
     return mean
 

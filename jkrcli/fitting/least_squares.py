@@ -776,10 +776,12 @@ class Spectrum:
     slow: tuple[tuple[float, float, float], ...] = ()
 
     def __call__(self, f: Array) -> Array:
-        density, squares = np.full(f.shape, self.A), f * f
+        density, squares, part = np.full(f.shape, self.A), f * f, np.empty(f.shape)
         for B, corner, power in self.slow:
-            falls = 1 + squares / corner**2
-            density += B / (falls if power == 2 else falls ** (power / 2))
+            np.add(squares, corner**2, out=part)
+            if power != 2:
+                part **= power / 2
+            density += np.divide(B * corner**power, part, out=part)
         return density
 
     def of_level(self, A: float) -> Spectrum:
@@ -837,19 +839,21 @@ class Possible:
     power: Array
 
     def of_waves(self, f: Array, squares: Array) -> Array:
-        """The sums of ``squares`` (n, columns) of waves of frequencies ``f`` (n, columns), each by what a spectrum has
+        """The sums of ``squares`` (columns, n) of waves of frequencies ``f`` (columns, n), each by what a spectrum has
         there: (spectra, columns)."""
-        slow = np.sum(_slow(f, self.corner[:, None, None], self.power[:, None, None]) * squares, axis=1)
-        energy: Array = np.outer(self.A, squares.sum(axis=0)) + self.B[:, None] * slow[self.shape]
+        slow = _slow(f.ravel(), self.corner[:, None], self.power[:, None]).reshape(-1, *f.shape)
+        of_slow = np.einsum("scn,cn->sc", slow, squares)
+        energy: Array = np.outer(self.A, squares.sum(axis=1)) + self.B[:, None] * of_slow[self.shape]
         return energy
 
 
 def _slow(f: Array, corner: Array, power: Array) -> Array:
-    """1/(1 + (f/c)^2)^(b/2) of frequencies, for each corner c and power b, of which most are 2."""
-    shape: Array = 1 / (1 + (f / corner) ** 2)
+    """1/(1 + (f/c)^2)^(b/2) = c^b/(c^2 + f^2)^(b/2) of frequencies, for each corner c and power b, of which most are
+    2."""
+    shape: Array = f * f + corner**2
     other = np.flatnonzero(power != 2)
     shape[other] **= power[other] / 2
-    return shape
+    return np.divide(corner**power, shape, out=shape)
 
 
 @lru_cache(maxsize=TOGETHER)  # of arrays as long as a record
@@ -1009,12 +1013,11 @@ def _of_base_lines(runs: Sequence[Array], rounding: float) -> Periodogram:
 @lru_cache(maxsize=TOGETHER)
 def _beside_lines(runs: tuple[int, ...]) -> tuple[Array, Octaves]:
     """The order by frequency of the waves of runs of so many rows, and their octaves beside a line through each run."""
-    f, taken = (np.concatenate([of(rows) for rows in runs]) for of in (frequencies, taken_by_line))
-    order = np.argsort(f, kind="stable")
+    f = np.concatenate([np.arange(rows) / (2 * rows) for rows in runs])
+    order, taken = np.argsort(f, kind="stable"), np.concatenate([taken_by_line(rows) for rows in runs])
     return order, Octaves.of(f[order], taken[order])
 
 
-@lru_cache(maxsize=TOGETHER)
 def taken_by_line(rows: int) -> Array:
     """How much of each wave a straight line over so many rows takes: of a constant the lowest, of a slope the odd ones,
     whose transform goes with cos t/sin^2 t, t = pi k/(2 n)."""
@@ -1041,14 +1044,14 @@ class Octaves:
         left = np.empty((2, f.size))
         np.subtract(1.0, np.minimum(taken, 1.0), out=left[0])
         np.divide(left[0], np.maximum(f, lowest / 2), out=left[1])
-        first, count, over_f = list[int](), list[float](), list[float]()
-        for begin, waves, over in zip(begins.tolist(), *np.add.reduceat(left, begins, axis=1).tolist(), strict=True):
-            if first and count[-1] <= COLOURED_SHARE * (begin - first[-1]):
-                count[-1], over_f[-1] = count[-1] + waves, over_f[-1] + over
+        octaves: list[list[float]] = []  # the first wave of each, how many are left of it, and their sum over f
+        for begin, waves, over_f in zip(begins.tolist(), *np.add.reduceat(left, begins, axis=1).tolist(), strict=True):
+            if octaves and octaves[-1][1] <= COLOURED_SHARE * (begin - octaves[-1][0]):
+                octaves[-1][1:] = octaves[-1][1] + waves, octaves[-1][2] + over_f
             else:
-                first, count, over_f = [*first, begin], [*count, waves], [*over_f, over]
-        each = np.array(count)
-        return cls(np.array(first), each, each / over_f, lowest)  # the centre is where 1/f is its mean
+                octaves.append([begin, waves, over_f])
+        first, count, over = np.array(octaves).T.copy()
+        return cls(first.astype(int), count, count / over, lowest)  # the centre is where 1/f is its mean
 
     def means(self, power: Array) -> Array:
         """The mean squares of waves, of ``power`` each, in octaves."""
@@ -1068,7 +1071,8 @@ class Octaves:
         the heights of r by its shape, (spectra,)."""
         slow, tops = self.slow
         heights = np.array(COLOURED_HEIGHTS)[:, None]
-        risen = 1 + np.vstack([0 * slow[:1], (heights[..., None] * slow).reshape(-1, slow.shape[1])])
+        risen = np.ones((1 + heights.size * len(slow), slow.shape[1]))
+        risen[1:] += (heights[..., None] * slow).reshape(-1, slow.shape[1])
         return 1 / risen, np.log(risen) @ self.count, np.append(0.0, heights / tops)
 
 
@@ -1127,7 +1131,8 @@ def _before() -> tuple[Array, Array]:
 @lru_cache(maxsize=REMEMBERED)
 def _shapes(lowest: float) -> tuple[Array, Array]:
     """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
-    corners, powers = np.geomspace(COLOURED_SEEN * lowest, 0.2, COLOURED_CORNERS), np.array(COLOURED_POWERS)
+    first, powers = COLOURED_SEEN * lowest, np.array(COLOURED_POWERS)
+    corners = first * (0.2 / first) ** (np.arange(COLOURED_CORNERS) / (COLOURED_CORNERS - 1))
     return np.append(corners, 0 * powers + COLOURED_LOWEST * lowest), np.append(0 * corners + 2.0, powers)
 
 

@@ -608,8 +608,8 @@ def as_fit(
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
-    rows = np.concatenate([part.rows for part in best.model.stretches])
-    a, order = best.a, np.argsort(rows, kind="stable")
+    a, order = best.a, np.argsort(best.model.rows, kind="stable")
+    rows = best.model.rows[order]
     flags, quality = judgement(record, best, a)
     missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
     flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
@@ -621,8 +621,8 @@ def as_fit(
         free=free,
         covariance=intervals.covariance_of(free) if best.ended else None,
         samples=intervals.sampled(free),
-        data={"delta": curve.depth[rows[order]], "P": curve.load[rows[order]]},
-        rows=rows[order],
+        data={"delta": curve.depth[rows], "P": curve.load[rows]},
+        rows=rows,
         left_out=_left_out(record, rows.size),
         a=a[order],
         residuals=best.off[order][None] / best.sigma,

@@ -490,7 +490,7 @@ def test_intervals_of_two_hundred_records_with_a_sine() -> None:
     [{"base_line": "sine"}, {"segment": "approach"}, {"fix": [("w", "1e-4")]}, {"free": ["hysteresis"]}],
 )
 def test_derivatives_of_what_unknowns_mean(options: dict[str, object], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Those in closed form are those by central differences, of 1e-3 of each unknown."""
+    """Those in closed form, times standard errors of the unknowns, are those by central differences."""
     made_of = []
 
     def intervals(*args: object, **more: object) -> Intervals:
@@ -498,13 +498,16 @@ def test_derivatives_of_what_unknowns_mean(options: dict[str, object], monkeypat
         return Intervals(*args, **more)
 
     monkeypatch.setattr("jkrcli.fitting.record.Intervals", intervals)
-    monkeypatch.setattr("jkrcli.fitting.least_squares.INTERVAL_STEP", 1e-3)
+    monkeypatch.setattr("jkrcli.fitting.least_squares.INTERVAL_STEP", 1e-5)
     fit(BODY, wavy(np.random.default_rng(1000))[0] if "base_line" in options else cycled(1), usual(**options))
     args, more = made_of[0]
-    exact, differences = Intervals(*args, **more).rates, Intervals(*args, **{**more, "exact": lambda _: {}}).rates
-    assert exact.keys() == differences.keys()
-    for name, rate in exact.items():
-        np.testing.assert_allclose(rate, differences[name], rtol=1e-4, atol=1e-6 * np.abs(rate).max())
+    closed, differences = Intervals(*args, **more), Intervals(*args, **{**more, "exact": lambda _: {}})
+    assert closed.covariance is not None
+    sigma = np.sqrt(np.diag(closed.covariance))
+    assert closed.rates.keys() == differences.rates.keys()
+    for name, rate in closed.rates.items():
+        off = (rate - differences.rates[name]) * sigma
+        assert np.abs(off).max() <= 1e-4 * np.abs(rate * sigma).max(), name
 
 
 def test_a_sine_that_is_not_there_is_not_fitted() -> None:

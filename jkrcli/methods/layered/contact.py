@@ -150,6 +150,7 @@ LAYERED_CHECKS = 12  # radii of the second quadrature, spread over all; tuned on
 LAYERED_GRADED = 20  # under a modulus that varies over depth; tuned on graded layers, by `make failures`
 LAYERED_GAPS = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
 LAYERED_FIRSTS = 4  # and first ones of groups; tuned on random bodies, by `make failures`
+LAYERED_NEXT = 3  # and those after the first one; tuned on random bodies, by `make failures`
 LAYERED_SAFETY = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
 # radii on each side of one, from which its error is: differences go through zero
 LAYERED_ABOUT = 2  # tuned on graded layers, by `make failures`
@@ -363,9 +364,10 @@ def _errors(main: fredholm.ContactResult, other: fredholm.ContactResult, some: A
 
 def checked(radii: Array, groups: int = 1, graded: bool = False) -> Array:
     """Indices of the radii at which a result is checked: spread over all, more of them under a ``graded`` modulus,
-    whose errors change from radius to radius, with the ends of the widest gaps and the first radii of some ``groups``,
-    inside which a single panel has to hold what F does next to the axis."""
+    whose errors change from radius to radius, with the ends of the widest gaps, the first radii of some ``groups``,
+    inside which a single panel has to hold what F does next to the axis, and some between the first two."""
     spread = np.linspace(0, radii.size - 1, LAYERED_GRADED if graded else LAYERED_CHECKS).astype(int)
     widest = np.argsort(np.diff(radii, prepend=0.0))[-LAYERED_GAPS:]
     firsts = np.geomspace(1, groups, LAYERED_FIRSTS).astype(int) - 1
-    return np.unique(np.concatenate([spread, widest, firsts]))
+    after = np.geomspace(1, max(spread[1] / 2, 1), LAYERED_NEXT).astype(int)
+    return np.unique(np.minimum(np.concatenate([spread, widest, firsts, after]), radii.size - 1))

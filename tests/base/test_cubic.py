@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.fft import dct
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PchipInterpolator
@@ -56,13 +56,16 @@ def test_splines_side_by_side_are_those_of_each_column() -> None:
 
 
 @given(steps, st.integers(0, 2**32 - 1), st.sampled_from([np.array, np.sort, np.round, np.exp]))
+@example([16.0, 0.02, 16.0], 0, np.array)
 def test_monotone_cubics_are_those_of_scipy(step: list[float], seed: int, shape: Callable[[Array], Array]) -> None:
     x = np.cumsum([0.0, *step])
     y = shape(np.random.default_rng(seed).normal(size=x.size))
     at = np.linspace(x[0] - 0.01, x[-1] + 0.01, 17)
+    inside = np.concatenate([x[:-1] + 1e-9 * np.diff(x), x[1:] - 1e-9 * np.diff(x)])  # round-off is of the largest
     for order in range(3):
-        expected = PchipInterpolator(x, y)(at, order)
-        assert pchip(x, y)(at, order) == pytest.approx(expected, rel=1e-9, abs=1e-10 * np.abs(expected).max())
+        expected, ends = (PchipInterpolator(x, y)(places, order) for places in (at, inside))
+        size = max(np.abs(expected).max(), np.abs(ends).max())
+        assert pchip(x, y)(at, order) == pytest.approx(expected, rel=1e-9, abs=1e-10 * size)
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 4, 5, 64, 1979])

@@ -229,8 +229,9 @@ def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
 
 REJECTED, DIFFER = "model rejected", "directions differ"
 
-# When alternatives leave nothing determined. choice: share of E* and of w that alternatives may move it by, above which
-# it is flagged: half of w, of which an approach tells no more where adhesion may have a range
+# When alternatives leave nothing determined.
+# choice: share of E* and of w that alternatives may move it by, above which it is flagged: half of w, of which an
+# approach tells no more where adhesion may have a range
 VERDICT_LARGE = (0.3, 0.5)
 VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
 

@@ -134,6 +134,13 @@ class FreeRows:
         return self if step == 0 else self._by(lambda bent: bent.at(step))
 
     @property
+    def straight(self) -> FreeRows:
+        """The same without an attraction."""
+        if self.bent is None:
+            return self
+        return replace(self, attraction=None, taken=self.taken - self.bent.over_rows(self.bent.best), bent=None)
+
+    @property
     def by_other_law(self) -> FreeRows:
         """The same by the other law of attraction."""
         return self._by(lambda bent: bent.other.best)

@@ -254,10 +254,8 @@ def _score(
 ) -> Score:  # fmt: skip
     """The score of an alternative that moves the logs of E* and w at these ``rates`` per amount; ``errors``: theirs."""
     most, quantile, (low, high) = alternative.likely_in(record), record.known.quantile, alternative.limits
-    labels, likely = (
-        (alternative.name, alternative.family, alternative.amount, alternative.of_directions),
-        (max(low, -most), most),
-    )
+    labels = alternative.name, alternative.family, alternative.amount, alternative.of_directions
+    likely = max(low, -most), most
     if by.size <= UNSEEN * by.whole:
         return Score(*labels, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNDECIDED, quantile)
     amount, error, taken = -by.along / by.size, 1 / by.size, by.along**2

@@ -112,14 +112,11 @@ def _of_values(
             yield f"{word(item.name)} ends on its bound {show(item.value, item.dimension)}"
     missed = missed_pull_off(fit.a, fit.line) if "P" in fit.scales and _adhesion(fit) else None
     if missed is not None:
+        untested = alternatives.sensitivity if alternatives else ""
         yield (
             f"no pull-off in the data: they end at a = {show(missed[0], 'length')}, contact is lost at "
             f"{show(missed[1], 'length')}; w comes from the shape of the curve alone"
-            + (
-                f"; not tested, and not in the errors: {alternatives.sensitivity}"
-                if alternatives and alternatives.sensitivity
-                else ""
-            )
+            + (f"; not tested, and not in the errors: {untested}" if untested else "")
         )
     problem = body.problem
     if fit.settings.known("modulus").free and problem.indenter.material is not None and problem.layers:

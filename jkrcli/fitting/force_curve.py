@@ -543,16 +543,8 @@ class ForceCurveModel:
     def edges(self, x: Array) -> Sequence[Edges]:
         """Of each stretch the branch and the resting edge, the depth [m] of all rows, and the numbers of those at which
         the edge moves, and of those at which it rests; remembered."""
-        if (key := x.tobytes()) not in self._edges:
-            self._edges.clear()
-            self._edges[key] = self._edges_at(x)
-        return self._edges[key]
-
-    @cached_property
-    def _edges(self) -> dict[bytes, Sequence[Edges]]:
-        return {}
-
-    def _edges_at(self, x: Array) -> Sequence[Edges]:
+        if (key := x.tobytes()) in self._edges:
+            return self._edges[key]
         edges: list[Edges] = []
         values = self.values(x)
         for part, kept in zip(self.stretches, self._path(x)[1], strict=True):
@@ -561,7 +553,13 @@ class ForceCurveModel:
             rows = part.contact if part.jumped else self.touching(part, depth, moving.fold).nonzero()[0]
             rests = depth[rows] > (math.inf if resting is None else resting.end)
             edges.append((moving, resting, depth, rows[~rests], rows[rests]))
+        self._edges.clear()
+        self._edges[key] = edges
         return edges
+
+    @cached_property
+    def _edges(self) -> dict[bytes, Sequence[Edges]]:
+        return {}
 
     def _path(self, x: Array) -> tuple[Array, Sequence[tuple[DeviceBranch, Rest | None] | None]]:
         """``by_position``, and the branch and the resting edge of each stretch, None where its loads are not those of
@@ -856,8 +854,11 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
 @lru_cache(maxsize=REMEMBERED)
 def _moving_curves(family: Family) -> list[tuple[float, Array, Array]]:
     """Ratios sqrt(w/s) with the displacement and the load of each from the fold on, at s = 1 without a device."""
-    each = zip(*_shapes(family), strict=True)
-    return [(float(r), path[fold:], load[fold:]) for r, path, load in each for fold in (int(np.argmin(path)),)]
+    curves = []
+    for r, path, load in zip(*_shapes(family), strict=True):
+        fold = int(np.argmin(path))
+        curves.append((float(r), path[fold:], load[fold:]))
+    return curves
 
 
 def _some_rows(part: DirectionReadings) -> Array:

@@ -54,21 +54,20 @@ def fit_settled(body: FittedBody, record: ForceCurve, settings: Settings, pool: 
     """The fit of a raw record less what its free rows hold.
 
     A model that is wrong in the first rows of contact makes them look like an attraction: where the best alternative
-    is to be taken, it is fitted to the loads as they are too, and that is the answer where it leaves no more.
+    is to be taken, it is fitted to the loads with the attraction too, and that is the answer where it leaves no more.
     """
     nuisance = settled(body, record, settings)
     if nuisance is None or record.held is None:
         return (yield from fit_record(body, record, settings, pool))
     fitted = with_nuisance((yield from fit_record(body, nuisance.record, settings, pool)), nuisance)
-    if settings.model != AUTO or record.plain is None or record.held.attraction is None:
+    if settings.model != AUTO or record.held.attraction is None:
         return fitted
     with contextlib.suppress(JkrError):
-        whole = replace(record.plain, flags=record.flags, saturated=record.saturated)
-        other = yield from fit_record(body, whole, settings, pool)
+        other = yield from fit_settled(body, record.holding(record.held.straight), settings, pool)
         rise = other.rows.size * ((other.scales["P"] / fitted.scales["P"]) ** 2 - 1)
         if other.verdict is not None and other.verdict.tied and rise < NUISANCE_NEEDED:
-            words = f"with {other.verdict.tied[0].name} no attraction before contact is left"
-            return replace(other, held=(words,))
+            words = f"no attraction before contact remains with the alternative model: {other.verdict.tied[0].name}"
+            return replace(other, held=(*other.held, words))
     return fitted
 
 

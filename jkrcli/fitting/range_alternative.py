@@ -283,11 +283,7 @@ class TableAlternatives:
     def with_parts(self, estimates: Sequence[FittedValue]) -> tuple[FittedValue, ...]:
         """The ``estimates`` with what the alternatives may move each by; what follows from the moduli's factor with
         it."""
-        moves = (
-            {}
-            if self.untested
-            else {ALTERNATIVES[alternative.name][0]: alternative.moves for alternative in self.members}
-        )
+        moves = {} if self.untested else {ALTERNATIVES[one.name][0]: one.moves for one in self.members}
         moves |= {} if self.range is None else {RANGE: self.range.moves}
         modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
 

@@ -488,10 +488,10 @@ def usable(record: ForceCurve, kind: str) -> bool:
     side = record.direction(kind)
     if side is None or isinstance(side.touch, Unknown):
         return False
-    return side.begins_free and side.base.rows >= FEWEST_ROWS and not _spoilt(record, side)
+    return side.begins_free and side.base.rows >= FEWEST_ROWS and not _contact_left_out(record, side)
 
 
-def _spoilt(record: ForceCurve, side: Direction) -> bool:
+def _contact_left_out(record: ForceCurve, side: Direction) -> bool:
     """Whether no row of the contact of a direction counts."""
     return record.ignored.size > 0 and not isinstance(side.touch, Unknown) and not record.contact(side).size
 
@@ -507,7 +507,9 @@ def directions_of(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     kinds = tuple(kind for kind in wanted if usable(record, kind))
     if not kinds and settings.contact == "auto" and record.curve.stiffness is not None:
         kinds = tuple(
-            kind for kind in wanted if (side := record.direction(kind)) is not None and not _spoilt(record, side)
+            kind
+            for kind in wanted
+            if (side := record.direction(kind)) is not None and not _contact_left_out(record, side)
         )
     if not kinds:
         reasons = [f"{kind}: {reason_not(record, kind)}" for kind in wanted]
@@ -522,7 +524,7 @@ def reason_not(record: ForceCurve, kind: str) -> str:
         return "not in the force curve"
     if isinstance(side.touch, Unknown):
         return side.touch.reason
-    return "all its rows in contact are left out" if _spoilt(record, side) else "it has no base line"
+    return "all its rows in contact are left out" if _contact_left_out(record, side) else "it has no base line"
 
 
 # --------------------------------------------------------------------------------------------------

@@ -91,11 +91,13 @@ def test_an_attraction_is_told_with_size_and_range(share: float) -> None:
     for _ in range(50):  # the attraction deflects the device
         gap = np.maximum(touch - parts["z"][free] + size * (1 - np.exp(-gap / reach)) / DEVICE.k, 0.0)
     drawn[free] = -size * np.exp(-gap / reach)
-    found = segment_force_curve(curve_of(parts, P + drawn)).held
+    found = (whole := segment_force_curve(curve_of(parts, P + drawn))).held
     assert found is not None
     assert found.attraction is not None
     assert -found.attraction.size == pytest.approx(size, rel=0.3)
     assert found.attraction.range == pytest.approx(reach, rel=0.5)
+    assert whole.curve.load != pytest.approx(P + drawn, abs=0.1 * size)
+    assert whole.holding(found.straight).curve.load == pytest.approx(P + drawn, abs=1e-9 * size)
 
 
 @pytest.mark.parametrize(("levels", "rests"), [(0.05, True), (0.008, False)])

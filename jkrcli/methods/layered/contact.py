@@ -150,7 +150,7 @@ LAYERED_CHECKS = 12  # radii of the second quadrature, spread over all; tuned on
 LAYERED_GRADED = 20  # under a modulus that varies over depth; tuned on graded layers, by `make failures`
 LAYERED_GAPS = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
 LAYERED_FIRSTS = 4  # and first ones of groups; tuned on random bodies, by `make failures`
-LAYERED_NEXT = 3  # and those after the first one; tuned on random bodies, by `make failures`
+LAYERED_NEXT = 3  # choice: and those after the first one, in a geometric sequence
 LAYERED_SAFETY = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
 # radii on each side of one, from which its error is: differences go through zero
 LAYERED_ABOUT = 2  # tuned on graded layers, by `make failures`

@@ -76,7 +76,7 @@ def rate_fit_words(fit: RateFit) -> list[str]:
 @FIGURES.register(RateFit)
 def draw_rate_fit(fit: RateFit) -> Figure:
     """The picture of a law of w over the speed of the edge."""
-    from .plots.forward import rate_fit_figure
+    from .plots.inverse import rate_fit_figure
 
     return rate_fit_figure(fit)
 
@@ -118,7 +118,7 @@ class RelaxationFits(Several):
         return list(map(relaxation_fit_words, self.fits))
 
     def figure(self) -> Figure:
-        from .plots.forward import relaxation_fit_figure
+        from .plots.inverse import relaxation_fit_figure
 
         return relaxation_fit_figure(self.fits)
 

@@ -4,6 +4,7 @@ measured (``look``, ``work``).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -321,19 +322,22 @@ def fields(file: Path, state: options.State, component: str, output: Output) -> 
 @click.option("--dem", is_flag=True, help="For particle codes: a C header and a table of load and radius over overlap.")
 @click.option("--nanite", is_flag=True, help="For nanite and PyJibe: a fit model of E, w and the contact point.")
 @click.option("--w", "work", type=options.WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
+@click.option("--name", help="Of the law or model, in what is written and of its file [default: FILE's].")
 @options.slopes_option
 @options.limits_options
 @options.into_folder()
 @options.output_options(json="Print the summary as JSON.")
 def export(
-    file: Path, dem: bool, nanite: bool, work: float | None, slopes: str, limits: Limits, output: Output
-) -> None:
+    file: Path, dem: bool, nanite: bool, work: float | None, name: str | None, slopes: str, limits: Limits,
+    output: Output,
+) -> None:  # fmt: skip
     """Write the adhesive contact of FILE, a case or a solution, as a law that another program can use.
 
     With --dem: force and contact radius over the overlap of two particles on the stable branch, the state after first
-    touch, and where contact is lost under displacement and under load control. Writes <stem>-dem.h (C99: table,
-    function, test vectors and a check that compiles alone) and <stem>-dem.csv; says what JKR of a half-space would do.
-    With --nanite: model_jkr_<stem>.py, JKR of this body with E, w and contact point to fit; --w is where a fit begins.
+    touch, and where contact is lost under displacement and under load control. Writes <name>-dem.h (C99 and C++:
+    table, function, test vectors and a check that compiles alone; several laws go into one program) and <name>-dem.csv;
+    says what JKR of a half-space would do. With --nanite: model_jkr_<name>.py, JKR of this body with E, w and contact
+    point to fit; --w is where a fit begins. What is written may be used and passed on under any terms.
 
     \b
     jkr export coating.h5 --dem --w "50 mJ/m^2"
@@ -342,18 +346,20 @@ def export(
     if dem == nanite:
         raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe), or --nanite, for "
                          "nanite and PyJibe")  # fmt: skip
+    if name is not None and not re.fullmatch(r"[A-Za-z0-9][\w-]*", name, re.ASCII):
+        raise InputError(f"export: --name takes letters, digits, - and _, got {name!r}")
     output.folder(Path())
     file, solution, w = inputs.body_and_work("export", file, work)
     if w == 0:
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     from ..report.export import Exported, NaniteModel, model_name
 
-    folder, name = output.folder(file.parent), model_name(file.stem)
-    stem, endings = (f"{file.stem}-dem", (".h", ".csv")) if dem else (f"model_{name}", (".py",))
+    folder, name = output.folder(file.parent), name or file.stem
+    stem, endings = (f"{name}-dem", (".h", ".csv")) if dem else (f"model_{model_name(name)}", (".py",))
     targets = output.files(folder / stem, endings, [file])
     inputs.begin_curves("export", [solution], [(w,)], limits)
     curve = analyse(solution, [w], slopes)[0]
-    result: Exported | NaniteModel = Exported.of(curve) if dem else NaniteModel.of(curve, name)
+    result: Exported | NaniteModel = Exported.of(curve, name) if dem else NaniteModel.of(curve, name)
     with together():
         write_text(targets[endings[0]], result.code)
         if dem:

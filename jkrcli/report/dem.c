@@ -1,29 +1,33 @@
 /* Written by jkr: adhesive contact of $body;
    w = $w J/m^2. SI units; overlap and compressive force positive; the force of one contact.
    TOUCH: after first contact; TEAR: contact lost under displacement control, as in a particle code whose
-   time step resolves it; LOAD: under load control. The interpolation is good to $error of the largest force and radius. */
-#ifndef JKR_CONTACT_H
-#define JKR_CONTACT_H
+   time step resolves it; LOAD: under load control. The interpolation is good to $error of the largest force and radius.
+   $permission */
+#if defined(${NAME}_H) && ${NAME}_H != $checksum
+#error "another contact law named ${name} is included already: jkr export --dem --name"
+#endif
+#ifndef ${NAME}_H
+#define ${NAME}_H $checksum
 #include <math.h>
-#define JKR_ROWS $rows
-#define JKR_VECTORS $vectors
+#define ${NAME}_ROWS $rows
+#define ${NAME}_VECTORS $vectors
 $numbers
-static const double jkr_force[JKR_ROWS] = {
+static const double ${name}_force[${NAME}_ROWS] = {
 $forces };
-static const double jkr_radius[JKR_ROWS] = {
+static const double ${name}_radius[${NAME}_ROWS] = {
 $radii };
-static const double jkr_vector[JKR_VECTORS][3] = { /* delta, force, radius */
+static const double ${name}_vector[${NAME}_VECTORS][3] = { /* delta, force, radius */
 $vector };
 /* The state at an overlap delta [m]; touching: whether the two were in contact before. Returns 1 in contact, 0 free,
    -1 beyond the table, where its last row stands in. */
-static inline int jkr_contact(double delta, int touching, double *force, double *radius)
+static inline int ${name}_contact(double delta, int touching, double *force, double *radius)
 {
-    const int last = JKR_ROWS - 1;
+    const int last = ${NAME}_ROWS - 1;
     double s, w[4];
     int i, k, found = 1;
     *force = *radius = 0.0;
-    if (delta < (touching ? JKR_DELTA_TEAR : JKR_DELTA_TOUCH)) return 0;
-    s = sqrt(delta > JKR_DELTA_TEAR ? (delta - JKR_DELTA_TEAR) / JKR_SPAN : 0.0) * last;
+    if (delta < (touching ? ${NAME}_DELTA_TEAR : ${NAME}_DELTA_TOUCH)) return 0;
+    s = sqrt(delta > ${NAME}_DELTA_TEAR ? (delta - ${NAME}_DELTA_TEAR) / ${NAME}_SPAN : 0.0) * last;
     if (s > last * (1.0 + 1e-12)) { s = last; found = -1; }
     i = (int)s - 1;
     if (i < 0) i = 0;
@@ -34,26 +38,26 @@ static inline int jkr_contact(double delta, int touching, double *force, double 
     w[2] = -s * (s - 1) * (s - 3) / 2;
     w[3] = s * (s - 1) * (s - 2) / 6;
     for (k = 0; k < 4; k++) {
-        *force += w[k] * jkr_force[i + k];
-        *radius += w[k] * jkr_radius[i + k];
+        *force += w[k] * ${name}_force[i + k];
+        *radius += w[k] * ${name}_radius[i + k];
     }
     return found;
 }
 
-#ifdef JKR_CHECK /* cc -DJKR_CHECK -x c this-file.h -lm && ./a.out: the law between its rows, and where contact ends */
+#ifdef ${NAME}_CHECK /* cc -D${NAME}_CHECK -x c this-file.h -lm && ./a.out: the law between its rows, and where contact ends */
 #include <stdio.h>
 int main(void)
 {
     double force, radius, worst = 0.0;
     int n;
-    for (n = 0; n < JKR_VECTORS; n++) {
-        if (jkr_contact(jkr_vector[n][0], 1, &force, &radius) != 1) return 1;
-        worst = fmax(worst, fabs(force - jkr_vector[n][1]) / JKR_FORCE_SCALE);
-        worst = fmax(worst, fabs(radius - jkr_vector[n][2]) / JKR_RADIUS_SCALE);
+    for (n = 0; n < ${NAME}_VECTORS; n++) {
+        if (${name}_contact(${name}_vector[n][0], 1, &force, &radius) != 1) return 1;
+        worst = fmax(worst, fabs(force - ${name}_vector[n][1]) / ${NAME}_FORCE_SCALE);
+        worst = fmax(worst, fabs(radius - ${name}_vector[n][2]) / ${NAME}_RADIUS_SCALE);
     }
-    if (jkr_contact(JKR_DELTA_TOUCH - JKR_SPAN * 1e-9, 0, &force, &radius) != 0) return 2;
-    if (jkr_contact(JKR_DELTA_TEAR - JKR_SPAN * 1e-9, 1, &force, &radius) != 0) return 3;
-    if (jkr_contact(JKR_DELTA_TEAR + JKR_SPAN * 1.1, 1, &force, &radius) != -1) return 4;
+    if (${name}_contact(${NAME}_DELTA_TOUCH - ${NAME}_SPAN * 1e-9, 0, &force, &radius) != 0) return 2;
+    if (${name}_contact(${NAME}_DELTA_TEAR - ${NAME}_SPAN * 1e-9, 1, &force, &radius) != 0) return 3;
+    if (${name}_contact(${NAME}_DELTA_TEAR + ${NAME}_SPAN * 1.1, 1, &force, &radius) != -1) return 4;
     printf("%.3g\n", worst);
     return worst > 2e-6 ? 5 : 0;
 }

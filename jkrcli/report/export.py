@@ -12,6 +12,7 @@ from functools import cached_property
 from importlib import resources
 from string import Template
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 
@@ -28,19 +29,31 @@ from ..resolve.analysis import Analysis
 from .tables import format_state, quantities
 
 HEADER_CODE = Template(resources.files(__package__).joinpath("dem.c").read_text(encoding="utf-8"))
+PERMISSION = (  # of LICENSE-EXCEPTION.md, {} between its lines
+    "This file is not under jkr's licence (LICENSE-EXCEPTION.md there): you may use, change and distribute it{}under "
+    "terms of your choice, without warranty."
+)
+
+
+def model_name(stem: str) -> str:
+    """Return the name of a law or a model after the ``stem`` of a file: what names in C and Python may begin with."""
+    return "jkr_" + (re.sub("[^a-z0-9]+", "_", stem.lower()).strip("_") or "model")
 
 
 @dataclass(frozen=True, eq=False)
 class Exported(Result):
-    """The contact law of an adhesive curve: ``columns`` are its table, ``code`` the C header."""
+    """The contact law of an adhesive curve: ``columns`` are its table, ``code`` the C header, in which all names begin
+    with ``name``."""
 
     law: DemLaw
     result: Analysis
+    name: str
 
     @classmethod
-    def of(cls, result: Analysis) -> Exported:
+    def of(cls, result: Analysis, name: str | None = None) -> Exported:
+        """The law of a curve, by default named after its file; InputError where it is none of one branch."""
         try:
-            return cls(DemLaw.of(result.curve), result)
+            return cls(DemLaw.of(result.curve), result, model_name(name or result.path.stem))
         except InputError as error:
             raise InputError(f"{result.path}: {error}") from None
 
@@ -53,6 +66,7 @@ class Exported(Result):
     def code(self) -> str:
         """The C header (C99, no other file) with the table, a function that reads it, test vectors and a check."""
         law, result = self.law, self.result
+        upper = self.name.upper()
         numbers = {"DELTA_TOUCH": 0.0, "FORCE_TOUCH": law.jump_in.P, "RADIUS_TOUCH": law.jump_in.a,
                    "DELTA_TEAR": law.tear_off.delta, "FORCE_TEAR": law.tear_off.P, "RADIUS_TEAR": law.tear_off.a,
                    "SPAN": law.delta[-1] - law.delta[0], "FORCE_SCALE": abs(law.P).max(),
@@ -63,7 +77,9 @@ class Exported(Result):
         return HEADER_CODE.substitute(
             body=result.problem.words.replace("*/", "* /"), w=repr(result.w), error=f"{law.error:.1g}",
             rows=law.delta.size, forces=_listed(law.P), radii=_listed(law.a), vectors=len(law.vectors), vector=vectors,
-            numbers="\n".join(f"#define JKR_{name} ({float(value)!r})" for name, value in numbers.items()),
+            numbers="\n".join(f"#define {upper}_{name} ({float(value)!r})" for name, value in numbers.items()),
+            name=self.name, NAME=upper, checksum=f"0x{crc32(np.stack([law.delta, law.P, law.a]).tobytes()):08x}UL",
+            permission=PERMISSION.format("\n   "),
         )  # fmt: skip
 
     @property
@@ -86,8 +102,8 @@ class Exported(Result):
         named = {"touch": law.jump_in, "tear_off": law.tear_off, "load_control": law.load}
         points = {name: None if at is None else quantities(at, "delta P a") for name, at in named.items()}
         classical = {name: dict(zip(("delta_m", "P_N"), pair, strict=True)) for name, pair in self.half_space.items()}
-        return {"file": str(result.path), "w_J_per_m2": result.w, "rows": law.delta.size, "error": law.error,
-                **points, "half_space": classical}  # fmt: skip
+        return {"file": str(result.path), "name": self.name, "w_J_per_m2": result.w, "rows": law.delta.size,
+                "error": law.error, **points, "half_space": classical}  # fmt: skip
 
     def words(self) -> list[str]:
         law, result = self.law, self.result
@@ -96,6 +112,7 @@ class Exported(Result):
             f"tear-off at {format_state(law.tear_off, 'P delta')} (displacement control), w = {show(w, 'work')}: "
             f"{result.path}",
             f"  table      {law.delta.size} rows up to {end}, good to {law.error:.1g} between",
+            f"  function   {self.name}_contact",
             f"  touch      {_state(0.0, law.jump_in.P)}",
         ]
         if law.load is not None:
@@ -123,11 +140,6 @@ NANITE_ROWS = 129  # tuned on halfspace, gel and coating: the file meets the cur
 NANITE_FINE = 8192  # theory: linear between them errs by the square of their distance in log a, below 1e-6
 HALF_SPACE_FURTHER = 100.0  # choice: times the last radius, beyond which no half-space of a record is loaded
 NANITE_ERROR = 1e-4  # choice: of the largest force, a tenth of what a fit in nanite can tell
-
-
-def model_name(stem: str) -> str:
-    """Return the key of a model after the ``stem`` of a file: what may be the name of a module."""
-    return "jkr_" + (re.sub("[^a-z0-9]+", "_", stem.lower()).strip("_") or "model")
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +170,7 @@ class NaniteModel(Result):
             DemLaw.of(result.curve)
         except InputError as error:
             raise InputError(f"{result.path}: {error}") from None
-        made = cls(result, name)
+        made = cls(result, model_name(name))
         if made.error > NANITE_ERROR:
             raise InputError(
                 f"{result.path}: a table of {NANITE_ROWS} rows meets the curve within {made.error:.1g} of the largest "
@@ -209,7 +221,8 @@ class NaniteModel(Result):
                 last *= HALF_SPACE_FURTHER
             reach = f"a contact radius of {last:.4g} m"
         return MODEL_CODE.substitute(
-            version=__version__, body=body, words=f"JKR, {body}", modulus=modulus, ratios=ratios, reach=reach,
+            version=__version__, permission=PERMISSION.format("\n"),
+            body=body, words=f"JKR, {body}", modulus=modulus, ratios=ratios, reach=reach,
             sizes=" tip radius R," * (R is not None) + " thickness h," * (h is not None), error=error,
             last=repr(float(last)), E=repr(used["E"][2]), w=repr(used["w"][2]), R=repr(R), H=repr(h), fine=NANITE_FINE,
             rows="\n".join(f"    [{', '.join(f'{cell:.12e}' for cell in row)}]," for row in rows),

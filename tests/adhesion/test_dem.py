@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from jkrcli.report.export import DemLaw, interpolated
 
@@ -63,35 +64,81 @@ def test_cubics_are_met_exactly() -> None:
     np.testing.assert_allclose(interpolated(x**3 - x, between), between**3 - between, atol=1e-15)
 
 
-@pytest.mark.parametrize("specimen", [HALF_SPACE, LAYER], ids=["half-space", "layer"])
-def test_the_header_compiles_and_meets_its_vectors(jkr, specimen: str) -> None:
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+def compiled(name: str, *words: str) -> str:
+    """What the program `name`, made by `words` after the compiler's name, prints."""
+    compiler = shutil.which(words[0])
     if compiler is None:
-        pytest.skip("no C compiler on this machine")
-    exported(jkr, specimen)
-    command = [
-        compiler,
-        "-std=c99",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-DJKR_CHECK",
-        "-x",
-        "c",
-        "x-dem.h",
-        "-lm",
-        "-o",
-        "x",
-    ]
+        pytest.skip(f"no {words[0]} on this machine")
+    command = [compiler, "-Wall", "-Wextra", "-Werror", *words[1:], "-lm", "-o", name]
     made = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (made.returncode, made.stderr) == (0, "")
-    done = subprocess.run(["./x"], capture_output=True, text=True, check=False)
+    done = subprocess.run([f"./{name}"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
-    assert float(done.stdout) < 1e-6
+    return done.stdout
+
+
+@pytest.mark.parametrize("specimen", [HALF_SPACE, LAYER], ids=["half-space", "layer"])
+def test_the_header_compiles_and_meets_its_vectors(jkr, specimen: str) -> None:
+    assert exported(jkr, specimen)["name"] == "jkr_x"
+    assert float(compiled("x", "cc", "-std=c99", "-DJKR_X_CHECK", "-x", "c", "x-dem.h")) < 1e-6
+
+
+TWO_LAWS = """
+#include <stdio.h>
+#include "x-dem.h"
+#include "film-2-dem.h"
+#include "x-dem.h"
+int main(void)
+{
+    double force, radius;
+    jkr_x_contact(5e-8, 1, &force, &radius);
+    printf("%.12e ", force);
+    jkr_film_2_contact(5e-8, 1, &force, &radius);
+    printf("%.12e\\n", force);
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize(("compiler", "source"), [("cc", "two.c"), ("c++", "two.cpp")])
+def test_two_laws_in_one_program(jkr, compiler: str, source: str) -> None:
+    exported(jkr, LAYER, "--name", "film-2")
+    exported(jkr, HALF_SPACE)
+    Path(source).write_text(TWO_LAWS)
+    found = [float(word) for word in compiled("two", compiler, source).split()]
+    forces = []
+    for name in ("x-dem.csv", "film-2-dem.csv"):
+        _, delta, P, _ = np.loadtxt(name, delimiter=",", skiprows=1).T
+        forces.append(float(CubicSpline(np.sqrt(delta - delta[0]), P)(math.sqrt(5e-8 - delta[0]))))
+    assert found == pytest.approx(forces, rel=1e-5)  # 1e-6 of the largest force
+    assert abs(found[1] / found[0] - 1) > 0.05
+
+
+def test_another_law_of_one_name_does_not_compile(jkr) -> None:
+    if shutil.which("cc") is None:
+        pytest.skip("no cc on this machine")
+    exported(jkr, LAYER, "--name", "film")
+    Path("film-dem.h").rename("first.h")
+    exported(jkr, HALF_SPACE, "--name", "film")
+    Path("two.c").write_text('#include "first.h"\n#include "film-dem.h"\n')
+    made = subprocess.run(["cc", "-c", "two.c"], capture_output=True, text=True, check=False)
+    assert made.returncode != 0
+    assert "another contact law named jkr_film is included already" in made.stderr
+
+
+@pytest.mark.parametrize("words", [("--dem",), ("--nanite",)])
+def test_head_of_what_is_exported_says_that_it_may_be_distributed(jkr, words: tuple[str, ...]) -> None:
+    Path("x.toml").write_text(CASE.format(specimen=LAYER))
+    assert jkr("run", "x.toml").code == 0
+    assert jkr("export", "x.h5", *words, "--name", "Soft").code == 0
+    head = Path("Soft-dem.h" if words == ("--dem",) else "model_jkr_soft.py").read_text()[:1000]
+    assert "not under jkr's licence (LICENSE-EXCEPTION.md" in head
+    assert (Path(__file__).parents[2] / "LICENSE-EXCEPTION.md").exists()
 
 
 REFUSED = {
     "for nothing": ((), "export: say for what: --dem, for particle codes"),
+    "no name": (("--dem", "--name", "a/b"), "export: --name takes letters, digits, - and _, got 'a/b'"),
     "no adhesion": (("--dem", "--w", "0"), "a contact without adhesion needs no table of what holds it: give --w"),
     "too short": (("--dem", "--w", "5000 J/m^2"), "tear-off under displacement control is needed: "),
 }

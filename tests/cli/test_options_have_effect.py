@@ -156,7 +156,7 @@ OWN: dict[tuple[str, str], tuple[str, ...]] = {  # and where it is not
     ("import", "--column"): ("a=delta_um",), ("look", "--column"): ("P=a_um",), ("work", "--column"): ("P=a_um",),
     ("explore", "--column"): ("P=a_um",),
     ("bench", "--repeat"): ("2",), ("study converge", "--levels"): ("3",),
-    ("study converge", "--contact"): ("incremental",),
+    ("study converge", "--contact"): ("incremental",), ("export", "--name"): ("other",),
 }  # fmt: skip
 TIMES = {  # what of the output they are, where they are no numbers with a unit
     "bench": r"\d+\.\d+", "study converge": r"(?m)[\d.]+ *$|CPU seconds .*"}  # fmt: skip

@@ -58,6 +58,7 @@ from .adhesion.from_rest import LoadingHistory, Rest
 from .adhesion.rate import LogRate, PowerRate, RateContact, RateLaw, rate_law_of
 from .base.errors import InputError, JkrError, Refusal, Unknown
 from .base.files import check_series_target
+from .base.numerics import LEVEL
 from .base.process import one_thread
 from .base.registry import Result
 from .base.units import parse
@@ -268,7 +269,7 @@ def transform(
     Returns
     -------
     Analysis
-        ``pull_off["load"]`` and ``["displacement"]`` with ``pull_off_errors`` (90 % half-widths), ``validity``,
+        ``pull_off["load"]`` and ``["displacement"]`` with ``pull_off_errors`` (95 % half-widths), ``validity``,
         ``budget`` of errors, ``warnings``; ``columns``: arrays (n,) by name and unit; ``figure()``, ``summary()``,
         ``print(curve)``.
 
@@ -762,7 +763,7 @@ def identify_relaxation(
 
 def identify_tension(
     body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[Number] = (), fix: Known = None,
-    level: float = 0.95,
+    level: float = LEVEL,
 ) -> TensionFit:  # fmt: skip
     """Fit surface tension, E*, w and the contact points to curves by tips of one or more radii.
 

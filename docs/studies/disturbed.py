@@ -38,7 +38,7 @@ class DisturbedCell:
     """Figures of one cell of that many ``seeds``, shares of them.
 
     ``refused``; ``warned`` of what is wrong with the data; ``unknown``: no error is stated; ``held``: the exact
-    pull-off force lies in its 90 % band, of all that state one, and ``unwarned_held``, of those without a warning;
+    pull-off force lies in its 95 % band, of all that state one, and ``unwarned_held``, of those without a warning;
     ``median``: of the error of the force, ``half_width``: of that stated.
     """
 

@@ -18,7 +18,7 @@ from jkrcli.adhesion.slopes import Slopes, slopes, smoothed
 from jkrcli.adhesion.validity import unresolved
 from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.executors import Pool, completed
-from jkrcli.base.numerics import Array
+from jkrcli.base.numerics import LEVEL, Array
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.formulas import shift
 from jkrcli.methods.layered.solver import Layered, surface_profile
@@ -38,8 +38,8 @@ WITHIN = {"closed-form": 1.0, "layered": 1.0}  # of the stated error, which is a
 
 # What counts as right, where it is looked at, and how long that may take.
 JUDGE_ESTIMATED = 2.0  # choice: of the stated error, where that is an estimate
-JUDGE_BANDS = 3.0  # theory: half-widths of a 90 % band that are five standard deviations
-JUDGE_OF_THE_CURVE = 0.9  # theory: of its points, what a 90 % band promises, whatever its errors have in common
+JUDGE_BANDS = 2.5  # theory: half-widths of a 95 % band that are five standard deviations
+JUDGE_OF_THE_CURVE = LEVEL  # theory: of its points, what a band promises, whatever its errors have in common
 JUDGE_TOLERANCES = (1e-10, 1e-8, 1e-6)  # choice: of the exact solution, the first that is reached
 JUDGE_PULLS = 0.01  # choice: of the mean pressure; what pulls less is not told apart
 JUDGE_PATIENCE = 20.0  # choice: CPU seconds that a solve may be forecast to take

@@ -27,7 +27,7 @@ CONTROLS = ("load", "displacement")
 
 @dataclass(frozen=True)
 class Judged:
-    """The relative error of a pull-off force and its stated 90 % half-width; NaN where there is none."""
+    """The relative error of a pull-off force and its stated 95 % half-width; NaN where there is none."""
 
     series: NodeSeries
     control: str

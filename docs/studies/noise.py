@@ -20,7 +20,7 @@ from .noise_cells import BODIES, METHODS, NOISE, POINTS, NoiseCell, noise_study
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Error of the pull-off force, and coverage of the 90 % band, over noise, points, bodies and slopes.
+    """Error of the pull-off force, and coverage of the 95 % band, over noise, points, bodies and slopes.
 
     Independent relative Gaussian noise on contact radius, displacement and load of exact series.
     Writes noise-study.csv, and of each body noise-<body>.png and .svg; 20 seeds take about twenty minutes.
@@ -72,7 +72,7 @@ TICKS = {NONE: "none", 1e-5: "10⁻⁵", 1e-4: "10⁻⁴", 1e-3: "10⁻³", 1e-2
 
 def noise_figure(cells: Sequence[NoiseCell], body: str) -> Figure:
     """How the pull-off force of a ``body`` errs over noise, a column per number of rows: median error above, share of
-    runs whose 90 % band holds the truth, and share of runs without a result below."""
+    runs whose 95 % band holds the truth, and share of runs without a result below."""
     mine = [cell for cell in cells if cell.body == body]
     sizes = sorted({cell.points for cell in mine})
     with drawing(WIDE if len(sizes) > 1 else NARROW, 5.4) as figure:

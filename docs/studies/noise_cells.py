@@ -46,7 +46,7 @@ class Body:
 class NoiseCell:
     """Figures of one cell; errors of the pull-off force under load control are relative to the exact one.
 
-    ``coverage``: share of runs whose 90 % band of the pull-off force holds the exact one; ``band``: share of points of
+    ``coverage``: share of runs whose 95 % band of the pull-off force holds the exact one; ``band``: share of points of
     the curve whose band does, over all runs; None for methods that give no band. ``failures``: share without a result.
     """
 

@@ -530,7 +530,7 @@ class EquilibriumCurve(ABC):
     @property
     @abstractmethod
     def errors(self) -> Mapping[str, Array]:
-        """90 % half-widths of "delta" [m] and "P" [N] at the points; empty where no error is known."""
+        """Half-widths of "delta" [m] and "P" [N] at the points; empty where no error is known."""
 
     @property
     @abstractmethod
@@ -581,7 +581,7 @@ class EquilibriumCurve(ABC):
         return self._rates(self._inside(places))
 
     def error_at(self, places: Array) -> dict[str, Array]:
-        """The 90 % half-widths of delta [m] and P [N] at any place on the curve (linear between points)."""
+        """The half-widths of delta [m] and P [N] at any place on the curve (linear between points)."""
         inside = self._inside(places)
         return {name: np.interp(inside, self.places, values) for name, values in self.errors.items()}
 
@@ -799,7 +799,7 @@ class AdhesiveCurve(EquilibriumCurve):
 
     @cached_property
     def errors(self) -> Mapping[str, Array]:
-        """90 % half-widths of "delta" [m] and "P" [N] at given radius, by first-order propagation of the slopes'
+        """Half-widths of "delta" [m] and "P" [N] at given radius, by first-order propagation of the slopes'
         covariance, what the radii share and what is unexplained; empty where no error is known."""
         covariance, root_w = self.slopes.covariance, math.sqrt(self.w)
         if covariance is None:

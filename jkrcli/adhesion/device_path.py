@@ -1071,12 +1071,12 @@ class Stability:
 
     @property
     def energy_lost_error(self) -> Estimate:
-        """90 % half-width of the energy lost per cycle [J], or why there is none."""
+        """Half-width of the energy lost per cycle [J], or why there is none."""
         return self.whole if isinstance(self.whole, Unknown) else energy_lost_error(self.whole)
 
     @property
     def separation_error(self) -> Estimate:
-        """90 % half-width of the work of separation [J], or why there is none."""
+        """Half-width of the work of separation [J], or why there is none."""
         if self.retraction is None or isinstance(self.separation, Unknown):
             return self.separation
         return separation_error(self.retraction)
@@ -1208,7 +1208,7 @@ Change = Callable[[EquilibriumCurve], EquilibriumCurve]  # to another curve of t
 
 
 def energy_lost_error(whole: Cycle) -> Estimate:
-    """90 % half-width of the energy lost per cycle [J], or why it is unknown."""
+    """Half-width of the energy lost per cycle [J], or why it is unknown."""
     advancing, receding, k = whole.contact.advancing, whole.contact.receding, whole.stiffness
     low, high = whole.retraction.last, whole.approach.stretches[0].place
     above = 1 - math.sqrt(advancing.w / receding.w) if receding.w > 0 else 1.0  # of the errors, what does not cancel
@@ -1223,7 +1223,7 @@ def energy_lost_error(whole: Cycle) -> Estimate:
 
 
 def separation_error(retraction: Path) -> Estimate:
-    """90 % half-width of the work of separation [J] of a ``retraction``, or why it is unknown."""
+    """Half-width of the work of separation [J] of a ``retraction``, or why it is unknown."""
     contact, parts = retraction.contact, list[tuple[float, float, float]]()
     assert isinstance(contact, QuasiStatic)
     for piece in reversed(retraction.pieces):

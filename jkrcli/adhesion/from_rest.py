@@ -264,7 +264,7 @@ def histories(law: Relaxation, rest: Rest) -> tuple[LoadingHistory, ...] | Unkno
 def history_error(
     history: LoadingHistory, unit: Nonadhesive, curve: AdhesiveCurve | FromRest, point: CriticalPoint, stiffness: float
 ) -> Errors | Unknown:  # fmt: skip
-    """90 % half-widths of "delta" [m] and "P" [N] at the pull-off ``point`` of a ``history`` under a device of
+    """Half-widths of "delta" [m] and "P" [N] at the pull-off ``point`` of a ``history`` under a device of
     ``stiffness`` [N/m]."""
     if isinstance(curve, AdhesiveCurve):
         return pull_off_error(curve, point, stiffness)

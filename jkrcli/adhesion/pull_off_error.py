@@ -64,7 +64,7 @@ Errors = Mapping[str, float]
 
 
 def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
-    """90 % half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
+    """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
     [N/m] (0: load, inf: displacement), or why they are unknown."""
     if curve.w == 0:
         return Unknown(f"unknown: {NO_ADHESION}")
@@ -246,7 +246,7 @@ def _by_integral(curve: AdhesiveCurve) -> AdhesiveCurve | Unknown:
 
 # ---------------------------------------------------------------------- larger elements
 def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) -> Array | None:
-    """90 % half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m]; None
+    """Half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m]; None
     where no larger elements tell them."""
     coarser, series = curve.series.coarser, curve.series
     others = () if coarser is None else larger_elements(curve.nonadhesive)

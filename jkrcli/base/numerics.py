@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Callable
 from functools import lru_cache
+from statistics import NormalDist
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -38,11 +39,20 @@ SHOWN = 20  # choice: names or rows in a message
 SAME = 1e-6  # choice: relative difference of two values that are one: above round-off, below what anyone measures
 ROUNDED = 1e-9  # theory: relative, above what a sum of a million numbers loses to round-off, 1e6 epsilon = 2e-10
 RESIDUAL_LIMIT = 1e-6  # theory: of check solves; a sound factor leaves round-off, 1e-16 to 1e-12, a wrong one 1
+LEVEL = 0.95  # theory: usual of stated errors and intervals; of all, where no other is asked for
 UNSEEN = 1e-4  # choice: relative error that no measurement sees
 NOTICEABLE = 1e-3  # choice: relative change from which on it is reported
 NO_CLAIM = 1e-3  # of a tolerance, no smaller error is stated; tuned on work along a record, by `make constants`
 SETTLED = 1e-13  # theory: a step of logs or of unknowns near 1 that is none: 450 machine epsilons, above round-off
 TINY = sys.float_info.min  # theory: the least normal number, below every size that something is divided by
+
+
+def half_width(level: float) -> float:
+    """Half-width of an interval that holds a normal value with the probability ``level``, in standard deviations."""
+    return NormalDist().inv_cdf((1 + level) / 2)
+
+
+HALF_WIDTH = half_width(LEVEL)
 
 
 def median(x: Array) -> float:

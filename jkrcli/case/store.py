@@ -5,6 +5,7 @@ import platform
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,7 +16,7 @@ from .. import __version__
 from ..base import hdf5, process
 from ..base.errors import Estimate, InputError, JkrError, Unknown
 from ..base.files import read_bytes, write_bytes
-from ..base.numerics import MOST_CELLS, Array
+from ..base.numerics import HALF_WIDTH, LEVEL, MOST_CELLS, Array, half_width
 from ..base.process import one_thread
 from ..base.units import LARGEST_SI
 from ..bodies.problem import Problem
@@ -40,6 +41,7 @@ COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still
 # What the resolved case of an earlier release left unsaid, by shape: a case of today says it
 EARLIER = {"rounded-cone": {"cap": "parabola"}, "pyramid": {"equal": "area"}, "three-sided-pyramid": {"equal": "area"}}
 UNPROTECTED = 1  # the format without a digest
+EARLIER_LEVEL = 0.9  # of the errors in files that state none
 
 
 class Column(NamedTuple):
@@ -99,7 +101,7 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     budget = {
         name: value.reason if isinstance(value, Unknown) else float(value)
         for name, value in solution.budget.as_dict().items()
-    }
+    } | {"level": LEVEL}
     text, key = (record.case or case_of(solution.problem)).to_toml(solution.method), solution.problem.key
     members: dict[str, hdf5.Group | hdf5.Dataset] = {
         "case": hdf5.Dataset(text),
@@ -241,7 +243,7 @@ class _Reader:
     def rows(self) -> tuple[Series, RawSeries | None]:
         """The series, and the increments where there are such: the first format holds these in place of the series."""
         columns: dict[str, Any] = self.columns("series")
-        errors, raw = self.columns("errors", ()), None
+        errors, raw = self.errors("errors"), None
         a0, S0 = self.at_first_touch("a0_m"), self.at_first_touch("S0_N_per_m")
         other = self.coarser(a0 or 0.0) if TOUCHES not in self.root.members else None
         if "increments" in self.root.members:
@@ -265,7 +267,7 @@ class _Reader:
         if TOUCHES not in self.root.members:
             return None
         columns: dict[str, Any] = self.columns(TOUCHES)
-        errors, a0 = self.columns(f"{TOUCHES}_errors", ()), series.a0
+        errors, a0 = self.errors(f"{TOUCHES}_errors"), series.a0
         try:
             return Series(**columns, errors=errors, a0=a0, S0=series.S0, coarser=self.coarser(a0))
         except InputError as error:
@@ -282,6 +284,18 @@ class _Reader:
             raise InputError(f"{name}: attribute ratio must be > 1, got {ratio:g}")
         return CoarseSeries(Series(**columns, a0=a0, coarser=self.coarser(a0, larger)), ratio)
 
+    @cached_property
+    def widening(self) -> float:
+        """The half-widths of errors that are made of those in the file, which states their level, over these."""
+        level = _real(self.group("errors").attributes.get("level", EARLIER_LEVEL))
+        if not 0 < level < 1:
+            raise InputError(f"{self.path}: errors: attribute level must be between 0 and 1, got {level:g}")
+        return HALF_WIDTH / half_width(level)
+
+    def errors(self, group: str) -> dict[str, Array]:
+        """The errors of columns in a ``group``."""
+        return {name: self.widening * values for name, values in self.columns(group, ()).items()}
+
     def budget(self) -> ErrorBudget:
         attributes, parts = self.group("errors").attributes, list[Estimate]()
         for item in fields(ErrorBudget):
@@ -290,7 +304,9 @@ class _Reader:
                 parts.append(Unknown(value or "not stated in the file"))
             else:
                 number = _real(value)
-                parts.append(number if np.isfinite(number) else Unknown(f"stated as {number} in the file"))
+                parts.append(
+                    number * self.widening if np.isfinite(number) else Unknown(f"stated as {number} in the file")
+                )
         return ErrorBudget(*parts)
 
     def pressure(self) -> PressureTable | None:

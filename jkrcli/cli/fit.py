@@ -16,6 +16,7 @@ from ..base import files
 from ..base.errors import InputError, SolveError, counted
 from ..base.executors import executor
 from ..base.files import beside, together, write_text
+from ..base.numerics import LEVEL
 from ..base.process import one_thread
 from ..base.registry import Result
 from ..bodies.problem import RELAXATIONS
@@ -410,7 +411,7 @@ ASKED = as_one(
     click.option("--alternatives", "--rivals", "rivals", is_flag=True,
                  help="Print what the data of a raw force curve say of each other model."),
     click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
-    click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals."),
+    click.option("--level", type=float, default=LEVEL, show_default=True, help="Of the intervals."),
     click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True,
                  help="Number of bootstrap resamples."),
     click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples."),

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base.lockstep import Flow, ask
-from ..base.numerics import Array, median
+from ..base.numerics import HALF_WIDTH, Array, median
 from ..base.units import show
 
 # When a step of the free rows is one.
@@ -82,7 +82,7 @@ class Level:
     @property
     def words(self) -> str:
         return (
-            f"a level of {show(self.size, 'load', 3)} ± {show(self.error, 'load', 2)} between "
+            f"a level of {show(self.size, 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)} between "
             f"{show(self.far, 'length', 4)} and {show(self.near, 'length', 4)} after contact is lost: a tether or a "
             "second contact"
         )
@@ -100,10 +100,8 @@ class Attraction:
     @property
     def words(self) -> str:
         what = "an attraction" if self.size < 0 else "a repulsion"
-        return (
-            f"{what} before contact of {show(abs(self.size), 'load', 3)} ± {show(self.error, 'load', 2)} at contact, "
-            f"{self.law} over a range of {show(self.range, 'length', 3)}"
-        )
+        size = f"{show(abs(self.size), 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)}"
+        return f"{what} before contact of {size} at contact, {self.law} over a range of {show(self.range, 'length', 3)}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ import numpy as np
 from ..base import numerics
 from ..base.errors import JkrError, SolveError
 from ..base.lockstep import Flow, answers, ask, beside, quiet, together
-from ..base.numerics import MOST_SOLVES, MOST_STEPS, REMEMBERED, TINY, UNSEEN, Array
+from ..base.numerics import HALF_WIDTH, LEVEL, MOST_SOLVES, MOST_STEPS, REMEMBERED, TINY, UNSEEN, Array
 from ..bodies.problem import GEL_TENSION
 from ..data.curve import APPROACH
 from .alternatives import (
@@ -60,7 +60,6 @@ SCORE_MATTERS = 0.02  # choice: relative change of E* and w, below which an alte
 SCORE_TIED = 9.0  # choice: of chi^2, three standard errors: alternatives nearer are named together or not at all
 SCORE_NEAR = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
 SCORE_OVER = 1.25  # choice: of what is possible, up to which an amount may come out: the same
-SCORE_NORMAL = 1.96  # theory: 95 % of a normal value
 SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from which they are named together
 # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
 SCORE_BESIDE = 1.5
@@ -94,7 +93,7 @@ class Score:
     least: float
     known: float
     word: str
-    quantile: float = SCORE_NORMAL
+    quantile: float = HALF_WIDTH
 
     def change(self, rate: float) -> float:
         """Relative change, with the amount, of a quantity whose logarithm moves by ``rate`` per amount."""
@@ -259,13 +258,13 @@ def _score(
     if by.size <= UNSEEN * by.whole:
         return Score(*labels, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNDECIDED, quantile)
     amount, error, taken = -by.along / by.size, 1 / by.size, by.along**2
-    room, E, w = SCORE_NORMAL * error, abs(rates[0]), abs(rates[1])
+    room, E, w = HALF_WIDTH * error, abs(rates[0]), abs(rates[1])
     detected = (
         by.chance * by.alternatives < SCORE_CHANCE
         and SCORE_OVER * low - room <= amount <= SCORE_OVER * high + room
         and (E * abs(amount) > SCORE_MOVES * errors[0] or w * abs(amount) > SCORE_MOVES * errors[1])
     )
-    end = abs(amount) + t_quantile(0.95, round(by.dof)) * error
+    end = abs(amount) + t_quantile(LEVEL, round(by.dof)) * error
     excluded = max(E, w) * end < SCORE_MATTERS
     word = DETECTED if detected else EXCLUDED if excluded else UNDECIDED
     share = taken / max(by.misfit, taken)
@@ -598,7 +597,7 @@ def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
     """Derivatives of ln w of the last direction whose w is above its error, by the unknowns: w = s q = s r^2."""
     for part in reversed(fit.model.stretches):
         for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):
-            if name in fit.names and fit.value(name) > SCORE_NORMAL * fit.error(name):
+            if name in fit.names and fit.value(name) > HALF_WIDTH * fit.error(name):
                 return {name: power / fit.value(name), "ln_s": 1.0}
     return {}
 

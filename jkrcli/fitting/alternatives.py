@@ -14,7 +14,6 @@ import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache, partial
-from statistics import NormalDist
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -25,6 +24,7 @@ from ..adhesion.relaxation import RelaxingContact
 from ..adhesion.validity import EXCESS, LIMITS, STRAINED
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.numerics import (
+    LEVEL,
     MOST_STEPS,
     REMEMBERED,
     SAME,
@@ -34,6 +34,7 @@ from ..base.numerics import (
     PiecewiseCubic,
     PiecewisePolynomial,
     cubic_spline,
+    half_width,
     median,
 )
 from ..bodies.problem import (
@@ -409,12 +410,12 @@ class Known:
 
     range: float = math.inf
     tension: float = 0.0
-    level: float = 0.95
+    level: float = LEVEL
 
     @cached_property
     def quantile(self) -> float:
         """Half-width of intervals, in standard errors."""
-        return NormalDist().inv_cdf((1 + self.level) / 2)
+        return half_width(self.level)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..base.errors import InputError, did_you_mean
 from ..base.lockstep import alone
-from ..base.numerics import MOST_STEPS, ROUNDED, Array
+from ..base.numerics import LEVEL, MOST_STEPS, ROUNDED, Array
 from ..bodies.problem import RADIUS
 from ..data.curve import Curve
 from ..data.segmentation import ForceCurve
@@ -185,7 +185,7 @@ class JointFit(Answer):
     fits: tuple[Fit, ...]
     alone: tuple[Mapping[str, float], ...]
     chance: float
-    level: float = 0.95
+    level: float = LEVEL
 
     @property
     def shared(self) -> tuple[FittedValue, ...]:

@@ -10,13 +10,12 @@ import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
 
 from ..base.errors import InputError, did_you_mean
-from ..base.numerics import SAME, Array
+from ..base.numerics import HALF_WIDTH, LEVEL, SAME, Array, half_width
 from ..base.registry import Reported
 from ..base.units import Ranged
 
@@ -134,8 +133,7 @@ KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear",
 
 
 MODULUS = {"modulus": Ranged("number", above=0)}  # the common factor of all moduli
-# theory: one-sided over two-sided 95 % of a normal value
-ONE_SIDED = NormalDist().inv_cdf(0.95) / NormalDist().inv_cdf(0.975)
+ONE_SIDED = half_width(2 * LEVEL - 1) / HALF_WIDTH  # theory: one-sided over two-sided, of a normal value
 ALIAS = "E_star"  # the common modulus by its value rather than as a factor
 
 

@@ -11,7 +11,7 @@ from ..adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, Nonadhesive
 from ..adhesion.from_rest import ELASTIC, FoundWork, LoadingHistory, Rest, history_error, work_from_pull_off
 from ..adhesion.validity import Strains
 from ..base.errors import Estimate, InputError, JkrError, Unknown
-from ..base.numerics import evenly
+from ..base.numerics import HALF_WIDTH, evenly
 from ..base.units import parse
 from ..bodies.problem import RADIUS, Loading, changed, checked_names, layer_names, nominal
 from ..resolve.analysis import Analysis, adhesive, method_behind, nonadhesive
@@ -28,8 +28,8 @@ class MeasuredWork:
     """``work``: w and its pull-off after a ``history``; ``result``: the curve of that w, which says where the theory
     holds.
 
-    ``series``: error of w [J/m^2] from that of the series, a 90 % half-width; ``parts``: standard deviations of w from
-    those of the inputs, by name.
+    ``series``: error of w [J/m^2] from that of the series; ``parts``: of w from those of the inputs, by name; all
+    of them half-widths.
     """
 
     work: FoundWork
@@ -51,7 +51,7 @@ class MeasuredWork:
 
     @property
     def error(self) -> Estimate:
-        """Standard deviation of w from all uncertain inputs [J/m^2]; the series' error without any."""
+        """Half-width of w from all uncertain inputs [J/m^2]; the series' error without any."""
         return math.hypot(*self.parts.values()) if self.parts else self.series
 
 
@@ -93,7 +93,7 @@ def measured_work(
         at_point = history_error(history, inverse.body, work.curve, work.point, stiffness)
         by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
         series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
-        parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
+        parts = {name: HALF_WIDTH * abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
     except InputError as error:
         raise InputError([f"{solution.record.path}: {line}" for line in error.lines]) from None
     return MeasuredWork(work, result, series, parts, history)

@@ -18,9 +18,19 @@ import numpy as np
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import REST, Edge, Program
 from ..adhesion.rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
-from ..adhesion.slopes import TWO_SIDED_90
 from ..base.errors import InputError, JkrError, SolveError, Unknown
-from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array, PiecewiseCubic, evenly, zeros_between
+from ..base.numerics import (
+    FEWEST_ROWS,
+    HALF_WIDTH,
+    LEVEL,
+    NOTICEABLE,
+    ROUNDED,
+    SAME,
+    Array,
+    PiecewiseCubic,
+    evenly,
+    zeros_between,
+)
 from ..base.units import LARGEST_SI, Ranged, show
 from ..data.curve import Curve
 from .forward_model import FittedBody
@@ -226,7 +236,7 @@ class LawAlongRecords:
         ends = "n" in self.values and not WHOLE_LAWS[0] * 1.01 < self.values["n"] < WHOLE_LAWS[1] * 0.99
         return ends or self.speeds[1] < WHOLE_DECADE * self.speeds[0]
 
-    def band(self, v: Array, level: float = 0.9) -> tuple[Array, Array, Array]:
+    def band(self, v: Array, level: float = LEVEL) -> tuple[Array, Array, Array]:
         """w [J/m^2] at the speeds ``v`` [m/s], and the ends of its confidence band."""
         w = self.law.work(self.w0, v)
         if self.inner is None:
@@ -301,7 +311,7 @@ def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -
     of the half of the points whose speeds are surest, over their median."""
     step = 1e-4
     by_v = np.log(law.work(w0, v * (1 + step)) / law.work(w0, v * (1 - step))) / (2 * step)
-    known = by_v * v_err / (TWO_SIDED_90 * v)
+    known = by_v * v_err / (HALF_WIDTH * v)
     surest = known <= np.median(known)
     sigma = np.hypot(known, robust_scale(residuals[surest]))
     return np.ones_like(v) if not (middle := float(np.median(sigma))) > 0 else np.maximum(sigma / middle, WHOLE_EVEN)
@@ -497,7 +507,7 @@ class RateSettings:
 
     law: str
     unknowns: Unknowns
-    level: float = 0.95
+    level: float = LEVEL
     confidence: Followed = "covariance"
     segment: str | None = None
     start: Mapping[str, float] = field(default_factory=dict)

@@ -14,14 +14,13 @@ import numpy as np
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, REMEMBERED, ROUNDED, SAME, TINY, UNSEEN, Array
+from ..base.numerics import FEWEST_ROWS, HALF_WIDTH, MOST_SOLVES, REMEMBERED, ROUNDED, SAME, TINY, UNSEEN, Array
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
 from ..data.segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from ..methods.radii import ROOM
 from .alternative_tests import (
-    SCORE_NORMAL,
     AlternativeFit,
     FittedAlternative,
     RecordAlternatives,
@@ -202,8 +201,9 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
         drift = drift_left_out(best)
         if drift.size > FLAG_SURE and abs(drift.last) > FLAG_SURE * drift.error:
             change = float(drift.step[best.names.index("ln_s")]) if "ln_s" in best.names else 0.0
+            half = show(HALF_WIDTH * drift.error, "speed", 2)
             yield (
-                f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {show(drift.error, 'speed', 2)}, which "
+                f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {half}, which "
                 f"would change the moduli by {change:+.2%}: --free drift fits it"
             )
     if not all(part.line.rows for part in best.model.stretches):
@@ -315,7 +315,9 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
         yield REJECTED, f"p = {alternatives.chance:.1g}, the residuals favour {names}{apart}"
     if alternatives.named and alternatives.named[0].of_directions:
         compared = (one for one in alternatives.scores if one.of_directions and one.family == MEMORY)
-        amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
+        amounts = ", ".join(
+            f"{one.name} {one.amount:+.1%} ± {one.quantile * one.error:.1%} ({one.amount_is})" for one in compared
+        )
         families = ", ".join(alternatives.families)
         yield DIFFER, f"approach and retraction favour {amounts}; {families} would explain the difference"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
@@ -323,7 +325,7 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
         ("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True
     ):
         worst = alternatives.worst(quantity)
-        if worst is not None and worst[1] > max(most, SCORE_NORMAL * error):
+        if worst is not None and worst[1] > max(most, HALF_WIDTH * error):
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 

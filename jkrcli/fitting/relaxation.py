@@ -22,7 +22,7 @@ from ..adhesion.device_path import Program
 from ..adhesion.finite_range import RangeRequest
 from ..adhesion.relaxation import RelaxingContact
 from ..base.errors import InputError, JkrError, SolveError
-from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
+from ..base.numerics import FEWEST_ROWS, LEVEL, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
 from ..base.units import Ranged, ranges_of, show
 from ..bodies.problem import RELAXATIONS, Relaxation
 from ..data.curve import Curve
@@ -258,7 +258,7 @@ class RelaxationSettings:
     zeros: tuple[str, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
     terms: int = 2
-    level: float = 0.95
+    level: float = LEVEL
     confidence: Followed = "covariance"
     adhesion: tuple[str, ...] = ()
 

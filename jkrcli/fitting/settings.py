@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from ..base.errors import InputError
+from ..base.numerics import LEVEL
 from ..base.units import Ranged
 from ..bodies.problem import RADIUS, checked_names
 from .forward_model import FittedBody
@@ -54,7 +55,7 @@ class Settings:
     noise: Mapping[str, float] = field(default_factory=dict)
     loss: Loss = "linear"
     confidence: ConfidenceName = "covariance"
-    level: float = 0.95
+    level: float = LEVEL
     uncertain: Mapping[str, float] = field(default_factory=dict)
     samples: int = 200
     seed: int = 0

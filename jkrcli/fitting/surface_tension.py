@@ -16,7 +16,7 @@ import numpy as np
 
 from ..adhesion.validity import LIMITS
 from ..base.errors import InputError, SolveError
-from ..base.numerics import NOTICEABLE, SAME, Array
+from ..base.numerics import LEVEL, NOTICEABLE, SAME, Array
 from ..base.units import Ranged, show
 from ..bodies.problem import RADIUS, Loading, Problem, changed, without_side_walls
 from ..data.curve import Curve
@@ -65,7 +65,7 @@ class TensionFit(Answer):
     records: tuple[Curve, ...]
     loads: tuple[Array, ...]
     mixed: Mapping[str, float] = field(default_factory=dict)
-    level: float = 0.95
+    level: float = LEVEL
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +140,7 @@ def known_values(problem: Problem, names: Iterable[str], fix: Iterable[tuple[str
 
 
 def tension_fit(
-    problem: Problem, curves: Sequence[Curve], radii: Sequence[float], fixed: Mapping[str, float], level: float = 0.95
+    problem: Problem, curves: Sequence[Curve], radii: Sequence[float], fixed: Mapping[str, float], level: float = LEVEL
 ) -> TensionFit:
     """One fit of all ``curves``, each by an indenter of one of the ``radii`` [m]; ``fixed``: values of those
     of ``RANGES`` and the modulus (E* [Pa]) that are known. InputError where a record cannot be used, SolveError."""

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.curve import Nonadhesive
-from ..adhesion.slopes import TWO_SIDED_90
 from ..base.errors import InputError
 from ..base.executors import Pool, completed
-from ..base.numerics import ROUNDED, SETTLED, TOGETHER, Array, zeros_between
+from ..base.numerics import HALF_WIDTH, LEVEL, ROUNDED, SETTLED, TOGETHER, Array, zeros_between
 from ..base.units import show
 from ..data.curve import Curve, Reading
 from ..data.measured import each
@@ -48,7 +47,7 @@ class WorkAlong:
     """The work of adhesion ``w`` [J/m^2] at each row of a measured ``curve`` and the contact radius ``a`` [m] there.
 
     Rows whose ``state`` is not "ok" have none: 0 stands there. ``used``: the two quantities that w follows from.
-    ``w_err, a_err``: 90 % half-widths by the noise and the slopes' errors, None where the noise is not known;
+    ``w_err, a_err``: half-widths by the noise and the slopes' errors, None where the noise is not known;
     ``shares``: those of w by "noise" and "slopes" alone, as far as they are known. ``speed, speed_err`` [m/s]: da/dt,
     positive where the contact advances, over ``window`` rows; only where ``timed``.
     """
@@ -267,7 +266,7 @@ def errors(
     body: Nonadhesive, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Mapping[str, float],
     compliance: float = 0.0,
 ) -> dict[str, Array]:  # fmt: skip
-    """90 % half-widths of "w" and "a" where the noise is known, and of w by "noise" and by "slopes" alone, as far as
+    """Half-widths of "w" and "a" where the noise is known, and of w by "noise" and by "slopes" alone, as far as
     they are. ``compliance`` [m/N]: of the device whose deflection by P was subtracted from delta."""
     by_noise, by_slopes = _gradients(body, used, a, lag)
     at_nodes = body.slopes.covariance
@@ -278,7 +277,7 @@ def errors(
         if compliance and gradients:
             gradients["P"] = gradients.get("P", 0.0) - compliance * gradients["delta"]
         if squares := [(gradient * sigma[name]) ** 2 for name, gradient in gradients.items() if sigma.get(name)]:
-            parts[target]["noise"] = TWO_SIDED_90 * unit * np.sqrt(np.sum(squares, axis=0))
+            parts[target]["noise"] = HALF_WIDTH * unit * np.sqrt(np.sum(squares, axis=0))
         gradient = by_slopes[target]
         if covariance is not None and gradient is not None:
             variance = np.einsum("in,nij,jn->n", gradient, covariance, gradient)
@@ -316,7 +315,7 @@ def check_window(window: int) -> None:
 
 
 def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
-    """dy/dt and its 90 % half-width at each row, from the parabola through the ``window`` rows around it, or from the
+    """dy/dt and its half-width at each row, from the parabola through the ``window`` rows around it, or from the
     cubic where that differs by more than the scatter lets it.
 
     ``t`` strictly increasing, of at least ``window`` (odd) rows, spaced as they are; near the ends the first or last
@@ -333,8 +332,8 @@ def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
     (slope, variance, by), (bent, least, by_bent) = (_slope(x, off, degree) for degree in (2, 3))
     added, change = np.maximum(by_bent - by, 0.0), np.abs(bent - slope)
     cubic = change > stdtrit(window - 4, WORK_SURE) * np.sqrt(least * added)
-    spread = stdtrit(window - 3, 0.95) * np.sqrt(variance * by)
-    left = np.hypot(stdtrit(window - 4, 0.95) * np.sqrt(least * by_bent), change)
+    spread = stdtrit(window - 3, (1 + LEVEL) / 2) * np.sqrt(variance * by)
+    left = np.hypot(stdtrit(window - 4, (1 + LEVEL) / 2) * np.sqrt(least * by_bent), change)
     return np.where(cubic, bent, slope) / half, np.where(cubic, left, spread) / half
 
 

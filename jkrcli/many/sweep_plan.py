@@ -28,7 +28,7 @@ from ..adhesion.slopes import checked_rule
 from ..adhesion.validity import strain_size, strain_words
 from ..base.errors import InputError, JkrError, Unknown, counted, did_you_mean
 from ..base.files import check_target
-from ..base.numerics import MOST_CELLS
+from ..base.numerics import LEVEL, MOST_CELLS
 from ..bodies.problem import Problem
 from ..case.models import Case, CaseModel, method_of, model_of
 from ..case.store import read_solution, write_solution
@@ -288,7 +288,7 @@ def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
 
 def _point_errors(result: Analysis) -> dict[str, Any]:
     """Half-widths of P and delta of each pull-off point, or why there are none."""
-    errors: dict[str, Any] = {}
+    errors: dict[str, Any] = {"level": LEVEL}
     for name, point in result.pull_off.items():
         error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
         for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
@@ -325,7 +325,7 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
     "contact": (lambda result: {"E_star_Pa": result.problem.E_star}, ("E_star_Pa",)),
     "end": (_at_end, ("points", "a_m", "delta_H_m", "P_H_N")),
     "pull_off": (_pull_off, (*_of_both(POINT), "load.over_pi_w_R")),
-    "pull_off_errors": (_point_errors, tuple(_of_both(ERROR))),
+    "pull_off_errors": (_point_errors, (*_of_both(ERROR), "level")),
     "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
     "validity": (_validity, VALIDITY),
     "errors": (

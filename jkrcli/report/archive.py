@@ -13,7 +13,7 @@ from ..base import hdf5
 from ..base.errors import InputError, counted
 from ..base.files import as_json, read_bytes, write_bytes
 from ..base.hdf5 import Dataset, Group, unit_column
-from ..base.numerics import Array
+from ..base.numerics import LEVEL, Array, half_width
 from ..base.units import SI, show
 from ..fitting.procedure import Failure
 from ..fitting.result import Fit
@@ -202,9 +202,14 @@ def archive_words(listing: Mapping[str, Any]) -> list[str]:
     if listing["format"] == FITS:
         lines = [f"{counted(len(listing['curves']), 'curve')} fitted to {listing['body']}: {listing['file']} ({by})"]
         for curve in listing["curves"][:SHOWN]:
-            lines.append(f"  {curve['file']}, {curve['curve']}: {curve['status']}")
+            at_level = f", ± at {100 * curve['level']:g} %" if "level" in curve else ""
+            lines.append(f"  {curve['file']}, {curve['curve']}: {curve['status']}{at_level}")
             for name, estimate in curve.get("estimates", {}).items():
-                error = estimate.get("standard_error")
+                error, ends = estimate.get("standard_error"), (estimate.get("low"), estimate.get("high"))
+                if error is not None:
+                    error *= half_width(curve["level"])
+                if None not in ends:
+                    error = (ends[1] - ends[0]) / 2
                 within = "" if error is None else f" ± {error:.2g}"
                 lines.append(f"    {name:<12} {estimate['value']:.5g}{within} {estimate['unit']}".rstrip())
         lines += [f"  ... and {len(listing['curves']) - SHOWN:,} more"] * (len(listing["curves"]) > SHOWN)
@@ -282,6 +287,7 @@ def _as_dict(solution: Solution) -> dict[str, Any]:
         "rows": raw.a.size,
         "columns": _columns(solution),
         "range": {"a_m": _ends_of_shown(raw.a), "delta_m": _ends_of_shown(raw.delta), "P_N": _ends_of_shown(raw.P)},
+        "level": LEVEL,
         "errors": solution.budget.as_dict(),
         "facts": {name: _plain(value) for name, value in solution.facts.items()},
         "timings_s": dict(solution.timings),

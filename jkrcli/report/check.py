@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 from .. import __version__
 from ..adhesion.finite_range import unable
+from ..adhesion.validity import large_strains
 from ..base.errors import Refusal, Unknown, counted, installs
 from ..base.process import free_memory
 from ..base.registry import Result
@@ -136,8 +137,12 @@ class Check(Result):
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
             number = f"none ({judged.tabor})" if isinstance(judged.tabor, Unknown) else f"{judged.tabor:.3g}"
             tabor = f"Tabor number {number}{regime}"
-            lost = [point.reason] if isinstance(point, Unknown) else [tables.format_state(point, name) for name in "Pa"]
-            yield f"  w = {show(w, 'work')}: pull-off (load control) {' at '.join(lost)}; {tabor}"
+            if isinstance(point, Unknown):
+                lost = point.reason
+            else:
+                digits = tables.digits(point.P, large_strains(self.problem, w, point, loaded=True))
+                lost = f"P = {show(point.P, 'load', digits)} at {tables.format_state(point, 'a')}"
+            yield f"  w = {show(w, 'work')}: pull-off (load control) {lost}; {tabor}"
         for *_, judged in expected.adhesion[-1:]:
             if known := tables.size_words(judged, SIZES):
                 yield f"  sizes     {', '.join(known)} at the largest contact radius"

@@ -18,7 +18,7 @@ from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, faces, strain_words, yield_warning
 from ..base.errors import Estimate, InputError, Unknown, known
 from ..base.files import lists
-from ..base.numerics import ROWS, Array
+from ..base.numerics import LEVEL, ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import implausible_work, show, show_within
 from ..bodies.problem import relaxing
@@ -81,6 +81,7 @@ class PullOff(Result):
             controls.append(tables.device(behaviour.stiffness) | numbers)
         return {
             "file": str(result.path),
+            "level": LEVEL,
             "w_J_per_m2": result.w,
             **tables.law(result),
             "modulus_factor": result.modulus_factor,
@@ -164,7 +165,7 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
     lines += [f"  model: {'; '.join(changes)}"] if changes else []
     unknown = [error for error in errors if isinstance(error, Unknown)]
     worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=None)
-    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} (90 % confidence)"])
+    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} ({tables.AT_LEVEL} confidence)"])
 
 
 def _no_depth(history: LoadingHistory) -> dict[str, Any]:
@@ -224,6 +225,7 @@ class MeasuredByHistory(Result):
             rows.append(row)
         return {
             "file": str(self.result.path),
+            "level": LEVEL,
             "load_N": self.load,
             **tables.device(self.stiffness),
             "w_J_per_m2": self._works.get(FROM_REST),
@@ -287,6 +289,7 @@ class MeasuredPullOff(Result):
         means, work = self.means, self.means.work
         return {
             "file": str(means.result.path),
+            "level": LEVEL,
             "load_N": work.load,
             **tables.device(work.stiffness),
             **_measured_as_json(means),
@@ -309,7 +312,7 @@ class MeasuredPullOff(Result):
         ]
         if means.parts:
             parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
-            lines.append(f"  standard error from {', '.join(parts)}")
+            lines.append(f"  error at {tables.AT_LEVEL} from {', '.join(parts)}")
         else:
             lines.append(f"  {OF_INPUTS}")
         series = means.series if isinstance(means.series, Unknown) else means.series / work.w
@@ -458,6 +461,7 @@ class Cycled(Result):
         return {
             "file": str(self.file),
             **tables.device(cycle.stiffness),
+            "level": LEVEL,
             "w_approach_J_per_m2": cycle.contact.advancing.w,
             "w_retract_J_per_m2": cycle.contact.receding.w,
             "jump_in": tables.point(cycle.begin),
@@ -483,7 +487,7 @@ class Cycled(Result):
             parts.append(f"{' and '.join(name for name, why in unknown.items() if why == reason)}: none, {reason}")
         energy_words = "; ".join(parts)
         lines = [
-            f"{energy_words}: {self.file}",
+            f"{energy_words}{f' ({tables.AT_LEVEL} confidence)' * ('±' in energy_words)}: {self.file}",
             _device_words(cycle.stiffness, inwards.w, outwards.w),
             f"  {start} {tables.format_state(begin, 'P a')}",
             f"  reversal at {tables.format_state(inwards.point(cycle.turn), 'a')}",
@@ -731,12 +735,14 @@ class Fields(Result):
                 column: np.concatenate([getattr(line, key) for _, line in lines])
                 for key, column in FIELD_COLUMNS.items()
             },
+            "level": np.full(sum(line.r.size for _, line in lines), LEVEL),
         }
 
     def summary(self) -> dict[str, Any]:
         state = self.state
         return {
             "file": str(self.curve.path),
+            "level": LEVEL,
             **quantities(state, "a"),
             **quantities(self.curve, "w"),
             **quantities(state, "delta P"),

@@ -9,14 +9,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
 from ..adhesion.curve import Nonadhesive
 from ..base.errors import InputError, Unknown, counted
-from ..base.numerics import Array
+from ..base.numerics import HALF_WIDTH, LEVEL, Array, half_width
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show, show_within
 from ..bodies.indenters import Indenter
@@ -38,7 +37,7 @@ from ..tables import some
 from . import archive
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
 from .result import SHOWN, Figure, Several
-from .tables import DIMENSIONS, quantities, stacked, transpose_rows, with_unit
+from .tables import AT_LEVEL, DIMENSIONS, quantities, stacked, transpose_rows, with_unit
 
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
@@ -162,7 +161,7 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
     for estimate in item.estimates:
         parts: dict[str, float | None] = {"": estimate.value}
         if estimate.free:
-            parts |= {"err": estimate.error, "low": estimate.low, "high": estimate.high}
+            parts |= {"err": half_width_of(estimate, item.settings.level), "low": estimate.low, "high": estimate.high}
         if estimate.model:
             parts["model"] = math.hypot(*estimate.model.values())
         stem = "modulus_factor" if estimate.name == "modulus" else estimate.name.replace(":", "_").replace(" ", "_")
@@ -174,7 +173,7 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
     row |= {"correlation_modulus_w": item.correlated("modulus", "w")}
     if item.quality is not None:
         row |= {"adhesion_force_N": item.adhesion, "quality": item.quality["quality"], "flags": "; ".join(item.flags)}
-    return row | {"warnings": "; ".join(item.warnings)}
+    return row | {"warnings": "; ".join(item.warnings), "level": item.settings.level}
 
 
 def _placed(item: Fit | Failure) -> dict[str, Any]:
@@ -341,13 +340,18 @@ def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> s
     return " ".join([f"{round(item.value / factor, places) + 0.0:.{places}f}", *errors, unit]).strip()
 
 
+def half_width_of(item: FittedValue, level: float) -> float | None:
+    """Half of the interval at ``level``; where an end of it is open, by the standard error, if there is one."""
+    if item.low is not None and item.high is not None:
+        return (item.high - item.low) / 2
+    return None if item.error is None else item.error * half_width(level)
+
+
 def _parts(item: FittedValue, level: float) -> dict[str, float]:
     """The half-widths [SI] of the parts of the error by their kinds, those that are noticeable."""
-    if item.error is None or item.low is item.high is None:
+    half = half_width_of(item, level)
+    if item.error is None or half is None or item.low is item.high is None:
         return {}
-    half = item.error * NormalDist().inv_cdf((1 + level) / 2)
-    if item.low is not None and item.high is not None:
-        half = (item.high - item.low) / 2
     calibration = half * min(math.hypot(*(item.systematic or {}).values()) / (item.error or 1.0), 1.0)
     own = math.sqrt(half**2 - calibration**2)
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
@@ -506,6 +510,7 @@ def tension_table(tension: TensionFit) -> dict[str, list[Any]]:
 def tension_summary(tension: TensionFit) -> dict[str, Any]:
     """Tension, E* and w, with their correlations."""
     return identity("jkr-tension-fit", tension.body) | {
+        "level": tension.level,
         "estimates": {item.name: estimate_summary(item) for item in tension.estimates},
         "free": list(tension.free),
         "correlation": np.asarray(tension.correlation).tolist(),
@@ -572,6 +577,7 @@ class Work(Result):
             for name, (values, rows) in _numbers(item).items():
                 if name in names:
                     columns[name] = [None] * size if values is None else np.where(rows, values, np.nan).tolist()
+            columns["level"] = [LEVEL] * size
             tables.append(columns)
         return stacked(tables)
 
@@ -586,6 +592,7 @@ class Work(Result):
             "file": str(self.path),
             "series": str(body.path),
             "title": body.solution.record.title,
+            "level": LEVEL,
             "modulus_factor": body.modulus_factor,
             "slopes": body.curve.slopes.method,
             "errors": body.budget.as_dict(),
@@ -706,6 +713,7 @@ def work_words(item: WorkAlong) -> list[str]:
         median = spread["median_J_per_m2"]
         known = "err_by_noise_J_per_m2" in spread
         value = show_within(median, spread["err_J_per_m2"], "work", 4, 4) if known else show(median, "work")
+        value += f", at {AT_LEVEL}," * (known and name == "all")
         parts.append(f"{label} = {value} (half of the rows: {low} to {high})")
     unknown = ["no error of w: the noise is not known, give --noise"] if item.w_err is None else []
     return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *unknown, *item.curve.flags))]
@@ -760,7 +768,7 @@ class Look(Result):
             elif glance is not None:
                 rough = {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
             curves.append(as_dict(record) | rough)
-        return {"file": str(self.path), "curves": curves, "unusable": list(self.unusable)}
+        return {"file": str(self.path), "level": LEVEL, "curves": curves, "unusable": list(self.unusable)}
 
     def words(self) -> list[str]:
         lines = [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
@@ -806,7 +814,7 @@ def _direction(item: Direction) -> dict[str, Any]:
         "base_line": quantities(item.base, "offset tilt at rows noise waviness") if item.based else None,
         **_known("largest_load_N", item.largest if item.based else NO_BASE_LINE),
         **_known("adhesion_force_N", adhesion),
-        **({} if isinstance(adhesion, Unknown) else {"adhesion_force_err_N": item.adhesion_err}),
+        **({} if isinstance(adhesion, Unknown) else {"adhesion_force_err_N": HALF_WIDTH * item.adhesion_err}),
         "adhesion_at_m": None if isinstance(adhesion, Unknown) else item.adhesion_at,
         "jumps": [{"row": jump.row + 1} | quantities(jump, "position step") for jump in item.jumps],
     }
@@ -846,7 +854,9 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
     doubts = [flag for flag in curve.flags if ARBITRARY in flag or flag == NOT_SUBTRACTED]  # of units, told first
     if any(ARBITRARY in flag for flag in doubts):
         look_verdict = "adhesion force unknown, loads in arbitrary units"
-    head = [f"{look_verdict}: {curve.where}", f"  {len(curve)} rows of {columns}; {parts}"]
+    known = any(item.based and not isinstance(item.touch, Unknown) for item in record.directions)
+    errors = f"; ± at {AT_LEVEL}" * known
+    head = [f"{look_verdict}: {curve.where}", f"  {len(curve)} rows of {columns}; {parts}{errors}"]
     rough = []
     glance = Unknown("") if tip is None else at_a_glance(record, tip)
     if tip is not None and isinstance(glance, Unknown):
@@ -891,7 +901,8 @@ def _direction_words(item: Direction) -> list[str]:
     tension = (
         f"unknown, {item.adhesion.reason}"
         if isinstance(item.adhesion, Unknown)
-        else f"{show_within(item.adhesion, item.adhesion_err, 'load', 3, 2)} at {show(item.adhesion_at, 'length')}"
+        else f"{show_within(item.adhesion, HALF_WIDTH * item.adhesion_err, 'load', 3, 2)} at "
+        f"{show(item.adhesion_at, 'length')}"
     )
     count = len(item.jumps)
     if approach:

@@ -15,7 +15,7 @@ from ..fitting.rate import RateFit
 from ..fitting.relaxation import RelaxationFit
 from . import rate
 from .archive import DOUBTFUL, FITTED
-from .inverse import ZERO_POINTS, brief, estimate_lines, estimate_summary, identity
+from .inverse import ZERO_POINTS, brief, estimate_lines, estimate_summary, half_width_of, identity
 from .result import Figure, Several
 from .tables import stacked, stiffness, transpose_rows, with_unit
 
@@ -94,15 +94,15 @@ class RelaxationFits(Several):
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        """A row per record: its estimates with their standard errors, and the scatter."""
+        """A row per record: its estimates with their half-widths, and the scatter."""
         rows = []
         for fit in self.fits:
             row: dict[str, Any] = {"curve": fit.record.curve.where, "law": fit.settings.law}
             for item in fit.estimates:
                 if item.free and item.name != "modulus":
                     name = with_unit(item.name, item.dimension)
-                    row |= {name: item.value, f"{name}_error": item.error}
-            rows.append(row | {"scatter": fit.scatter, "rows": fit.record.t.size})
+                    row |= {name: item.value, f"{name}_error": half_width_of(item, fit.settings.level)}
+            rows.append(row | {"scatter": fit.scatter, "rows": fit.record.t.size, "level": fit.settings.level})
         return transpose_rows(rows)
 
     def summary(self) -> dict[str, Any]:

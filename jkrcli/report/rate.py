@@ -18,16 +18,17 @@ from ..adhesion.relaxation import RelaxedHistory, RelaxingContact
 from ..adhesion.relaxing_adhesion import AdhesiveHistory, RateLawCourse, RelaxingAdhesion, follow_crack_law
 from ..adhesion.validity import NEGLECTED, Zone, strain_words, zone
 from ..base.errors import Estimate, InputError, SolveError, Unknown, known
-from ..base.numerics import NOTICEABLE, ROWS, SAME, UNSEEN, Array
+from ..base.numerics import LEVEL, NOTICEABLE, ROWS, SAME, UNSEEN, Array
 from ..base.registry import Result
 from ..base.units import show
 from ..bodies.problem import RELAXATIONS, Relaxation
+from ..fitting.least_squares import t_quantile
 from ..fitting.rate import LawAlongRecords
 from ..resolve.analysis import Analysis
 from ..resolve.histories import checked_histories, relaxed_specimen
 from ..series import Solution
 from .result import Figure, Several
-from .tables import cycle_title, device, energies, format_state, speed_words, timed, timed_jump, with_unit
+from .tables import AT_LEVEL, cycle_title, device, energies, format_state, speed_words, timed, timed_jump, with_unit
 
 RATE_REACH = 1.3  # choice: of the largest contact, to which the relaxed specimen is known for a law w(v)
 VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
@@ -185,8 +186,11 @@ def through_words(through: LawAlongRecords | Unknown) -> str:
     known = {name: error for name, error in through.errors.items() if error is not None and error <= VAGUE}
     if not known:
         return f"no law over speed: {low} to {high} determine none of {', '.join(through.names)}"
-    determined = {name: f"± {100 * known[name]:.2g} %" if name in known else "not determined" for name in through.names}
-    errors = ", ".join(f"{name} {word}" for name, word in determined.items())
+    t = t_quantile(LEVEL, through.dof)
+    determined = {
+        name: f"± {100 * t * known[name]:.2g} %" if name in known else "not determined" for name in through.names
+    }
+    errors = ", ".join(f"{name} {word}" for name, word in determined.items()) + f", at {AT_LEVEL}"
     doubt = "; less than a decade of speeds does not separate v0 and n" if through.narrow else ""
     return f"w0 = {show(through.w0, 'work')}, {law_words(through.law)} ({errors}) between {low} and {high}{doubt}"
 
@@ -324,6 +328,7 @@ class CycledAdhering(AdhesiveHistory, Result):
         return {
             "file": str(self.file),
             **device(contact.stiffness),
+            "level": LEVEL,
             "w_J_per_m2": contact.law.w,
             "stress_Pa": contact.law.stress,
             "range_m": contact.law.length,
@@ -358,7 +363,7 @@ class CycledAdhering(AdhesiveHistory, Result):
 
     def words(self) -> list[str]:
         pulled, lost, contact, error = self.pull_off, self.lost, self.contact, self.error["P"]
-        known_to = "" if isinstance(error, Unknown) else f" ± {100 * error:.1g} %"
+        known_to = "" if isinstance(error, Unknown) else f" ± {100 * error:.1g} % ({AT_LEVEL} confidence)"
         zone = show(pulled.c - pulled.a, "length") if pulled.c is not None else "unknown"
         lines = [
             f"pull-off force {show(-pulled.P, 'load')}{known_to} at {format_state(pulled, 't delta a')}, "

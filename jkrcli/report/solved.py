@@ -11,7 +11,7 @@ import numpy as np
 
 from ..adhesion.validity import judge_solution
 from ..base.errors import Estimate, Unknown, counted
-from ..base.numerics import Array
+from ..base.numerics import LEVEL, Array
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import relaxing
@@ -19,7 +19,7 @@ from ..methods.protocol import Choice
 from ..resolve.resolve import StickingEffect, sticking_warnings
 from ..series import COLUMNS, Series, Solution
 from .result import Figure
-from .tables import accuracy, sticking
+from .tables import AT_LEVEL, accuracy, sticking
 
 if TYPE_CHECKING:
     from ..methods.fem.mesh import Grid
@@ -81,6 +81,7 @@ class Solved(SeriesFile):
             "reason": self.choice.reason,
             "surface": self.solution.problem.surface,
             **end_of(self.solution.series),
+            "level": LEVEL,
             "errors": self.solution.budget.as_dict(),
             "warnings": self.warnings,
             "cpu_s": self.seconds,
@@ -112,14 +113,16 @@ class Imported(SeriesFile):
             "method": self.solution.method,
             **end_of(self.solution.series),
             "facts": dict(self.solution.facts),
+            "level": LEVEL,
             "errors": self.solution.budget.as_dict(),
             "warnings": list(self.solution.warnings),
         }
 
     def words(self) -> list[str]:
         facts = self.solution.facts
+        errors = f"; ± at {AT_LEVEL}" * ("±" in f"{facts['loads']} {facts['radii']}")
         return [
-            f"{self._reached}; {facts['rows']} rows, {len(self.solution.series)} different contact radii",
+            f"{self._reached}; {facts['rows']} rows, {len(self.solution.series)} different contact radii{errors}",
             f"  loads     {facts['loads']}",
             f"  radii     {facts['radii']}",
             f"  body      {self.solution.problem.words}",

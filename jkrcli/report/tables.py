@@ -27,7 +27,7 @@ from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
 from ..base.errors import Estimate, InputError, Unknown, counted, known
 from ..base.files import read_bytes
-from ..base.numerics import REMEMBERED, SAME, Array
+from ..base.numerics import LEVEL, REMEMBERED, SAME, Array
 from ..base.process import check_text
 from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
@@ -36,6 +36,7 @@ from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
 from ..resolve.analysis import Analysis, is_solved_at
 from ..resolve.resolve import StickingEffect
 
+AT_LEVEL = f"{100 * LEVEL:g} %"  # of all errors, in words
 SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
 PRINTED = 1e-4  # choice: relative error from which each force is printed with its own
@@ -87,6 +88,7 @@ def curve_columns(curve: EquilibriumCurve) -> dict[str, Array]:
     attracted = {name: columns.pop(name) for name in ("c_m",) if name in columns}
     if curve.errors:
         columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
+        attracted["level"] = np.full(curve.P.size, LEVEL)
     return columns | {"branch": branch(curve)} | attracted
 
 
@@ -135,6 +137,7 @@ def summary(result: Analysis) -> dict[str, Any]:
         "version": SUMMARY_VERSION,
         "file": str(path),
         "title": result.solution.record.title,
+        "level": LEVEL,
         "w_J_per_m2": result.w,
         **law(result),
         "modulus_factor": result.modulus_factor,
@@ -175,9 +178,10 @@ def law_words(result: Analysis) -> str:
     return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
 
 
-def digits(value: float, change: Strains) -> int:
-    """How many digits of a ``value`` are worth showing that large strains ``change``: to the second of the change."""
-    error = abs(value) * strain_size(change)
+def digits(value: float, change: Strains, known_to: float = 0.0) -> int:
+    """How many digits of a ``value`` are worth showing that large strains ``change`` and that is ``known_to`` a
+    relative error: to the second of the larger one."""
+    error = abs(value) * max(strain_size(change), known_to)
     return 4 if error == 0 else min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 2), 4)
 
 
@@ -193,10 +197,10 @@ def accuracy(error: Estimate) -> str:
 def error_words(error: Estimate, change: Strains) -> str:
     """The relative numerical ``error``, and the model's: what large strains ``change``, far larger or not."""
     if change is None:
-        return f"{accuracy(error)} (90 % confidence)"
+        return f"{accuracy(error)} ({AT_LEVEL} confidence)"
     size = strain_size(change)
     seen = isinstance(error, Unknown) or error > SEEN * size
-    numerical = f"{accuracy(error)} (90 % confidence)" if seen else "numerical error far smaller"
+    numerical = f"{accuracy(error)} ({AT_LEVEL} confidence)" if seen else "numerical error far smaller"
     return f"{strain_words(change)} (model), {numerical}"
 
 
@@ -219,17 +223,23 @@ def format_pull_off(
         if half and not isinstance(half, Unknown)
     }
     noticed = bool(errors) and max(errors.values()) >= PRINTED
-    changes = {name.removesuffix(" control"): _strains_at(result, at) for name, (at, _) in there.items()}
+    forces_at = {name.removesuffix(" control"): at for name, (at, _) in there.items()}
+    changes = {name: _strains_at(result, at) for name, at in forces_at.items()}
+    places = {name: digits(at.P, changes[name], errors.get(name, 0.0)) for name, at in forces_at.items()}
     forces = ", ".join(
-        f"{show(-at.P, 'load', digits(at.P, changes[name]))}"
+        f"{show(-at.P, 'load', places[name])}"
         f"{f' ± {percent(errors[name])}' if noticed and name in errors else ''} ({name})"
-        for name, at in ((name.removesuffix(" control"), at) for name, (at, _) in there.items())
+        for name, at in forces_at.items()
     )
     verdict = f"pull-off force {forces}" if there else "no pull-off in the solution"
     R, loaded = result.problem.indenter.tip_radius, there.get("load control")
     if R is not None and loaded is not None:
         classical = 1.5 * math.pi * result.w * R
-        difference = -classical / loaded[0].P - 1
+        # The difference of the numbers that are printed, no finer than they are
+        force, at_digits = -loaded[0].P, places["load"]
+        step = 10.0 ** (math.floor(math.log10(abs(force))) + 1 - at_digits) / abs(force)
+        difference = float(f"{classical:.4g}") / float(f"{force:.{at_digits}g}") - 1
+        difference = round(difference, -math.floor(math.log10(step)))
         words = f"{100 * difference:+.2g} %" if abs(difference) > PRINTED else "the same"
         words = f"{1 + difference:.2g} times as large" if difference > 1 else words
         beside = f"; 1.5 pi w R = {show(classical, 'load')} ({words})"
@@ -240,7 +250,7 @@ def format_pull_off(
     if noticed and len(errors) > 1:
         each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
         model = "" if change is None else f"{strain_words(change)} (model), "
-        return [*lines, f"  pull-off: {model}numerical error {each}, 90 %"]
+        return [*lines, f"  pull-off: {model}numerical error {each} ({AT_LEVEL} confidence)"]
     if errors:
         return [*lines, f"  pull-off: {error_words(max(errors.values()), change)}"]
     unknown = dict.fromkeys(half.reason for _, half in there.values() if isinstance(half, Unknown))

@@ -26,7 +26,7 @@ from ..adhesion.curve import (
 from ..adhesion.device_path import Stability, behaviours, stable_radius
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range, RangeRequest
 from ..adhesion.pull_off_error import Errors, pull_off_error
-from ..adhesion.slopes import RULES, TWO_SIDED_90, Ahead, Slopes, exact, slopes, smoothed
+from ..adhesion.slopes import RULES, Ahead, Slopes, exact, slopes, smoothed
 from ..adhesion.validity import (
     Strains,
     Validity,
@@ -40,7 +40,7 @@ from ..adhesion.validity import (
     yield_warning,
 )
 from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
-from ..base.numerics import MOST_SOLVES, ROUNDED, ROWS, SAME, Array, composite_gauss
+from ..base.numerics import HALF_WIDTH, MOST_SOLVES, ROUNDED, ROWS, SAME, Array, composite_gauss
 from ..base.process import PATIENCE
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI, show
@@ -54,7 +54,7 @@ from ..series import ErrorBudget, Series, Solution, is_series
 from .node_radii import Compared, compared
 from .resolve import Comparison, StickingEffect, compare_half_space, effect_of_range, effect_on, resolve_with
 
-SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
+SURE = 1.68  # theory: 95 % half-widths of a normal error that one in a thousand exceeds
 JKR: RangeRequest = RangeRequest()
 CALIBRATED = Ahead(0.0, 0.02, "calibrated on a half-space of the same surface mesh")
 TINY = Unknown("it would be one of a contact smaller than atoms")
@@ -116,7 +116,7 @@ class Analysis(Reported):
 
     @cached_property
     def pull_off_errors(self) -> dict[str, Errors | Unknown]:
-        """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
+        """Half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
         return {
             name: error_of_point(self.curve, point, CONTROLS[name])
             for name, point in self.pull_off.items()
@@ -300,7 +300,7 @@ def _of_finite_range(
 
 
 def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
-    """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
+    """Half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):
         return pull_off_error(curve, point, stiffness)
 
@@ -582,7 +582,7 @@ def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Arra
     if companions is None:  # by the quadrature of F, where S is known much better: no spring
         own[0] = np.maximum(own[0], not_of[0])
     covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
-    return np.moveaxis(covariance, -1, 0) / TWO_SIDED_90**2
+    return np.moveaxis(covariance, -1, 0) / HALF_WIDTH**2
 
 
 def _followed(problem: Problem, series: Series, seven: Array) -> tuple[Array, float]:

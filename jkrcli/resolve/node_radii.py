@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion.slopes import AS_THEY_ARE, TWO_SIDED_90, Ahead, NodeRadii, evenly_spaced, node_radii
-from ..base.numerics import ROUNDED, Array, cubic_spline, f_tail
+from ..adhesion.slopes import AS_THEY_ARE, Ahead, NodeRadii, evenly_spaced, node_radii
+from ..base.numerics import HALF_WIDTH, ROUNDED, Array, cubic_spline, f_tail
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import Problem
@@ -76,7 +76,7 @@ PARTS = {
 
 @dataclass(frozen=True)
 class Loads:
-    """``factor`` of the loads over those of the bodies at equal displacement, with its relative 90 % half-width
+    """``factor`` of the loads over those of the bodies at equal displacement, with its relative half-width
     ``error``; ``stretch``: factor of the displacements over those of the bodies at equal radii, 1 where it may be;
     ``fits``: whether radii over displacements are of the shape that the bodies have."""
 
@@ -169,7 +169,7 @@ class Compared:
         most = math.log(AHEAD_LOADS)
         if at_equal_radii is None or max(abs(found.stretch), abs(math.log(at_equal_radii.factor))) > most:
             return 1.0, 1.0
-        of_profile = _beyond(found.stretch, TWO_SIDED_90 * found.stretch_error)
+        of_profile = _beyond(found.stretch, HALF_WIDTH * found.stretch_error)
         return math.exp(of_profile), math.exp(-_beyond(math.log(at_equal_radii.factor), at_equal_radii.error))
 
     def loads(self) -> Loads | None:
@@ -194,7 +194,7 @@ class Compared:
         parts = [float(np.median(part)) for part in np.array_split(gap, min(AHEAD_SPARE, gap.size))]
         middle = float(np.median(gap))
         scatter = 1.25 * float(np.median(np.abs(gap - middle))) / 0.6745 / math.sqrt(gap.size)
-        error = math.hypot((max(parts) - min(parts)) / 2, TWO_SIDED_90 * scatter)
+        error = math.hypot((max(parts) - min(parts)) / 2, HALF_WIDTH * scatter)
         fits = fits and error < math.log(AHEAD_LOADS)
         return Loads(math.exp(middle), max(error, 1e-4), math.exp(-stretch), fits)
 
@@ -295,7 +295,7 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
             ends = mean_c - 4 * max(sd_c, 0.02), mean_c + 4 * max(sd_c, 0.02)
             width = 4 * max(sd_s, 3e-4)
             spread = np.linspace(mean_s - width, mean_s + width, 25)
-    error = float(np.hypot(TWO_SIDED_90 * sd_c, AHEAD_LEAST))
+    error = float(np.hypot(HALF_WIDTH * sd_c, AHEAD_LEAST))
     return Found(Ahead(mean_c, error, "body"), offset + mean_s, sd_s, float(logs.max()) / z.size)
 
 

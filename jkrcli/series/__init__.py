@@ -70,8 +70,9 @@ class Series:
     """Nonadhesive contact at strictly increasing radii; all arrays of equal length, read-only, SI.
 
     ``S = dP/d(delta)`` [N/m] and ``dS = dS/da`` [N/m^2] where the method knows them exactly, else None.
-    ``errors``: estimated absolute errors per column (keys among ``COLUMNS``), at equal radius; where the radius has an
-    error itself, those of a and P are at equal displacement (``errors_at_radius`` has them at equal radius).
+    ``errors``: estimated absolute errors per column (keys among ``COLUMNS``), half-widths at ``LEVEL``, at equal
+    radius; where the radius has an error itself, those of a and P are at equal displacement (``errors_at_radius`` has
+    them at equal radius).
     ``a0, S0``: contact radius and slope at first touch (both 0 for round indenters; ``S0 = None``: unknown).
     ``kinks``: radii [m] at which the indenter's slope bends, and delta and P with it; ``bends``: those that are meant,
     and not what is left between the points of a table.
@@ -80,7 +81,7 @@ class Series:
     ``coarser``: the same by larger elements, where there are such.
     ``unresolved``: errors (2, n) of delta [m] and of its slope by a profile that is known at points only, part of the
     ``errors``: the same at all rows nearby, and in the ``coarser`` series.
-    ``shift``: 90 % half-width (n,) [m] of an error of the radii that all rows share: that of the edge beyond nodes;
+    ``shift``: half-width (n,) [m] of an error of the radii that all rows share: that of the edge beyond nodes;
     ``shift_found``: whether it is left of what many rows tell, as scatter is, and not a range of all that may be.
     """
 
@@ -446,7 +447,9 @@ def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -
     x, inside = _common(first["a_m"], second["a_m"])
     differences = []
     for name in first:
-        if name == "a_m" or name not in second or name.endswith(("_err_N", "_err_m")) or first[name].dtype.kind != "f":
+        if name in ("a_m", "level") or name not in second or name.endswith(("_err_N", "_err_m")):
+            continue
+        if first[name].dtype.kind != "f":
             continue
         scale = float(np.max(np.abs(first[name])))
         other = pchip(second["a_m"], second[name])(np.clip(x, second["a_m"][0], second["a_m"][-1]))

@@ -192,7 +192,7 @@ def test_errors_propagate_to_first_order() -> None:
         samples.append(transform(moved, Slopes(series.S + draws[2, :, d], series.dS + draws[3, :, d], "x", 0.0), W).P)
     spread = np.std(samples, axis=0)
     # 4000 draws: 1/sqrt(8000) = 1.1 %, 30 points
-    np.testing.assert_allclose(known.errors["P"], 1.645 * spread, rtol=0.06)
+    np.testing.assert_allclose(known.errors["P"], 1.96 * spread, rtol=0.06)
     assert transform(series, plain, W).errors == {}
 
 

@@ -55,7 +55,7 @@ def test_noise_on_a_coating_by_integration() -> None:
         curve = transform(series, fitted, truth.w)
         pairs = ((fitted.dS - exact.dS, fitted.dS_err), (curve.P - truth.P, curve.errors["P"]))
         found.append([mean_squares(off[some], width[some], fitted.quantile) for off, width in pairs])
-        assert 1.645 < fitted.quantile < 1.69  # of Student's distribution with 40 degrees of freedom and more
+        assert 1.96 < fitted.quantile < 2.03  # of Student's distribution with 40 degrees of freedom and more
     assert_neither_doubled_nor_halved(np.mean(found, axis=0))
 
 
@@ -87,4 +87,4 @@ def test_noise_on_a_half_space_by_the_papers_slopes() -> None:
         off.append(found.dS - exact.dS)
         widths.append(found.dS_err)
         assert found.error == pytest.approx(np.median(found.dS_err / (2 * found.dS)), rel=1e-12)
-    assert_neither_doubled_nor_halved(mean_squares(off, widths, 1.6449).mean())
+    assert_neither_doubled_nor_halved(mean_squares(off, widths, 1.96).mean())

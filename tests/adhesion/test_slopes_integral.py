@@ -102,7 +102,7 @@ def test_noise_hardly_moves_the_pull_off_of_hertz(noise: float, bound: float) ->
 
 
 def covered(exact: Series, noise: float, w: float) -> tuple[float, float]:
-    """Share of the curve's points within the stated 90 % error, and stated over true error (medians), of 12 seeds."""
+    """Share of the curve's points within the stated 95 % error, and stated over true error (medians), of 12 seeds."""
     truth = transform(exact, slopes(exact, "exact"), w)
     inside, stated, true = [], [], []
     for seed in range(12):
@@ -122,7 +122,7 @@ def test_band_is_generous_where_nothing_bends() -> None:
                       Loading("radius", 1e-6, 60))  # fmt: skip
     inside, ratio = covered(Layered()(problem).series, 1e-2, 0.5)
     assert inside >= 0.9
-    assert 2.4 < ratio < 8  # measured 5.8; of a Gaussian error known to be one 2.4
+    assert 2.9 < ratio < 9.5  # measured 6.9; of a Gaussian error known to be one 2.9
 
 
 @pytest.mark.slow
@@ -184,7 +184,7 @@ def test_band_agrees_with_a_bootstrap() -> None:
         P = ours.at(np.clip(series.a[10:50], *ours.a[[0, -1]]))[1]
         curves.append((P, ours.error_at(np.clip(series.a[10:50], *ours.a[[0, -1]]))["P"]))
     spread = np.std([P for P, _ in curves], axis=0)
-    stated = np.median([half for _, half in curves], axis=0) / 1.645
+    stated = np.median([half for _, half in curves], axis=0) / 1.96
     ratio = np.median(stated / spread)
     # measured 1.71, 60 replicas: 9 %. The scatter alone was 1; the rest is that bodies may bend, which Hertz does not
     # and the fit cannot know: on bodies that do, the tests above find the band neither too wide nor too narrow

@@ -83,7 +83,7 @@ def test_between_the_rows_kept_slopes_add_nothing_to_the_rows() -> None:
 
 
 def test_kept_slopes_err_within_their_own_band_on_noise() -> None:
-    """90 % bands of the pull-off force: at least 13 of 20 noisy series, judged without "integral" beside them."""
+    """95 % bands of the pull-off force: at least 13 of 20 noisy series, judged without "integral" beside them."""
     exact, held = half_space(60), 0
     truth = -1.5 * np.pi * W * R
     for seed in range(20):

@@ -60,7 +60,7 @@ def test_pull_off_in_words(jkr, body: Path) -> None:
     assert lines == [
         f"pull-off force {show(1.5 * PULL_OFF, 'load')} (load), {show(5 / 6 * PULL_OFF, 'load')} (displacement) "
         f"at w = 50 J/m^2; 1.5 pi w R = {show(1.5 * PULL_OFF, 'load')} (the same): p.h5",
-        "  pull-off: numerical error below 1e-9 (90 % confidence)",
+        "  pull-off: numerical error below 1e-9 (95 % confidence)",
         "  Tabor number 639: JKR holds",
         "  a/R = 0.173, a/R at pull-off = 0.0667",
         "  load control",
@@ -107,7 +107,7 @@ def test_the_work_of_adhesion_behind_a_measured_pull_off(jkr, body: Path) -> Non
         assert first == "w = 25.46 J/m^2: the pull-off force 12 mN of p.h5 (load control, a = 5.327 um)"
         assert lines == [
             "  errors of load, tip and specimen not included: --uncertain load=5%, R=3%, E=10%",
-            "  numerical error below 1e-14 (90 % confidence)",
+            "  numerical error below 1e-14 (95 % confidence)",
             "  1.5 pi w R of a half-space would have given 25.46 J/m^2, 1 times that of this specimen",
             lines[3],
             "  a/R = 0.173, a/R at pull-off = 0.0533",

@@ -325,7 +325,7 @@ def test_the_verb_writes_what_it_says(jkr: Callable, solved: Path) -> None:
     centre = np.flatnonzero((held.points[:, 0] == 0) & (held.points[:, 1] == 0))
     assert held.point_data["displacement_m"][centre[0], 1] == pytest.approx(-found["delta_m"], rel=1e-12, abs=0)
     header, *rows = Path("gel-fields.csv").read_text().splitlines()
-    assert header == "line,depth_m,r_m,sigma_zz_Pa,sigma_rz_Pa,sigma_zz_err_Pa,sigma_rz_err_Pa,ring_area_m2"
+    assert header == "line,depth_m,r_m,sigma_zz_Pa,sigma_rz_Pa,sigma_zz_err_Pa,sigma_rz_err_Pa,ring_area_m2,level"
     cells = [row.split(",") for row in rows]
     for name, line in found["lines"].items():
         own = np.array([[float(cell) for cell in row[1:]] for row in cells if row[0] == name])

@@ -46,7 +46,7 @@ def test_after_import_every_verb_works_as_on_our_own(jkr, table: Path, tmp_path:
     outcome = jkr("import", "t.txt", "--case", "my.toml")
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out.splitlines()[:5] == [
-        "a = 120 um, delta = 14.4 um, P = 4.915 mN; 60 rows, 60 different contact radii",
+        "a = 120 um, delta = 14.4 um, P = 4.915 mN; 60 rows, 60 different contact radii; ± at 95 %",
         "  loads     1.000 ± 0.0001 times the exact loads of these bodies at equal displacement",
         "  radii     those of the rows",
         "  body      paraboloid R = 1 mm on a half-space (E = 2 MPa, nu = 0.25) to a depth of 14.4 um",

@@ -101,7 +101,7 @@ def test_inputs_are_carried_through(jkr: Run) -> None:
     words = ("--load", "1 uN", "--uncertain", "load=3%", "--uncertain", "R=4%", "--uncertain", "E=30%")
     found = lost(jkr, *TIP, *words)
     assert found["w_J_per_m2"] == pytest.approx(1e-6 / (1.5 * math.pi * R), rel=1e-8)
-    assert found["w_err_J_per_m2"] == pytest.approx(0.05 * found["w_J_per_m2"], rel=2e-3)
+    assert found["w_err_J_per_m2"] == pytest.approx(1.96 * 0.05 * found["w_J_per_m2"], rel=2e-3)
 
 
 @pytest.mark.slow

@@ -212,5 +212,5 @@ def test_a_raw_record_is_zeroed_by_its_fit(jkr: Run) -> None:
         assert found["curves"][0]["w"][other] is None
         rows = table(f"{segment}/raw-force-curve-work.csv")
         off, half = (np.array(rows[name], float) for name in ("w_J_per_m2", "w_err_J_per_m2"))
-        z = 1.645 * (off - np.median(off)) / half  # the noise of the base line is that of the rows
+        z = 1.96 * (off - np.median(off)) / half  # the noise of the base line is that of the rows
         assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5

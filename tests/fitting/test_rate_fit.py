@@ -281,4 +281,4 @@ def test_a_law_of_which_nothing_is_told_is_none() -> None:
     law = LawAlongRecords(PowerRate(4e-12, 0.1), 0.007, ("w0", "v0", "n"), np.diag([9.0, 16.0, 4.0]), (1.8e-5, 2e-5), 9)
     assert through_words(law) == "no law over speed: 18 um/s to 20 um/s determine none of w0, v0, n"
     known = replace(law, inner=np.diag([0.01, 16.0, 4.0]))
-    assert "(w0 ± 10 %, v0 not determined, n not determined)" in through_words(known)
+    assert "(w0 ± 23 %, v0 not determined, n not determined, at 95 %)" in through_words(known)

@@ -198,8 +198,8 @@ def test_a_band_is_drawn_where_it_can_be_seen_only(jkr: Callable, body: str) -> 
 
     result = analyse(store.read_solution(Path(body)), [0.1])[0]
     span = float(np.ptp(result.curve.P))
-    assert "90 % band of $P$" in words(0.02 * span)
-    assert "90 % band of $P$" not in words(0.005 * span)
+    assert "95 % band of $P$" in words(0.02 * span)
+    assert "95 % band of $P$" not in words(0.005 * span)
 
 
 def test_units_are_those_of_the_larger_of_both_curves(jkr: Callable) -> None:

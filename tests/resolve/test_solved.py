@@ -209,7 +209,7 @@ def test_points_are_solved_where_that_takes_seconds(
         held, other = ("P", "delta") if control == "load" else ("delta", "P")
         errors = {name: abs(getattr(point, name) - getattr(exact, name)) for name in stated}
         assert errors[held] <= stated[held] < 1e-3 * abs(getattr(exact, held))
-        assert errors[other] <= 2 * stated[other] < 2e-3 * abs(getattr(exact, other))  # 90 %: measured 1.39
+        assert errors[other] <= 2 * stated[other] < 2e-3 * abs(getattr(exact, other))  # measured 1.39
 
 
 def test_rows_stay_beside_solved_radii_whatever_a_table_leaves_open() -> None:

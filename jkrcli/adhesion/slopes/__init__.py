@@ -11,13 +11,12 @@ import importlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from statistics import NormalDist
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ...base.errors import Estimate, InputError, Refusal, Unknown, did_you_mean
-from ...base.numerics import UNSEEN, Array
+from ...base.numerics import HALF_WIDTH, LEVEL, UNSEEN, Array
 from ...series import COLUMNS, RawSeries, Series
 
 # --------------------------------------------------------------------------------------------------
@@ -43,11 +42,10 @@ NODE_MOST = 1000.0  # choice: elements under the largest contact; more are no ma
 # radii that were asked for by nothing
 NODE_SCATTER = 0.15
 NODE_TURNS = 3  # choice: times that the nodes passed become more and fewer by turns; radii asked for do not
-NODE_HALF_WIDTH = 0.9  # theory: of an interval in which all places are as likely, for 90 %
 
 
 class Ahead(NamedTuple):
-    """By how many elements the edge of the contact is beyond a node that begins to carry, and the 90 % half-width of
+    """By how many elements the edge of the contact is beyond a node that begins to carry, and the half-width of
     this number, which all rows share; ``source``: what it is known from."""
 
     elements: float
@@ -65,7 +63,7 @@ AS_THEY_ARE = Ahead(0.0, 0.0, "taken as it is")
 
 @dataclass(frozen=True, eq=False)
 class Touches:
-    """States in which the radius of the contact is known: ``rows`` with their radii, the 90 % half-widths ``errors`` of
+    """States in which the radius of the contact is known: ``rows`` with their radii, the half-widths ``errors`` of
     these (n,) [m], each row for itself, and the ``element`` (n,) [m] there."""
 
     rows: RawSeries
@@ -119,7 +117,7 @@ class NodeRadii:
             load[i] = float(np.exp(y.mean() + slope * (np.log(depth[i]) - x.mean())))
         rows = RawSeries(radius, depth, load, self.rows.rows[first])
         known = radius > 0
-        errors = NODE_HALF_WIDTH * share / 2 * e
+        errors = LEVEL * share / 2 * e  # theory: all places of the interval are as likely
         return Touches(rows.only(known), errors[known], e[known])
 
 
@@ -209,7 +207,6 @@ def _scatters(rows: RawSeries, element: float) -> bool:
 # The result type that every way of finding S and S' shares.
 
 Signs: TypeAlias = tuple[int, int, int, int]
-TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
 
 # How errors of columns go together.
 # Of the variances, what is common to columns that err together:
@@ -227,9 +224,9 @@ class Slopes:
     ``covariance``: shape (n, 4, 4), of (delta_H, P_H, S, S') at each radius, SI; None where no error is known.
     ``joint``: shape (n, 6, 6), the same with d(delta_H)/da and S'' behind them, where the method knows their errors; in
     noise with no more smoothing bias than there is away from the ends.
-    ``quantile``: standard deviations in the half-width of a 90 % interval (more than 1.64 for few points).
+    ``quantile``: standard deviations in the half-width of an interval (more than ``HALF_WIDTH`` for few points).
     ``correlation``: of the errors of neighbouring rows as the residuals have it; None where they are no noise.
-    ``error``: relative 90 % half-width of sqrt(a/S'), the median over the points, or why it is unknown.
+    ``error``: relative half-width of sqrt(a/S'), the median over the points, or why it is unknown.
     ``derived``: whether S' is the derivative of S, or S was kept apart from the smooth curve that S' comes from.
     ``flags``: sentences on where the slopes are to be trusted less; ``reason``: why this method was taken.
     ``against``: by what a rule that does not see its own error is judged, the slopes "integral" with their series,
@@ -247,7 +244,7 @@ class Slopes:
     P: Array | None = None
     covariance: Array | None = None
     joint: Array | None = None
-    quantile: float = TWO_SIDED_90
+    quantile: float = HALF_WIDTH
     correlation: Estimate | None = None
     derived: bool = True
     against: tuple[Series, Slopes] | None = None
@@ -274,14 +271,14 @@ class Slopes:
 
     @property
     def dS_err(self) -> Array | None:
-        """90 % half-width of S' [N/m^2]."""
+        """Half-width of S' [N/m^2]."""
         return None if self.covariance is None else self.quantile * np.sqrt(self.covariance[:, 3, 3])
 
 
 def covariance_from_errors(
     a: Array, errors: Mapping[str, Array], dS: Array, signs: Signs = ERROR_AT_RADIUS, common: float = ERROR_COMMON
 ) -> Array | None:
-    """Covariance (n, 4, 4) of (delta_H, P_H, S, S') at radii ``a`` from a series' ``errors``, 90 % half-widths; None
+    """Covariance (n, 4, 4) of (delta_H, P_H, S, S') at radii ``a`` from a series' ``errors``, half-widths; None
     where there are none.
 
     ``signs``: of what columns share, ``common`` of their variance. Errors of one body's compliance, as those of meshes
@@ -291,7 +288,7 @@ def covariance_from_errors(
     """
     if not errors:
         return None
-    sigma = {name: errors.get(name, np.zeros(a.size)) / TWO_SIDED_90 for name in COLUMNS}
+    sigma = {name: errors.get(name, np.zeros(a.size)) / HALF_WIDTH for name in COLUMNS}
     rows = np.stack([sigma[name] for name in ("delta", "P", "S", "dS")], axis=1)
     together = common * np.outer(signs, signs)
     np.fill_diagonal(together, 1.0)
@@ -301,7 +298,7 @@ def covariance_from_errors(
 
 
 def shift_error(dS: Array, covariance: Array, quantile: float) -> float:
-    """Relative 90 % half-width of sqrt(a/S'), the median over the points."""
+    """Relative half-width of sqrt(a/S'), the median over the points."""
     return float(np.median(quantile * np.sqrt(covariance[:, 3, 3]) / (2 * dS)))
 
 
@@ -320,7 +317,7 @@ def exact(series: Series) -> Slopes:
             "gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
         )
     covariance = covariance_from_errors(series.a, series.errors, series.dS)
-    error = NOT_STATED if covariance is None else shift_error(series.dS, covariance, TWO_SIDED_90)
+    error = NOT_STATED if covariance is None else shift_error(series.dS, covariance, HALF_WIDTH)
     return Slopes(series.S, series.dS, "exact", error=error, covariance=covariance)
 
 
@@ -389,7 +386,7 @@ def register(rule: Rule) -> None:
 # Slopes of a series by the requested rule, or by the surest: what "auto" takes, and why.
 
 # When "auto" takes the slopes that a series carries.
-# of the radii at which a smooth fit may leave their error; choice: half of what 90 % intervals leave
+# of the radii at which a smooth fit may leave their error; choice: what intervals leave
 CHOICE_FEW = 0.05
 
 

@@ -24,13 +24,12 @@ from scipy.optimize import minimize_scalar
 from scipy.special import stdtrit
 
 from ...base.errors import Estimate, InputError, Refusal, Unknown
-from ...base.numerics import MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
+from ...base.numerics import HALF_WIDTH, LEVEL, MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
 from ...series import RawSeries, Series
 from . import (
     AS_THEY_ARE,
     ERROR_AT_DISPLACEMENT,
     ERROR_COMMON,
-    TWO_SIDED_90,
     Ahead,
     Slopes,
     covariance_from_errors,
@@ -802,7 +801,7 @@ def smoothed(
     """A series and its slopes from increments, also where they are too noisy to be a series (columns out of order).
 
     Where radii are those of nodes, the moments at which the next node is reached are found first, the edge being
-    ``ahead`` of it (``Ahead``); ``load_errors`` (2, m): relative 90 % half-widths of the loads at equal depth,
+    ``ahead`` of it (``Ahead``); ``load_errors`` (2, m): relative half-widths of the loads at equal depth,
     which rows share, over displacements [m]. The series holds the fitted columns at the data's radii, sorted and
     without repeats, but for those of outliers beyond all others.
     """
@@ -869,7 +868,7 @@ def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: 
         joint[:, :4, :4] += shared
         # rates in their logs err as columns do that err smoothly: d(delta_H)/da as the radius, S'' as S'
         if wanted.size > 1 and "a" in there:
-            of_radius = INTEGRAL_RATES / INTEGRAL_RADII * there["a"] / wanted / TWO_SIDED_90
+            of_radius = INTEGRAL_RATES / INTEGRAL_RADII * there["a"] / wanted / HALF_WIDTH
             joint[:, 4, 4] += (np.gradient(delta_H, wanted) * of_radius) ** 2
             joint[:, 5, 5] += (2 * dS / wanted * of_radius) ** 2
         covariance += shared
@@ -880,7 +879,7 @@ def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: 
     carried = np.linalg.eigvalsh(rows @ rows.T)
     share = float(np.sum(carried) ** 2 / max(carried.size * np.sum(carried**2), TINY))
     freedom = max((rows.size - fit.spent) * max(share, 1 / carried.size), 1.0)
-    quantile = float(stdtrit(freedom, 0.95))
+    quantile = float(stdtrit(freedom, (1 + LEVEL) / 2))
     error = Unknown(TOO_FEW) if settled.hidden else shift_error(dS, covariance, quantile)
     known = {} if settled.hidden else {"covariance": covariance, "joint": joint}
     columns = {"delta": delta_H, "P": P_H, **known}
@@ -947,7 +946,7 @@ def _prepare(raw: RawSeries, errors: Mapping[str, Array], a0: float) -> _Data:
     stated = None
     columns = {"a": a, "delta": delta, "P": P}
     if any(np.any(errors[name] > 0) for name in columns.keys() & errors):
-        stated = np.stack([(errors.get(name, 0 * v) / v / TWO_SIDED_90) ** 2 for name, v in columns.items()])
+        stated = np.stack([(errors.get(name, 0 * v) / v / HALF_WIDTH) ** 2 for name, v in columns.items()])
     y = a - a0
     decades = np.log10(y)
     if np.ptp(decades) > INTEGRAL_DECADES:  # more than a series has: the radius that lies farthest off

@@ -22,10 +22,10 @@ from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize_scalar
 
 from ...base.errors import InputError, Refusal
-from ...base.numerics import NOTICEABLE, Array
+from ...base.numerics import HALF_WIDTH, NOTICEABLE, Array
 from ...base.units import show
 from ...series import Series
-from . import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
+from . import Slopes, covariance_from_errors, shift_error
 
 # --------------------------------------------------------------------------------------------------
 # Cubic smoothing spline with exact leave-one-out cross-validation, in O(n) by banded matrices.
@@ -305,7 +305,7 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
             f"natural end of the smoothing spline: dS/da is off by about {100 * relative:.2g} % at the largest radius "
             f"{show(float(series.a[-1]), 'length')}, by more than {100 * NOTICEABLE:g} % at the last {reached} points",
         )
-    error = shift_error(dS, covariance, TWO_SIDED_90)
+    error = shift_error(dS, covariance, HALF_WIDTH)
     bound = {
         "lower": ", its lower bound: S(a) is interpolated, not smoothed",
         "upper": ", its upper bound: S(a) is a straight line",

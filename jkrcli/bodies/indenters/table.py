@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ...base.errors import InputError, positive
-from ...base.numerics import AT_ONCE, LOOKED_AT, REMEMBERED, ROUNDED, TINY, Array, spline_slopes
+from ...base.numerics import AT_ONCE, HALF_WIDTH, LOOKED_AT, REMEMBERED, ROUNDED, TINY, Array, spline_slopes
 from ...base.registry import Key
 from ...base.units import AnyLength, Length, show
 from ..problem import Indenter, Solid, shape
@@ -316,10 +316,9 @@ TABLE_STEEPEST = (14.0, 7.0, 14.0)  # theory: 2^4 and 2^3 less 1, of smooth spli
 TABLE_SAFETY = 1.25  # theory: on errors by the order of three grids (Roache, J. Fluids Eng. 116 (1994) 405)
 TABLE_CORNER = 0.1  # jump of the slope where a straight run ends, over the slope beyond; choice: less is none
 TABLE_NEAR = 0.01  # of an interval, to its end: a corner as near is at that point; choice: points are rounded
-TABLE_NORMAL = 1.645  # theory: 90 % of a normal distribution, in standard errors
 TABLE_DRAWS = 3  # choice: profiles that the noise leaves, where a state moves with the profile
-# of what the largest of so many draws changes, that 90 % half-width; 1.645/1.8, which ``fewer_points`` adds
-TABLE_OF_DRAWS = 0.9  # theory: over about one standard error
+# of what the largest of so many draws changes, that half-width; 1.96/1.8, which ``fewer_points`` adds
+TABLE_OF_DRAWS = 1.1  # theory: over about one standard error
 TABLE_FEW = 9  # theory: points of a table, of every fourth of which no spline is left, and then
 TABLE_FEW_FACTORS = (1.7, 1.0, 1.7)  # theory: of parabolas, less where a tip is blunt
 
@@ -489,7 +488,7 @@ class TableProfile(Indenter):
             F, slope = _images(knots, pieces, x)
             mean = np.cumsum(F) / np.arange(1.0, x.size + 1)
             total += np.array([F, F - mean, slope]) ** 2
-        F, less_mean, slope = TABLE_NORMAL * np.sqrt(total)
+        F, less_mean, slope = HALF_WIDTH * np.sqrt(total)
         return x, np.stack([np.maximum(F, less_mean), slope])
 
     @cached_property

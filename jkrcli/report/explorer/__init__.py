@@ -20,7 +20,7 @@ from ... import __version__
 from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
 from ...adhesion.validity import LIMITS, regime, strains_are_known
 from ...base.errors import InputError, Unknown, counted, installs
-from ...base.numerics import DRAWN, Array
+from ...base.numerics import DRAWN, LEVEL, Array
 from ...base.registry import Result
 from ...base.units import SI, UNITS, decades, scale
 from ...data.curve import Curve
@@ -110,6 +110,7 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "every": EVERY,
         "columns": {name: values.tolist() for name, values in columns.items()},
         "band": _band(curve.nonadhesive),
+        "level": LEVEL,
         "tabor": tabor,
         "relaxed": _relaxed(result),
         "strains": strains,
@@ -170,7 +171,7 @@ def _table(body: Nonadhesive) -> dict[str, list[float]]:
 
 
 def _band(body: Nonadhesive) -> dict[str, list[list[float]]] | None:
-    """Squares of the 90 % half-widths of delta and P at unit modulus, as coefficients of 1, q and q^2 in each row."""
+    """Squares of the half-widths of delta and P at unit modulus, as coefficients of 1, q and q^2 in each row."""
     covariance, quantile = body.slopes.covariance, body.slopes.quantile
     if covariance is None:
         return None

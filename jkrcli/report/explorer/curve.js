@@ -6,8 +6,8 @@ const STABLE = "stable", GRIPPED = "displacement-control", UNSTABLE = "unstable"
 
 /* Nonadhesive series at unit modulus, with the shift t = sqrt(4 pi a/S') of w = 1; "every" entry is a row of it. */
 class Table {
-  constructor({ table, every, columns, band }) {
-    Object.assign(this, { every, columns, band });
+  constructor({ table, every, columns, band, level }) {
+    Object.assign(this, { every, columns, band, level });
     this.samples = table.a.map((_, i) => Object.fromEntries(Object.keys(table).map((name) => [name, table[name][i]])));
   }
 
@@ -116,7 +116,7 @@ class AdhesiveCurve {
     }));
   }
 
-  /* 90 % half-widths {delta, P} at the series' radii, or null where no error is known. */
+  /* Half-widths {delta, P} at the series' radii, or null where no error is known. */
   errors() {
     const { band } = this.table;
     if (band === null) return null;
@@ -140,6 +140,7 @@ class AdhesiveCurve {
       dS_da_N_per_m2: c.dS.map((value) => factor * value),
       ...(errors && { P_err_N: errors.P, delta_err_m: errors.delta }),
       branch: c.a.map((_, i) => this.branch(this.table.samples[i * this.table.every])),
+      ...(errors && { level: c.a.map(() => this.table.level) }),
     };
   }
 

@@ -44,7 +44,7 @@ function pictures(curve, pulls, chosen) {
   const unit = new AdhesiveCurve(table, 0, curve.factor);
   const shown = {
     pulls, chosen, parts: curve.parts(stiffnessOf(chosen)), nonadhesive: table.samples.map((at) => unit.point(at)),
-    band: band(curve), measured: measured(k),
+    band: band(curve), level: table.level, measured: measured(k),
   };
   const view = picked("view"), data = shown.measured.flatMap((one) => one.points), origin = { a: 0, delta: 0, P: 0 };
   const points = [...shown.parts.flatMap((part) => part.points), ...data, origin];

@@ -38,9 +38,9 @@ function draw(element, lines, x, y, units, view) {
 }
 
 /* The lines of the curve, its pull-offs, and the measured points; `pulls`: by control, `chosen`: the one that is held. */
-function linesOf({ parts, nonadhesive, band, pulls, chosen, measured }) {
+function linesOf({ parts, nonadhesive, band, level, pulls, chosen, measured }) {
   const lines = [];
-  if (band) lines.push({ name: "90 % band", points: band, fill: "toself", fillcolor: "rgba(213,94,0,0.16)", line: { width: 0 }, hoverinfo: "skip" });
+  if (band) lines.push({ name: `${100 * level} % band`, points: band, fill: "toself", fillcolor: "rgba(213,94,0,0.16)", line: { width: 0 }, hoverinfo: "skip" });
   lines.push({ name: "nonadhesive", points: nonadhesive, line: { color: BLUE, dash: "dash", width: 1.6 } });
   for (const { stable, points } of parts) {
     lines.push({ name: stable ? "stable" : "unstable", points, line: { color: ORANGE, width: stable ? 2.6 : 2, dash: stable ? "solid" : "dot" } });

@@ -16,7 +16,7 @@ from matplotlib.tri import Triangulation
 
 from ...adhesion.curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from ...adhesion.device_path import GRIPPED, STABLE, UNSTABLE, Jump, branch
-from ...base.numerics import Array
+from ...base.numerics import LEVEL, Array
 from ...base.units import scale, show
 from ...resolve.analysis import Analysis
 from .. import plots
@@ -101,11 +101,12 @@ def _draw(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
             axes.plot(*_xy(points, units, x, y)[:, shown], color="0.75", lw=3.5, label=label)
     axes.plot(*_xy(curve.series, units, x, y), "s-", color=plots.BLUE, ms=3, mfc="none", lw=1.0, markevery=SPACING,
               label=f"nonadhesive ({result.solution.method})")  # fmt: skip
-    # The 90 % band of P, where its half-width is a hundredth of the axis, enough to be seen
+    # The band of P, where its half-width is a hundredth of the axis, enough to be seen
     if curve.errors and np.max(curve.errors["P"]) >= 0.01 * np.ptp(curve.P):
         limits = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
         along, fill = (x, axes.fill_between) if y == "P" else (y, axes.fill_betweenx)
-        fill(*_xy(curve, units, along), *limits, color=plots.ORANGE, alpha=0.25, lw=0, label="90 % band of $P$")
+        label = f"{100 * LEVEL:g} % band of $P$"
+        fill(*_xy(curve, units, along), *limits, color=plots.ORANGE, alpha=0.25, lw=0, label=label)
     # Solid where stable under any control, dashed where only a stiff device holds the contact, dotted where none.
     line, words = _xy(result.curve, units, x, y), branch(result.curve)
     style: dict[str, Any] = {"color": plots.ORANGE, "ms": 3, "mfc": "none", "lw": 1.2}

@@ -347,7 +347,7 @@ GROUPS = {
 def work_figure(curves: Sequence[WorkAlong], law: LawAlongRecords | None = None) -> Figure:
     """w over the contact radius; where time was recorded also over the speed of the contact's edge, both logarithmic.
 
-    Points are the rows of all curves, those whose edge advances and recedes told apart; a ``law`` has its 90 % band.
+    Points are the rows of all curves, those whose edge advances and recedes told apart; a ``law`` has its band.
     """
     groups = _groups(curves)
     timed = "measured" not in groups

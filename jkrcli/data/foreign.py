@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..base.errors import InputError, Unknown, counted
-from ..base.numerics import Array
+from ..base.numerics import Array, cubic_spline
 from ..base.units import LARGEST_SI
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
@@ -38,8 +38,9 @@ class SeriesReading:
     ``factors``: on top of the units (P = 180 for CalculiX, which prints the force on its wedge of 2 degrees).
     ``zero``: displacement [m] and load [N] at first touch, after the sign, subtracted. ``sign``: "auto" turns a
     displacement or load that is negative throughout, "as-is" leaves them. ``sort``: order the rows by displacement.
-    ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), or its "projected" area pi a^2. ``compare``:
-    whether the exact solution of the bodies, where there is one, tells where the edge is between nodes, and the shape.
+    ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), its "projected" area pi a^2, or "auto": the
+    surface unless the exact solution of the bodies says that it is the projected one. ``compare``: whether the exact
+    solution of the bodies, where there is one, tells where the edge is between nodes, the shape, and what an area is.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -48,7 +49,7 @@ class SeriesReading:
     zero: Mapping[str, float] = field(default_factory=dict)
     sign: Literal["auto", "as-is"] = "auto"
     sort: bool = False
-    area: Literal["surface", "projected"] = "surface"
+    area: Literal["auto", "surface", "projected"] = "auto"
     compare: bool = True
     separator: str | None = None
     decimal: str | None = None
@@ -92,7 +93,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     if wrong and not noisy:
         raise InputError(wrong)
     if "area" in values:
-        values["a"] = _radii(path, values.pop("area"), lines, indenter, reading.area)
+        values["a"], meaning = _radii(path, values, lines, problem, reading)
+        reading = replace(reading, area=meaning)
     raw = RawSeries(values["a"], values["delta"], values["P"], lines)
     if noisy:
         beside, series, words = _by_fit(path, raw, problem, reading.compare)
@@ -109,7 +111,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     if doubts:
         said = doubts[0].removeprefix("the loads are ") if said in doubts[0] else f"{said}; {doubts[0]}"
     facts = _facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"}
-    facts |= {"loads": said, "radii": beside.of_nodes or "those of the rows"}
+    rows = "those of the rows" if "a" in chosen else f"of the contact area ({reading.area}: --area)"
+    facts |= {"loads": said, "radii": beside.of_nodes or rows}
     if loads is not None:
         facts |= {"loads_factor": loads.factor, "loads_factor_error": loads.error * loads.factor}
     return Solution(
@@ -230,17 +233,62 @@ def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, 
 
 
 # ---------------------------------------------------------------------- contact area
-def _radii(path: Path, area: Array, lines: Array, indenter: Indenter, kind: str) -> Array:
-    """Contact radii [m] from contact areas [m^2]; InputError with the line where the indenter has no such area."""
-    if kind == "projected":
-        return np.sqrt(np.maximum(area, 0) / math.pi)
+# When an area is the projected one, by the radii that the bodies have at the displacements of the rows.
+AREA_APART = 1e-3  # choice: of radii, below which both meanings are the same
+AREA_FEWEST = 8  # choice: rows
+AREA_LOADS = 0.02  # choice: of loads at equal displacement, up to which the bodies are the right ones
+AREA_NEAR = 0.25  # choice: of the difference of both meanings, four standard errors and more on either side
+
+
+def _radii(
+    path: Path, values: dict[str, Array], lines: Array, problem: Problem, reading: SeriesReading
+) -> tuple[Array, Literal["surface", "projected"]]:
+    """Contact radii [m] from the contact areas [m^2] of the ``values``, and what the areas are; InputError with the
+    line where the indenter has no such area."""
+    indenter, area = problem.indenter, values.pop("area")
+    projected = np.sqrt(np.maximum(area, 0) / math.pi)
+    if reading.area == "projected":
+        return projected, "projected"
     ends = math.isfinite(indenter.r_max)
     limit = float(surface_area(np.array(indenter.r_max * (1 - 1e-12)), indenter)) if ends else math.inf
     beyond = area > limit
     if beyond.any():
         raise InputError(f"{path}: line {lines[beyond][0]}: contact area {area[beyond][0]:.6g} m^2 is larger than the "
                          f"indenter's surface, {limit:.6g} m^2; is the unit right?")  # fmt: skip
-    return radius_from_area(np.maximum(area, 0), indenter)
+    surface = radius_from_area(np.maximum(area, 0), indenter)
+    if reading.area == "auto" and reading.compare and _is_projected(problem, projected, surface, values):
+        return projected, "projected"
+    return surface, "surface"
+
+
+def _is_projected(problem: Problem, projected: Array, surface: Array, values: Mapping[str, Array]) -> bool:
+    """Whether the radii are the bodies' own at the displacements of the rows if the areas are ``projected``, and not if
+    they are those of the ``surface``; nothing is told by bodies that have other loads at these displacements.
+
+    ln(a/a_surface) = share ln(a_projected/a_surface) + lag/a: a mesh reports radii that lag by part of an element.
+    """
+    from ..resolve.resolve import own_solution
+
+    delta, P = values["delta"], values["P"]
+    rows = (projected > problem.indenter.a0) & (projected < problem.indenter.r_max) & (delta > 0) & (P > 0)
+    if rows.sum() < AREA_FEWEST or np.log(projected[rows] / surface[rows]).max() < AREA_APART:
+        return False
+    own = own_solution(problem, projected[rows])
+    if own is None:
+        return False
+    rows &= (delta > own.delta[0]) & (delta <= own.delta[-1])
+    if rows.sum() < AREA_FEWEST:
+        return False
+    a, x = surface[rows], np.log(delta[rows])
+    log_a, log_P = cubic_spline(np.log(own.delta), np.log(np.stack([own.a - own.a0, own.P], axis=1)))(x).T
+    if np.median(np.abs(log_P - np.log(P[rows]))) > AREA_LOADS:
+        return False
+
+    columns = np.stack([np.log(projected[rows] / a), a[-1] / a], axis=1)
+    gap = np.log((own.a0 + np.exp(log_a)) / a)
+    (share, lag), *_ = np.linalg.lstsq(columns, gap, rcond=None)
+    variance = np.sum((gap - columns @ [share, lag]) ** 2) / (gap.size - 2) * np.linalg.inv(columns.T @ columns)[0, 0]
+    return bool(abs(share - 1) < AREA_NEAR and 4 * math.sqrt(variance) < AREA_NEAR)
 
 
 def surface_area(a: Array, indenter: Indenter) -> Array:

@@ -117,6 +117,9 @@ reading_options = options.as_one(
     *SEPARATED,
     click.option("--compare/--no-compare", default=True, show_default=True,
                  help="With the exact solution of these bodies: where the edge is between nodes, and the shape."),
+    click.option("--nodes", type=options.FileType(),
+                 help="Radii of all nodes of the mesh at the contact, a table of one column, where contact radii are "
+                 "those of nodes. Default: the series tells them."),
     click.option("--sort", is_flag=True, help="Order the rows by displacement first."),
 )  # fmt: skip
 

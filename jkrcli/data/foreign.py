@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
+NODE_OFF = 0.2  # choice: of an element, by which radii may miss nodes: they are rounded, or those of an area
 UNKNOWN = Unknown("unknown: imported data")
 NAMES = VOCABULARIES["computed"]
 
@@ -41,6 +42,7 @@ class SeriesReading:
     ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), its "projected" area pi a^2, or "auto": the
     surface unless the exact solution of the bodies says that it is the projected one. ``compare``: whether the exact
     solution of the bodies, where there is one, tells where the edge is between nodes, the shape, and what an area is.
+    ``nodes``: a table of the radii of all nodes of the mesh at the contact, where the contact radii are those of nodes.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -51,6 +53,7 @@ class SeriesReading:
     sort: bool = False
     area: Literal["auto", "surface", "projected"] = "auto"
     compare: bool = True
+    nodes: Path | None = None
     separator: str | None = None
     decimal: str | None = None
 
@@ -96,6 +99,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         values["a"], meaning = _radii(path, values, lines, problem, reading)
         reading = replace(reading, area=meaning)
     raw = RawSeries(values["a"], values["delta"], values["P"], lines)
+    if reading.nodes is not None:
+        raw = _on_nodes(path, raw, reading.nodes, reading.units.get("a"))
     if noisy:
         beside, series, words = _by_fit(path, raw, problem, reading.compare)
         raw = beside.raw
@@ -145,7 +150,7 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
     touched = int(np.argmax(raw.a > indenter.a0))
     first = touched + near_first_touch(hidden[touched:])
     used = ~hidden & (np.arange(hidden.size) >= first)
-    kept = RawSeries(*(column[used] for column in (raw.a, raw.delta, raw.P, raw.rows)))
+    kept = raw.only(used)
     _check_kept(path, kept, int(np.sum(~used)), indenter)
     S0 = None if indenter.a0 > 0 else 0.0
     beside = compared(problem, kept, compare)
@@ -217,9 +222,34 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
                              "contact with this indenter begins")  # fmt: skip
 
 
+def _on_nodes(path: Path, raw: RawSeries, file: Path, unit: str | None) -> RawSeries:
+    """The rows with their radii at the nodes of the mesh, whose radii the ``file`` holds, and the elements outside
+    these; InputError where a radius is that of no node."""
+    table = read_table(file, least=1)
+    if table.values.shape[1] != 1:
+        raise InputError(f"{file}: must hold one column, radii of nodes, got {table.values.shape[1]}")
+    nodes = NAMES.in_si(table, "a", 0, None if table.names and split_name(table.names[0])[1] else unit)
+    nodes = np.unique(nodes)
+    if nodes.size < LEAST_ROWS or nodes[0] < 0:
+        got = f"{nodes.size} different ones" if nodes[0] >= 0 else f"{nodes[0]:.6g} m"
+        raise InputError(f"{file}: must hold at least {LEAST_ROWS} radii of nodes, none below 0, got {got}")
+    middles = (nodes[1:] + nodes[:-1]) / 2
+    nearest = np.searchsorted(middles, raw.a)
+    element = np.diff(nodes)[np.minimum(nearest, nodes.size - 2)]
+    off = np.abs(raw.a - nodes[nearest]) > NODE_OFF * element
+    if (wrong := off & (raw.a > 0)).any():
+        i = int(np.argmax(wrong))
+        raise InputError(
+            f"{path}: line {raw.rows[i]}: contact radius {raw.a[i]:.6g} m is that of no node in {file}, of which the "
+            f"nearest has {nodes[nearest[i]]:.6g} m: is the unit right, and are these the nodes of this mesh?"
+        )
+    return replace(raw, a=np.where(raw.a > 0, nodes[nearest], raw.a), element=element)
+
+
 def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, dropped: int) -> dict[str, Any]:
     return {
         "compared": "yes" if reading.compare else "no",
+        "nodes": "from the series" if reading.nodes is None else reading.nodes.name,
         "source": table.path.name,
         "columns": table.listed(chosen),
         "factors": ", ".join(f"{key} = {value:g}" for key, value in reading.factors.items()) or "none",

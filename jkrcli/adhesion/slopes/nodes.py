@@ -37,10 +37,8 @@ NODE_TURNS = 3  # choice: times that the nodes passed become more and fewer by t
 # How nodes are counted.
 NODE_PASSED = 16  # choice: most nodes that an increment is thought to pass
 NODE_JUMP = 0.4  # choice: of the log of a size, a change as large as any: zones
-NODE_GROWTH = 0.15  # choice: of the log of a size from node to node, the most that goes on
-NODE_EACH = (
-    0.03  # of a change of the log of a size, what a factor e of more nodes costs; choice: of like ways, the coarsest
-)
+# of a change of the log of a size, what e times as many nodes cost; tuned on meshes, by `make node-study`
+NODE_EACH = 0.05
 NODE_REGULAR = 0.05  # choice: median of what radii miss nodes by, in elements; noise in the radii makes more
 
 
@@ -188,26 +186,17 @@ def as_nodes(raw: RawSeries) -> NodeRadii | None:
 
 def _passed(steps: Array, single: Array) -> Array:
     """How many nodes each of the ``steps`` (n,) [m] from radius to radius passes, 1 where it is a ``single`` one: by
-    the way of counting with the least sum of changes of the log of the sizes from what their neighbours make of them.
-    """
+    the way of counting with the least sum of changes of the log of the sizes, and of what nodes cost."""
     counts = np.arange(1, NODE_PASSED + 1)
     sizes = np.log(steps)[:, None] - np.log(counts)  # (n, counts): of the elements within a step
     own = np.where(single[:, None] & (counts > 1), np.inf, NODE_EACH * np.log(counts))
-    # theory: to the middle of the next step it is as many elements as half of both steps have
-    ways = (counts[:, None] + counts) / 2
-    best = own[0][:, None] + own[1] + np.minimum(np.abs(sizes[1] - sizes[0][:, None]), NODE_JUMP)
-    came = np.zeros((steps.size, counts.size, counts.size), dtype=int)
-    for j in range(2, steps.size):
-        growth = np.clip((sizes[j - 1] - sizes[j - 2][:, None]) / ways, -NODE_GROWTH, NODE_GROWTH)
-        expected = sizes[j - 1][:, None] + growth[:, :, None] * ways
-        change = np.minimum(np.abs(sizes[j] - expected), NODE_JUMP)  # (before the last, the last, this one)
-        total = best[:, :, None] + change + own[j]
-        came[j] = np.argmin(total, axis=0)
-        best = np.min(total, axis=0)
-    last, this = np.unravel_index(int(np.argmin(best)), best.shape)
-    path = [int(this), int(last)]
-    for j in range(steps.size - 1, 1, -1):
-        path.append(int(came[j, path[-1], path[-2]]))
+    best, came = own[0], np.zeros(sizes.shape, dtype=int)
+    for j in range(1, steps.size):
+        total = best[:, None] + np.minimum(np.abs(sizes[j] - sizes[j - 1][:, None]), NODE_JUMP)
+        came[j], best = np.argmin(total, axis=0), np.min(total, axis=0) + own[j]
+    path = [int(np.argmin(best))]
+    for j in range(steps.size - 1, 0, -1):
+        path.append(int(came[j, path[-1]]))
     return counts[path[::-1]]
 
 

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ...base.errors import Estimate, InputError, Refusal, Unknown, did_you_mean
-from ...base.numerics import HALF_WIDTH, LEVEL, UNSEEN, Array
+from ...base.numerics import HALF_WIDTH, UNSEEN, Array
 from ...series import COLUMNS, RawSeries, Series
 from .nodes import AS_THEY_ARE, Ahead
 

@@ -20,6 +20,7 @@ import os
 import pickle
 import re
 import signal
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -42,6 +43,8 @@ Progress: TypeAlias = Callable[[str, int, float], AbstractContextManager[Step]] 
 
 # Limits of handing out work; no result depends on them.
 POOL_AHEAD = 2  # theory: tasks per worker that are handed out, one in work and the next, so that none ever waits
+# Of the process that removes what killed ones leave: a line of Python's on their semaphores tells the user nothing.
+QUIET = "ignore:resource_tracker"
 POOL_WORTH = 4.0  # choice: CPU seconds of work for each process, which takes half a second to start
 
 
@@ -235,6 +238,8 @@ class _Processes(Pool):
 
     def _start(self) -> None:
         """The workers hold the reading end of a pipe on which nothing is written: closed here, they end at once."""
+        if QUIET not in sys.warnoptions:
+            sys.warnoptions.append(QUIET)
         context = multiprocessing.get_context("spawn")  # forked libraries of numbers and meshes misbehave
         reading_end, self._lifeline = context.Pipe(duplex=False)
         self._pool = ProcessPoolExecutor(self.workers, context, _begin, (reading_end,))

@@ -9,6 +9,7 @@ import io
 import json
 import math
 import os
+import platform
 import re
 import secrets
 import tempfile
@@ -256,7 +257,7 @@ _staged: ContextVar[Staged | None] = ContextVar("_staged", default=None)
 def atomic(path: Path) -> Iterator[Path]:
     """A name to write ``path`` under: it is there when the block ends well, as it was before when it does not."""
     with together() as staged:
-        aside = path.with_name(f"{ASIDE}{secrets.token_hex(8)}{path.suffix}")
+        aside = path.with_name(f"{ASIDE}{_here()}-{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
         try:
             yield aside
             with aside.open("r+b") as file:
@@ -304,11 +305,34 @@ def _remove(path: Path) -> None:
 
 @functools.cache
 def _tidy(folder: Path) -> None:
-    """Remove what killed processes left of what they wrote, once for every folder written to."""
+    """Remove what killed processes left of what they wrote, once for every folder written to: what is old, or of a
+    process here that is no more."""
     for path in folder.glob(f"{ASIDE}*"):
         with contextlib.suppress(OSError):
-            if time.time() - path.lstat().st_mtime > DAY:
+            if time.time() - path.lstat().st_mtime > DAY or _is_left(path):
                 path.unlink()
+
+
+@functools.cache
+def _here() -> str:
+    """A name of the processes that see each other: of this machine, or of this container on it."""
+    space = Path("/proc/self/ns/pid")
+    seen = f"{platform.node()} {space.stat().st_ino if space.exists() else ''}"
+    return hashlib.sha256(writable(seen).encode()).hexdigest()[:8]
+
+
+def _is_left(path: Path) -> bool:
+    """Whether the process here that began a hidden file is no more; false where nobody knows."""
+    match = re.match(rf"{re.escape(ASIDE)}{_here()}-(\d+)-", path.name)
+    if match is None or os.name != "posix":
+        return False
+    try:
+        os.kill(int(match[1]), 0)
+    except ProcessLookupError:
+        return True
+    except OSError:  # of another user
+        return False
+    return False
 
 
 def write_text(path: Path, text: str) -> None:

@@ -52,6 +52,7 @@ UNITS = {  # powers of ten of the SI unit
     for name, kind in DIMENSIONS.items()
     if kind.prefixes
 }
+LARGEST_FACTOR = 1e12  # choice: of a column, its inverse the least: beyond nm for km, and no use
 LARGEST_SI = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
 MODULI = (1e3, 2e12)  # choice: Pa, of soft gels and of diamond; a bare number outside is remarked, never refused
 SMALL_WORK = 1e-4  # choice: J/m^2, below what solids of an E* from FIRM on have; remarked, never refused

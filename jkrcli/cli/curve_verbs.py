@@ -282,11 +282,11 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
 
 @options.verb("file")
 @options.state_options
-@click.option("--component", type=click.Choice(forward.COMPONENTS), default="zz", show_default=True,
-              help="Stress in the picture; the .vtu holds all.")  # fmt: skip
+@click.option("--component", type=click.Choice(forward.COMPONENTS),
+              help="Stress in the picture [default: zz]; the .vtu holds all.")  # fmt: skip
 @options.into_folder()
 @options.output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
-def fields(file: Path, state: options.State, component: str, output: Output) -> None:
+def fields(file: Path, state: options.State, component: str | None, output: Output) -> None:
     """Displacement and stress in the body of FILE, a case or a solution, at one state of adhesive contact, by finite
     elements.
 
@@ -299,13 +299,16 @@ def fields(file: Path, state: options.State, component: str, output: Output) -> 
     jkr fields coating.h5 --load "-10 uN" --w "40 mJ/m^2" --component rr
     """
     state.refuse_wrong("fields")
+    if component is not None and not output.plots:
+        raise InputError("fields: --component has no effect with --no-plots, it says what is drawn: leave one out")
     output.folder(Path())
     file, solution, w = inputs.body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from .case_verbs import MARKS
 
     method = fem_of(cast(Case, solution.record.case).model)
-    result = forward.Fields.of(analyse(solution, [w])[0], method, a=state.radius, load=state.load, component=component)
+    curve, component = analyse(solution, [w])[0], component or "zz"
+    result = forward.Fields.of(curve, method, a=state.radius, load=state.load, component=component)
     figure = targets.draw(result.figure)
     with together():
         with atomic(targets[".vtu"]) as temporary:
@@ -405,6 +408,7 @@ def explore(
     solution = inputs.read_series(file)
     inputs.warn_of_constant_moduli(solution)
     inputs.without_range(solution.record, "explore")
+    reading.refuse_contact("explore")
     inputs.begin_reading("explore", data, limits)
     curves = [curve for path in data for curve in read(path, reading)]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]

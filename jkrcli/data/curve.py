@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base.errors import InputError, did_you_mean
 from ..base.numerics import Array
-from ..base.units import parse
+from ..base.units import LARGEST_FACTOR, parse
 
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
@@ -163,6 +163,18 @@ def quantity(name: str, value: float | str, dimension: str) -> float:
     return number
 
 
+def factors_of(factors: Mapping[str, float | str]) -> dict[str, float]:
+    """The ``factors`` of columns; InputError where one is larger or smaller than units may differ by."""
+    numbers = {key: quantity(f"factors: {key}", value, "number") for key, value in factors.items()}
+    for key, number in numbers.items():
+        if not 1 / LARGEST_FACTOR <= abs(number) <= LARGEST_FACTOR:
+            raise InputError(
+                f"--factor {key}: must lie between {1 / LARGEST_FACTOR:g} and {LARGEST_FACTOR:g}, of either sign, got "
+                f"{factors[key]}"
+            )
+    return numbers
+
+
 def place(origin: Path, name: str) -> str:
     """File and name of a curve, for messages; a file of one curve gives it its name."""
     return str(origin) if name == origin.stem else f'{origin}: curve "{name}"'
@@ -267,10 +279,17 @@ class Reading:
             object.__setattr__(self, name, number)
         dimensions = {"delta": "length", "P": "load"}
         zero = {key: quantity(f"zero: {key}", value, dimensions.get(key, "length")) for key, value in self.zero.items()}
-        factors = {key: quantity(f"factors: {key}", value, "number") for key, value in self.factors.items()}
         object.__setattr__(self, "zero", zero)
-        object.__setattr__(self, "factors", factors)
+        object.__setattr__(self, "factors", factors_of(self.factors))
         object.__setattr__(self, "flip", frozenset(flip))
+
+    def refuse_contact(self, verb: str) -> None:
+        """InputError where the contact point is to be left or fitted by a ``verb`` that fits nothing."""
+        if self.contact in ("as-is", "fitted"):
+            raise InputError(
+                f"{verb}: --contact {self.contact} has no effect: nothing is fitted here; --contact estimate finds "
+                "contact point and force offset by the rows before contact"
+            )
 
     def wants(self, name: str) -> bool:
         """Whether the curve of this name is read."""

@@ -17,6 +17,7 @@ from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from ..tables import TextTable, read_table, some, split_name, unit_power
+from .curve import factors_of
 from .tables import VOCABULARIES, check_chosen, is_within_noise, near_first_touch, with_units
 
 TYPE_CHECKING = False
@@ -56,6 +57,9 @@ class SeriesReading:
     nodes: Path | None = None
     separator: str | None = None
     decimal: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "factors", factors_of(self.factors))
 
 
 def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solution:

@@ -320,6 +320,10 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
     columns, choice_flags = _columns(table, replace(reading, units=units))
     whole, value_flags = columns.in_si()
     segments, segment_flags = _segments(table, columns.chosen.get("segment"), "segment" in reading.columns)
+    unread = [table.titled(i) for i in table.text if i not in columns.chosen.values()]
+    if unread:
+        told = f"of its {len(table.names)} columns {', '.join(unread[:SHOWN])}"
+        choice_flags = [*choice_flags, f"{told} {'holds' if len(unread) == 1 else 'hold'} words, which are not read"]
     flags = (*layout_flags, *choice_flags, *value_flags, *unit_flags, *as_read.left_out, *segment_flags)
     for name, recorded in _groups(table, columns.chosen, stem):
         kept, left_out = _without_gaps(table, recorded, whole)

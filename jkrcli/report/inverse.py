@@ -739,6 +739,7 @@ class Look(Result):
     def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None) -> Look:
         """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
         stands in for them."""
+        reading.refuse_contact("look")
         curves: list[Curve | InputError] = []
         try:
             for curve in measured.each(path, replace(reading, incomplete=True)):

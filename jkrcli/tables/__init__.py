@@ -88,11 +88,15 @@ _NO_WORDS = re.compile(r"(?:nan|inf|[eEdD](?=[-+\d])|[^A-Za-zÀ-ÿ])*\Z", re.IGN
 _LETTER = re.compile(r"[^\W\d]")
 _NUMBERS = re.compile(r"\d{1,9}")
 _DIGIT = re.compile(r"\d")
-_WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
+# A time of day, a date and what letters follow on digits ("3rd", "2a") are none of the numbers of a table
+_WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)|\d{1,4}([-/.])\d{1,2}\1\d{1,4}(?!\d|\1)|\d+[^\W\d]")
 _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a number
 
 # How much of a file shows how it is written.
 TEXT_GAPS = 0.1  # choice: of the rows, that may lack a number
+TEXT_BLOCK = 10  # choice: rows without an empty line, behind which one row alone is none of them
+# theory: the numbers that loggers write where they read nothing, -999, -9999, ..., or positive ones
+NINES = np.array([sign * (10.0**digits - 1) for digits in range(3, 10) for sign in (-1, 1)])
 
 
 @dataclass(frozen=True)
@@ -164,7 +168,8 @@ class TextTable:
     ``text``: the cells of the columns (from 0) that hold words; ``head``: the lines before the numbers; ``notes``: the
     comments between them, by their lines; ``remarks``: the lines of words behind the last row. ``failed``: the lines
     with a cell of Fortran's overflow or an error of a sheet. ``contradicted``: by columns, what a row of units says
-    against the names above it.
+    against the names above it. ``missing``: by columns, the number that stands for none; ``alone``: the first or last
+    row where an empty line parts it from all others, by its line, left out.
     """
 
     path: Path
@@ -178,6 +183,8 @@ class TextTable:
     remarks: Mapping[int, str] = field(default_factory=dict)
     failed: frozenset[int] = frozenset()
     contradicted: Mapping[int, str] = field(default_factory=dict)
+    missing: Mapping[int, float] = field(default_factory=dict)
+    alone: Mapping[int, str] = field(default_factory=dict)
 
     def refuse_contradicted(self, index: int) -> None:
         """InputError where the row of units says otherwise than the name of a column."""
@@ -210,12 +217,16 @@ class TextTable:
 
     @property
     def left_out(self) -> list[str]:
-        """A sentence on the lines of words behind the last row; none where there are none."""
+        """Sentences on the lines of words behind the last row, on rows that stand alone, and on numbers that stand for
+        none."""
+        told = [f'line {n} stands alone beside an empty line and is left out: "{line.strip()[:60]}"'
+                for n, line in self.alone.items()]  # fmt: skip
+        told += [f"{self.titled(i)}: {number:g} stands for no number" for i, number in self.missing.items()]
         if not self.remarks:
-            return []
+            return told
         first, last = min(self.remarks), max(self.remarks)
         where = f"line {first} is" if first == last else f"lines {first} to {last} are"
-        return [f'{where} behind the last row and left out: "{self.remarks[first].strip()[:60]}"']
+        return [*told, f'{where} behind the last row and left out: "{self.remarks[first].strip()[:60]}"']
 
     def called(self, name: str, option: str) -> int:
         """The column that the user named or numbered (from 1) by an ``option``."""
@@ -279,11 +290,44 @@ def read_table(
     comments = next((i for i, (_, line) in enumerate(lines_of_file) if not _is_comment(line)), len(lines_of_file))
     if comments > 2 * MOST_COLUMNS:
         lines_of_file = lines_of_file[:MOST_COLUMNS] + lines_of_file[comments - MOST_COLUMNS :]
-    dialect, sample = _dialect(path, lines_of_file, separator, decimal, least, is_text)
-    lines, values = _rows(lines_of_file, dialect, gaps=not finite)
+    alone = _alone(lines_of_file)
+    beside = [item for item in lines_of_file if item[0] not in alone] if alone else lines_of_file
+    dialect, sample = _dialect(path, beside, separator, decimal, least, is_text)
+    lines, values = _rows(beside, dialect, gaps=not finite)
     if decimal is None:
         _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
-    return _table(path, lines_of_file, dialect, lines, values, finite, is_note)
+    missing = {} if finite else _missing(values)
+    gone = np.zeros(values.shape, dtype=bool)
+    for i, number in missing.items():
+        gone[:, i] = values[:, i] == number
+    values = np.where(gone, np.nan, values)
+    table = _table(path, beside, dialect, lines, values, finite, is_note)
+    failed = table.failed | set(lines[gone.any(axis=1)].tolist())
+    return replace(table, failed=failed, missing=missing, alone=alone)
+
+
+def _alone(content: Lines) -> dict[int, str]:
+    """The first or the last line that begins with a number, where an empty line parts it from a block of others without
+    any between them: a number of rows above, a mean below."""
+    rows = [(n, line) for n, line in content if _ROW.match(line)]
+    numbers, known = np.array([n for n, _ in rows]), {n for n, _ in content}
+    alone = {}
+    for place, beside, block in ((0, 1, numbers[1:]), (-1, -1, numbers[:-1])):
+        if block.size >= TEXT_BLOCK and (np.diff(block) == 1).all() and rows[place][0] + beside not in known:
+            alone[rows[place][0]] = rows[place][1]
+    return alone
+
+
+def _missing(values: Array) -> dict[int, float]:
+    """By columns, a number of nines that stands for none: farther from all others than these are apart."""
+    found = {}
+    for i in np.flatnonzero(np.isin(values, NINES).any(axis=0)):
+        column = values[np.isfinite(values[:, i]), i]
+        for number in NINES[np.isin(NINES, column)]:
+            others = column[column != number]
+            if others.size > 1 and np.min(np.abs(others - number)) > np.ptp(others):
+                found[int(i)] = float(number)
+    return found
 
 
 def _table(

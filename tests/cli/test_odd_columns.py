@@ -1,0 +1,170 @@
+"""Tables with dates, words that begin with a digit, numbers that stand for none, and rows that stand alone; options
+that would have no effect."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jkrcli as python
+from jkrcli.base import files
+from jkrcli.base.errors import InputError
+from jkrcli.data.curve import Reading
+from jkrcli.data.foreign import SeriesReading
+from jkrcli.tables import read_table
+
+DEPTH = np.linspace(-1.0, 0.3, 40)  # um
+LOAD = np.maximum(DEPTH, 0) ** 1.5 * 4e3  # nN
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def write(first: Callable[[int], str] | None, name: str = "first", separator: str = ",") -> Path:
+    rows = [[f"{d:.6f}", f"{P:.6f}"] for d, P in zip(DEPTH, LOAD, strict=True)]
+    head = ["delta (um)", "P (nN)"]
+    if first is not None:
+        rows, head = [[first(i), *row] for i, row in enumerate(rows)], [name, *head]
+    path = Path("t.csv")
+    path.write_text("\n".join(map(separator.join, [head, *rows])) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@pytest.mark.parametrize(
+    "first",
+    [
+        lambda i: f"2024-03-05T12:00:00.{i:06d}", lambda i: f"2024-03-{1 + i % 28:02d}", lambda i: f"05.03.20{i:02d}",
+        lambda i: f"3/{1 + i % 28}/2024", lambda i: f"{i}th", lambda i: f"20240305T12{i:04d}", lambda i: f"{1 + i}a-b",
+    ],
+)  # fmt: skip
+def test_a_column_of_dates_or_words_that_begin_with_a_digit(
+    jkr: Callable, tmp_path: Path, first: Callable[[int], str], separator: str
+) -> None:
+    path = write(first, separator=separator)
+    (curve,) = python.measured_curves(path)
+    np.testing.assert_allclose(curve.load, LOAD * 1e-9, atol=1e-15)
+    assert any('of its 3 columns column 1 "first" holds words' in flag for flag in curve.flags)
+    assert "39 rows" in jkr("look", path, "--no-plots").out or "40 rows" in jkr("look", path, "--no-plots").out
+
+
+def test_numbers_with_units_in_their_cells_are_no_numbers(tmp_path: Path) -> None:
+    Path("u.csv").write_text("delta,P (nN),w\n" + "".join(f"{i}nm,{i},{i}\n" for i in range(1, 20)))
+    table = read_table(Path("u.csv"), least=2)
+    with pytest.raises(InputError, match='holds text, not numbers: line 2 has "1nm"'):
+        table.numbers(0)
+
+
+@pytest.mark.parametrize("number", [-9999.0, -999.0, 99999.0])
+def test_a_number_of_nines_stands_for_none(tmp_path: Path, number: float) -> None:
+    path = write(None)
+    lines = path.read_text().splitlines()
+    for n in (5, 6, 30, 31, 32, 33):  # more than a tenth of the rows
+        lines[n] = f"{number:g},{lines[n].split(',')[1]}"
+    path.write_text("\n".join(lines) + "\n")
+    (curve,) = python.measured_curves(path)
+    assert len(curve) == 34
+    assert f'column 1 "delta (um)": {number:g} stands for no number' in curve.flags
+    assert any(flag.startswith("6 of 40 rows without a number left out (lines 6, 7, 31") for flag in curve.flags)
+
+
+def test_a_number_of_nines_among_others_is_one(tmp_path: Path) -> None:
+    path = Path("n.csv")
+    path.write_text("delta (nm),P (nN)\n" + "".join(f"{z},{max(z, 0)}\n" for z in range(-1100, 1000, 33)) + "999,999\n")
+    (curve,) = python.measured_curves(path)
+    assert curve.depth[-1] == pytest.approx(999e-9)
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_row_alone_beside_an_empty_line_is_left_out(tmp_path: Path, first: bool) -> None:
+    path = write(None)
+    head, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([head, "0.1,0.2", "", *rows] if first else [head, *rows, "", "0.1,0.2"]) + "\n")
+    (curve,) = python.measured_curves(path)
+    np.testing.assert_allclose(curve.depth, DEPTH * 1e-6, atol=1e-12)
+    line = 2 if first else 43
+    assert f'line {line} stands alone beside an empty line and is left out: "0.1,0.2"' in curve.flags
+    path.write_text("\n".join([head, *(line for row in rows for line in (row, ""))]) + "\n")  # every other line empty
+    assert len(python.measured_curves(path)[0]) == 40
+
+
+@pytest.mark.parametrize("factor", [1e300, 1e-300, 0.0, -1e13, float("inf")])
+def test_a_factor_has_bounds(factor: float) -> None:
+    for reading in (Reading, SeriesReading):
+        with pytest.raises(InputError, match=r"--factor P: must lie between 1e-12 and 1e\+12"):
+            reading(factors={"P": factor})
+
+
+def test_the_verbs_name_the_factor(jkr: Callable, tmp_path: Path) -> None:
+    path = write(None)
+    for words in (("look", path), ("fit", path, "--radius", "5 um", "--nu", "0.5")):
+        done = jkr(*words, "--no-plots", "--factor", "P=1e300")
+        assert (done.code, done.err.count("\n")) == (2, 1)
+        assert "--factor P: must lie between" in done.err
+
+
+def test_options_without_effect_are_refused(jkr: Callable, tmp_path: Path) -> None:
+    path = write(None)
+    for contact in ("as-is", "fitted"):
+        done = jkr("look", path, "--no-plots", "--contact", contact)
+        assert (done.code, f"look: --contact {contact} has no effect" in done.err) == (2, True)
+        with pytest.raises(InputError, match="has no effect"):
+            python.look(path, contact=contact)
+    assert jkr("look", path, "--no-plots", "--contact", "estimate").code == 0
+    done = jkr("fields", "x.h5", "--a", "5 um", "--no-plots", "--component", "rr")
+    assert (done.code, "--component has no effect with --no-plots" in done.err) == (2, True)
+
+
+# ---------------------------------------------------------------------- what killed commands leave
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from jkrcli.base.files import atomic
+with atomic(Path(sys.argv[1])) as temporary:
+    temporary.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_what_a_killed_command_left_goes_with_the_next(tmp_path: Path) -> None:
+    target = tmp_path / "x.csv"
+    done = subprocess.run([sys.executable, "-c", KILLED, str(target)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    (left,) = tmp_path.glob(".jkr-*")
+    with files.atomic(tmp_path / "other.csv") as mine:  # of a process that lives
+        mine.write_text("being written")
+        files._tidy.cache_clear()
+        files.check_target(target)
+        assert not left.exists()
+        assert mine.exists()
+
+
+SLEEPING = """
+import os, signal, time
+from jkrcli.base.executors import completed, executor
+if __name__ == "__main__":
+    with executor(workers=2) as pool:
+        for _ in completed(pool, time.sleep, [0.01, 30.0, 30.0], "sleep"):
+            os.kill(os.getpid(), signal.SIGTERM)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_a_signal_leaves_no_words_of_python(tmp_path: Path) -> None:
+    Path("s.py").write_text(SLEEPING)
+    with Path("err").open("w") as err:
+        done = subprocess.run([sys.executable, "s.py"], stderr=err, check=False)
+    assert done.returncode == -signal.SIGTERM
+    time.sleep(1.0)  # the process that removes semaphores outlives it
+    assert Path("err").read_text() == ""

@@ -193,7 +193,7 @@ mutants: $(READY) #: deliberate slips in what is computed, one at a time, which 
 	$(STUDY).mutants
 
 range-bounds: $(READY) #: whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
-	$(STUDY).range_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/range-bounds
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.range_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/range-bounds
 
 stack-bounds: $(READY) #: whether stated errors of method layered hold on 300 stacks whose thicknesses lie up to 1e8 apart (five minutes)
 	$(STUDY).stack_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/stack-bounds

@@ -857,26 +857,14 @@ class AdhesiveCurve(EquilibriumCurve):
         theirs.
         """
         z = np.log(self.nonadhesive.knots.a - self.series.a0)
-        wide = np.diff(z) > math.log(CURVE_WIDEST)
-        if wide.all():
-            return self._too_wide
-        a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), CURVE_LOOKED_AT))[~wide].ravel()
+        a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), CURVE_LOOKED_AT)).ravel()
         errors = self.interpolation_at(a)
         if isinstance(errors, Unknown):
             return errors
         values = dict(zip(("delta", "P"), self.at(a), strict=True))
         lowest = {"delta": self.delta.min(), "P": self.P.min()}
         units = {name: np.maximum(np.abs(value), abs(lowest[name])) for name, value in values.items()}
-        largest = float(max(np.max(errors[name] / units[name]) for name in units))
-        if wide.any():
-            end = show(float(self.nonadhesive.knots.a[1:][wide][-1]), "length", 4)
-            return Unknown(f"{self._too_wide.reason} (up to a = {end}), {largest:.1e} elsewhere")
-        return largest
-
-    @property
-    def _too_wide(self) -> Unknown:
-        beyond = " beyond the flat end" if self.series.a0 > 0 else ""
-        return Unknown(f"unknown where neighbouring radii{beyond} differ by more than a factor of {CURVE_WIDEST:g}")
+        return float(max(np.max(errors[name] / units[name]) for name in units))
 
     def interpolation_at(self, a: Array) -> dict[str, Array] | Unknown:
         """Errors of "delta" [m] and "P" [N] between the points, at radii within the series; 0 at the points.
@@ -891,7 +879,7 @@ class AdhesiveCurve(EquilibriumCurve):
         y = self._inside(a) - self.series.a0
         gaps, at, place = np.diff(np.log(knots)), _before(knots, y), _place_between(knots, y)
         if np.max(gaps[at]) > math.log(CURVE_WIDEST):
-            return self._too_wide
+            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {CURVE_WIDEST:g}")
         beside = np.clip(np.stack([at - 1, at, at + 1]) if self._order else at[None], 0, gaps.size - 1)
         shape = 4 * place * (1 - place) * (gaps[at] / gaps[beside]) ** self._order
         return {name: np.max(changes[beside] * shape, axis=0) for name, changes in self._gap_errors.items()}

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 
@@ -21,8 +21,9 @@ from ..base.numerics import MOST_STEPS, NOTICEABLE, ROUNDED, SAME, TINY, UNSEEN,
 from ..base.units import show
 from ..bodies.problem import NO_FINITE_RANGE, Problem, alone, without_side_walls
 from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow
-from ..methods.layered.contact import GRADED, LayeredContact, checked
-from ..methods.layered.spectrum import spectrum_seconds
+from ..methods.integral.logarithm import LogarithmicAttraction, panels_to
+from ..methods.layered.contact import LayeredContact, checked
+from ..methods.layered.spectrum import MINORS_ACCURACY, spectrum_seconds
 from ..methods.protocol import METHODS, HybridOptions
 from ..series import KeptKernel, Record, Series, Solution
 from .curve import (
@@ -56,6 +57,10 @@ ATTRACTED_TOLERANCE = 1e-10
 ATTRACTED_CHECKED = 0.01  # of that, of the second panels with which results are compared; choice: two digits more
 ATTRACTED_OTHER_ORDER = 20  # Gauss nodes in k on the second panels; choice: shares nothing with the first's 24
 
+# Nodes of the panels of a contact under a kernel with a logarithm, and of those with which results are compared
+ATTRACTED_ORDER = 10  # tuned on linear laws of 1:20, by `make range-bounds`: good to 1e-8
+ATTRACTED_OTHER_PANELS = 12  # choice: other panels, points and knots throughout
+
 # of a reach over the one expected; tuned on ranges, by `make constants`: what is looked at beyond c
 ATTRACTED_ROOM = 1.15
 # of the next reach over one that was too short; tuned on ranges, by `make constants`: each is a small solve
@@ -63,10 +68,16 @@ ATTRACTED_FURTHER = 1.5
 # CPU seconds of a curve, for forecasts, beside those of resolving the stack:
 ATTRACTED_CURVE = 0.06  # tuned on half-spaces, by `make bench`
 ATTRACTED_POLYNOMIALS = 2.8e-6  # by the square of their number; tuned on 30 to 700 of them, by `make bench`
+# Where the kernel has a logarithm, by the nodes of the largest contact and by the waves [rad] over the reach:
+ATTRACTED_LOGARITHM = 0.02  # tuned on linear laws of 1:1.05 to 1:20, by `make bench`
+ATTRACTED_WAVES = 0.02  # tuned on linear laws of 1:1.05 to 1:20, by `make bench`
 ATTRACTED_STACK = 0.25  # of what a solve needs for the spectrum; tuned on 1 to 1000 layers, by `make bench`
 
 
 TOLERANCES = (HybridOptions.tolerance, UNSEEN, NOTICEABLE)  # of cylinders, the first that is met; its error is stated
+
+
+Ready: TypeAlias = Callable[[float, float], "Attraction | LogarithmicAttraction"]  # for a reach [m] and a tolerance
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,12 +129,36 @@ class AttractedBody:
         return self._made[name][1]
 
     def attraction(self, reach: float) -> Attraction:
-        """The bodies ready for any tension up to ``reach`` [m]."""
+        """The bodies ready for any tension up to ``reach`` [m], on polynomials that all contact radii share."""
         return self._kernel(reach)[0]
 
-    def check(self, reach: float) -> Attraction:
-        """The attraction up to the radius ``reach`` [m] on other panels than those of ``attraction``, for an estimate
-        of the error that they leave."""
+    def ready(self, reach: float) -> Attraction | LogarithmicAttraction:
+        """The bodies ready for any tension up to ``reach`` [m], as accurate as they are solved."""
+        return self._logarithmic(self._wide, reach, ATTRACTED_ORDER) if self.is_logarithmic else self.attraction(reach)
+
+    @cached_property
+    def is_logarithmic(self) -> bool:
+        """Whether the kernel has a logarithm that polynomials do not follow: wide bodies whose modulus changes right
+        below the contact."""
+        return self._cylinder is None and self._wide.spectrum.tail is not None
+
+    def _logarithmic(self, wide: LayeredContact, reach: float, order: int) -> LogarithmicAttraction:
+        """The same on panels of each contact radius, of ``order`` nodes; the kernel is kept for shorter reaches."""
+        name = f"panels of {order}"
+        known, made = self._made.get(name, (0.0, None))
+        if reach > known:
+            known = min(ATTRACTED_ROOM * reach, self.limit)
+            made = wide.logarithmic(known, self.tolerance, order)
+            self._made[name] = known, made
+        assert made is not None
+        return replace(made, reach=reach)
+
+    def check(self, reach: float) -> Attraction | LogarithmicAttraction:
+        """What is ready up to the radius ``reach`` [m] on other panels than those of ``ready``, for an estimate of the
+        error that they leave."""
+        if self.is_logarithmic:
+            other = replace(self._wide, order=ATTRACTED_OTHER_ORDER)
+            return self._logarithmic(other, reach, ATTRACTED_OTHER_PANELS)
         cylinder, finer = self._kernel(reach)[1], self.tolerance * ATTRACTED_CHECKED
         body = replace(self._wide, order=ATTRACTED_OTHER_ORDER) if cylinder is None else cylinder
         return self._latest("check", reach, lambda: body.attraction(reach, finer))
@@ -131,9 +166,10 @@ class AttractedBody:
     def kernel_error(self, reach: float, radii: Array) -> Array:
         """Relative error that the kernel itself leaves in delta and P up to ``radii`` [m]: that of nonadhesive contact,
         and of the density at its edge, whose square is S'."""
+        if self._cylinder is None:  # that of g, of which S is the minimum of a quadratic form
+            return np.full(radii.size, MINORS_ACCURACY if self.problem.specimen.is_graded else 0.0)
         estimates = self._kernel(reach)[2]
-        if estimates is None:
-            return np.full(radii.size, GRADED if self.problem.specimen.is_graded else 0.0)
+        assert estimates is not None
         *columns, dS = estimates.at(np.asarray(radii))
         largest: Array = np.max([*columns, dS / 2], axis=0)
         return largest
@@ -152,25 +188,34 @@ class AttractedBody:
         that a wide body needs; Refusal where they are too many."""
         wide = self._wide
         expected = ATTRACTED_ROOM * self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
-        count = wide.attraction_panels(min(expected, self.limit), ATTRACTED_TOLERANCE).x.size
+        reach = min(expected, self.limit)
+        if self.is_logarithmic:
+            panels = ATTRACTED_ORDER * panels_to(reach, self.problem.top_thickness)
+            curve = ATTRACTED_LOGARITHM * (
+                panels + ATTRACTED_WAVES * wide.spectrum.bandwidth(wide.spectrum.floor) * reach
+            )
+        else:
+            curve = ATTRACTED_POLYNOMIALS * wide.attraction_panels(reach, ATTRACTED_TOLERANCE).x.size ** 2
         stack = ATTRACTED_STACK * spectrum_seconds(self.problem)
         sides = 0.0
         if self._cylinder is not None:
-            sides, _ = self._cylinder.expected_cost(self._cylinder.levels(min(expected, self.limit)))
-        return ATTRACTED_CURVE + ATTRACTED_POLYNOMIALS * count**2 + stack + sides
+            sides, _ = self._cylinder.expected_cost(self._cylinder.levels(reach))
+        return ATTRACTED_CURVE + curve + stack + sides
 
     def reach(self, a: float, s: float, gap: float) -> float:
         """A radius [m] beyond that to which the tension s = 2 sigma/E* acts around a contact of the radius ``a`` [m],
         where the separation is ``gap`` [m]. Refusal where it lies beyond a side or the profile."""
         expected = self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
-        expected = self._edge(self._wide.attraction, ATTRACTED_ROOM * expected, a, s, gap)
+        by_size = self._wide.attraction
+        ready: Ready = (lambda reach, _: self.ready(reach)) if self.is_logarithmic else by_size
+        expected = self._edge(ready, ATTRACTED_ROOM * expected, a, s, gap)
         reach = min(ATTRACTED_ROOM * expected, self.limit)
         if self._cylinder is None:
             return reach
         edge = self._edge(lambda reach, _: self.attraction(reach), reach, a, s, gap)
         return max(reach, min(ATTRACTED_ROOM * edge, self.limit)) if edge > reach else reach
 
-    def _edge(self, ready: Callable[[float, float], Attraction], start: float, a: float, s: float, gap: float) -> float:
+    def _edge(self, ready: Ready, start: float, a: float, s: float, gap: float) -> float:
         """The radius c [m] for the contact radius ``a``, by the body that ``ready`` gives for a reach and a tolerance,
         sought beyond ``start`` [m] where need be."""
         reach, radii = start, np.array([a])
@@ -658,7 +703,7 @@ def unable(problem: Problem, method: str) -> str | None:
 class Pulled:
     """A body under a tension, s = 2 sigma/E* [-], up to the separation ``gap`` [m], on some ``panels``."""
 
-    panels: Attraction
+    panels: Attraction | LogarithmicAttraction
     s: float
     gap: float
 
@@ -700,7 +745,7 @@ class FiniteRangeBody:
         controls = (*CONTROLS.values(), *devices)
         largest, s, gap = self.pulled(law)
         reach = self.body.reach(largest, s, gap)
-        pulled = Pulled(self.body.attraction(reach), s, gap)
+        pulled = Pulled(self.body.ready(reach), s, gap)
         whole = self._touching(pulled)
         refuse_narrow(whole)
         rims = self._begun(pulled, whole)
@@ -795,7 +840,7 @@ class FiniteRangeBody:
         for _ in range(MOST_STEPS):
             between = pulled.free((free.c[1:] + free.c[:-1]) / 2)
             pulls, drawn = self.problem.indenter.f(between.c) - between.delta, _drawn(self.problem, free)
-            missed = np.abs(drawn(between.c) - pulls) > FINITE_RANGE_NO_CLAIM * pulls
+            missed = np.abs(drawn(between.c) - pulls) > pulled.panels.rounding * pulls
             if not missed.any():
                 break
             free = _merged(free, _some(between, missed))

@@ -493,9 +493,8 @@ def _of_curve(result: Analysis) -> Iterator[str]:
     yield from _comparison(result)
     budget, slopes = result.budget, result.curve.slopes
     parts = f"(solution {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
-    largest = result.curve.interpolation_error
-    upto = "" if isinstance(largest, Unknown) else "up to "
-    yield f"curve: {accuracy(budget.total)} {parts}; interpolation error {upto}{_estimate(largest)}"
+    between = f"interpolation error up to {_estimate(result.curve.interpolation_error)}"
+    yield f"curve: {accuracy(budget.total)} {parts}; {between}"
     below = result.solution.facts.get("rows_below", 0)
     more = f", {below} of them at smaller radii, for pull-off" if below else ""
     yield (

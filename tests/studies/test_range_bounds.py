@@ -9,10 +9,10 @@ from studies.range_bounds import METHODS, judged
 
 
 @pytest.mark.first(3)
-@pytest.mark.parametrize("number", [77000000, 77000002, 77000006, 77000001])
+@pytest.mark.parametrize("number", [77000001, 77000004, 77000002, 77000003])
 def test_a_few_bodies_are_within_what_is_stated(number: int) -> None:
     found = judged(number)
-    assert {item.method for item in found} <= {METHODS[number % 2]}
+    assert {item.method for item in found} <= {METHODS[number % 3]}
     assert all(0 <= item.ratio <= 1 for item in found)
 
 

@@ -18,9 +18,11 @@ of b, of b F over the disc and of b sqrt(c^2 - t^2) over the annulus.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -46,6 +48,7 @@ ATTRACTION_UNSMOOTH_ORDER = 8  # on a panel under a kernel with a logarithm; cho
 # Of the annulus and beyond, to look at; choice: for a warning
 ATTRACTION_FRACTIONS = (0.1, 0.25, 0.5, 0.75)
 ATTRACTION_NARROWEST = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
+ATTRACTION_ROUNDING = 1e-12  # theory: of states in double precision
 # Search for the width of the annulus, in logarithms:
 ATTRACTION_POWER = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
 ATTRACTION_FAR = 1.5  # tuned on ranges, by `make constants`: longest step
@@ -68,8 +71,82 @@ class Rims:
 
 
 @dataclass(frozen=True, eq=False)
-class Discs:
-    """Contact discs of the radii ``a`` [m] on one body: what they need for any annulus around them.
+class ContactDiscs(ABC):
+    """Contact discs of the radii ``a`` [m] on one body, for any annulus around them, however they are discretised."""
+
+    E_star: float
+    a: Array
+
+    @abstractmethod
+    def F(self, x: Array) -> Array:
+        """Abel image [m] of the profile at ``x`` [m]."""
+
+    @property
+    @abstractmethod
+    def flat(self) -> tuple[Array, Array]:
+        """The flat end of each radius pressed by 1: (pi/2) phi at its edge [-], which is positive, and S/(2 E*) [m]."""
+
+    @property
+    @abstractmethod
+    def profile(self) -> tuple[Array, Array]:
+        """The counterparts of ``flat`` for the right-hand side F."""
+
+    @abstractmethod
+    def rims(self, b: Array, s: Array | float) -> Rims:
+        """The states in which the attracted annulus is ``b`` [m] wide, for the tension s = 2 sigma/E*; separations as
+        they come."""
+
+    @abstractmethod
+    def separations(self, rims: Rims, s: float, r: Array) -> Array:
+        """Separations [m] at the radii ``r`` [m] of each state in ``rims``, (discs, radii), between a and the reach."""
+
+    @property
+    def nonadhesive(self) -> tuple[Array, Array, Array, Array]:
+        """delta_H [m], P_H [N], S [N/m], S' [N/m^2]."""
+        (edge, S), (z, Q), factor = self.flat, self.profile, 2 * self.E_star
+        delta = z / edge
+        return delta, factor * (delta * S - Q), factor * S, factor * edge**2
+
+    def equilibria(self, s: float, gap: float, reach: float, near: Array | None = None) -> Rims:
+        """Maugis closure: the states in which the separation at c is ``gap`` [m]; beyond it at ``reach`` [m] (see
+        ``rims``), so that there is one. ``near``: radii c [m] from which the search begins."""
+
+        def excess(b: Array) -> Array:
+            return np.log(np.maximum(self.rims(b, s).gap / gap, ATTRACTION_LEAST))
+
+        widest = reach - self.a
+        if near is None:
+            # Widths [m] about those of a half-space: where the surfaces are drawn apart by the tension or by
+            # their shapes, of which nothing is known beyond reach [m]
+            F, a = self.F, self.a
+            by_tension = gap * math.pi / 2 / s
+            scale = np.minimum(np.maximum(a, 1e-3 * by_tension), reach / (1 + 1e-3))
+            slope = (F(scale * (1 + 1e-3)) - F(scale * (1 - 1e-3))) / (2e-3 * scale)
+            by_shape = np.cbrt((gap * 3 * math.pi / 4) ** 2 * scale / 2 / np.maximum(slope, 1e-100) ** 2)
+            first = 1 / (1 / by_tension + 1 / np.maximum(by_shape, 1e-3 * by_tension))
+        else:
+            first = np.maximum(near - self.a, ATTRACTION_LEAST * widest)
+        return self.rims(_rising_root(excess, np.minimum(first, widest / 2), widest), s)
+
+    def doubt(self, rims: Rims, s: float, gap: float, reach: float) -> str | None:
+        """What speaks against the states ``rims``: the separation must rise to ``gap`` [m] at c and stay above it up to
+        ``reach`` [m], and c be the only such radius; None where nothing does."""
+        inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*ATTRACTION_FRACTIONS, 1 - ROUNDED])
+        outside = rims.c[:, None] + (reach - rims.c)[:, None] * np.array([*ATTRACTION_FRACTIONS, 1.0])
+        within = self.separations(rims, s, inside)
+        overlap, slack = within[:, 0] < -SAME * gap, SAME * gap
+        if (overlap | (np.diff(within, axis=1) < -slack).any(axis=1)).any():
+            return "the gap around the contact does not grow with the radius where the surfaces attract each other"
+        if (self.separations(rims, s, outside) < gap - slack).any():
+            return "the surfaces come nearer than the range again beyond the radius to which they attract each other"
+        if any((self.rims(r - self.a, s).gap < gap - slack).any() for r in outside.T):
+            return "there is more than one radius to which the surfaces may attract each other"
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Discs(ContactDiscs):
+    """Contact discs on the polynomials of a ``basis``.
 
     ``schur[p]``: M of a disc of the p lowest panels; ``partial``: for each disc G (I + M G)^-1 of the panel that it
     cuts. ``beta``: integrals of the polynomials over the disc; ``ends``: their values at a.
@@ -77,13 +154,14 @@ class Discs:
 
     basis: LegendrePanels
     abel: AbelMoments | DentedProfile
-    E_star: float
-    a: Array
     panel: Array
     schur: list[Array]
     partial: Array
     beta: Array
     ends: Array
+
+    def F(self, x: Array) -> Array:
+        return self.abel.F(x)
 
     @cached_property
     def phi_F(self) -> Array:
@@ -107,29 +185,18 @@ class Discs:
 
     @cached_property
     def flat(self) -> tuple[Array, Array]:
-        """The flat end of each radius pressed by 1: (pi/2) phi at its edge [-], which is positive, and S/(2 E*) [m]."""
         M_beta, _ = self._applied
         edge = 1 - np.sum(self.ends * M_beta, axis=1)
         return edge, self.a - np.sum(self.beta * M_beta, axis=1)
 
     @cached_property
-    def nonadhesive(self) -> tuple[Array, Array, Array, Array]:
-        """delta_H [m], P_H [N], S [N/m], S' [N/m^2]."""
-        (edge, S), (z, Q), factor = self.flat, self._profile, 2 * self.E_star
-        delta = z / edge
-        return delta, factor * (delta * S - Q), factor * S, factor * edge**2
-
-    @cached_property
-    def _profile(self) -> tuple[Array, Array]:
-        """The counterparts of ``flat`` for the right-hand side F."""
+    def profile(self) -> tuple[Array, Array]:
         _, M_F = self._applied
         inside = self.abel.integral(self.phi_F) - np.sum(self.beta * M_F, axis=1)
         return self.abel.F(self.a) - np.sum(self.ends * M_F, axis=1), inside
 
     def rims(self, b: Array, s: Array | float) -> Rims:
-        """The states in which the attracted annulus is ``b`` [m] wide, for the tension s = 2 sigma/E*; separations as
-        they come."""
-        (rho, kappa), (edge, S), (z, Q) = tension_moments(self.basis, self.a, b), self.flat, self._profile
+        (rho, kappa), (edge, S), (z, Q) = tension_moments(self.basis, self.a, b), self.flat, self.profile
         (M_beta, M_F), M_rho = self._applied, self.applied(rho)
         delta = (z - s * (np.sum(self.ends * M_rho, axis=1) + np.sqrt(b * (2 * self.a + b)))) / edge
         smooth = delta[:, None] * M_beta - M_F - np.reshape(s, (-1, 1)) * M_rho
@@ -174,27 +241,6 @@ class Discs:
         rims = Rims(*(np.array([value]) for value in (a, c, delta, P, 2 / math.pi * gap)))
         return rims, smooth, np.array(rows)
 
-    def equilibria(self, s: float, gap: float, reach: float, near: Array | None = None) -> Rims:
-        """Maugis closure: the states in which the separation at c is ``gap`` [m]; beyond it at ``reach`` [m] (see
-        ``rims``), so that there is one. ``near``: radii c [m] from which the search begins."""
-
-        def excess(b: Array) -> Array:
-            return np.log(np.maximum(self.rims(b, s).gap / gap, ATTRACTION_LEAST))
-
-        widest = reach - self.a
-        if near is None:
-            # Widths [m] about those of a half-space: where the surfaces are drawn apart by the tension or by
-            # their shapes, of which nothing is known beyond reach [m]
-            F, a = self.abel.F, self.a
-            by_tension = gap * math.pi / 2 / s
-            scale = np.minimum(np.maximum(a, 1e-3 * by_tension), reach / (1 + 1e-3))
-            slope = (F(scale * (1 + 1e-3)) - F(scale * (1 - 1e-3))) / (2e-3 * scale)
-            by_shape = np.cbrt((gap * 3 * math.pi / 4) ** 2 * scale / 2 / np.maximum(slope, 1e-100) ** 2)
-            first = 1 / (1 / by_tension + 1 / np.maximum(by_shape, 1e-3 * by_tension))
-        else:
-            first = np.maximum(near - self.a, ATTRACTION_LEAST * widest)
-        return self.rims(_rising_root(excess, np.minimum(first, widest / 2), widest), s)
-
     def smooth(self, rims: Rims, s: float) -> Array:
         """int_0^c K phi of each state on the polynomials, (discs, size)."""
         M_beta, M_F = self._applied
@@ -202,7 +248,6 @@ class Discs:
         return rims.delta[:, None] * M_beta - M_F - s * self.applied(rho)
 
     def separations(self, rims: Rims, s: float, r: Array) -> Array:
-        """Separations [m] at the radii ``r`` [m] of each state in ``rims``, (discs, radii), between a and ``reach``."""
         smooth, separations = self.smooth(rims, s), np.empty_like(r)
         for i, x in enumerate(r.T):
             _, kappa = tension_moments(self.basis, self.a, x - self.a)
@@ -210,21 +255,6 @@ class Discs:
             beyond = self.abel.arcs(self.a, x - self.a) - rims.delta * angle(x - self.a, x)
             separations[:, i] = beyond - s * pulled + np.sum(kappa * smooth, axis=1)
         return 2 / math.pi * separations
-
-    def doubt(self, rims: Rims, s: float, gap: float, reach: float) -> str | None:
-        """What speaks against the states ``rims``: the separation must rise to ``gap`` [m] at c and stay above it up to
-        ``reach`` [m], and c be the only such radius; None where nothing does."""
-        inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*ATTRACTION_FRACTIONS, 1 - ROUNDED])
-        outside = rims.c[:, None] + (reach - rims.c)[:, None] * np.array([*ATTRACTION_FRACTIONS, 1.0])
-        within = self.separations(rims, s, inside)
-        overlap, slack = within[:, 0] < -SAME * gap, SAME * gap
-        if (overlap | (np.diff(within, axis=1) < -slack).any(axis=1)).any():
-            return "the gap around the contact does not grow with the radius where the surfaces attract each other"
-        if (self.separations(rims, s, outside) < gap - slack).any():
-            return "the surfaces come nearer than the range again beyond the radius to which they attract each other"
-        if any((self.rims(r - self.a, s).gap < gap - slack).any() for r in outside.T):
-            return "there is more than one radius to which the surfaces may attract each other"
-        return None
 
 
 def refuse_narrow(rims: Rims) -> None:
@@ -272,13 +302,15 @@ def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) 
 class Attraction:
     """A body whose kernel is known, ready for a tension of any strength and range up to the radius ``reach`` [m].
 
-    ``kernel``: (2/pi) int int b_i K b_j of the polynomials of ``basis``.
+    ``kernel``: (2/pi) int int b_i K b_j of the polynomials of ``basis``. ``rounding``: relative, from one radius to the
+    next.
     """
 
     indenter: Indenter
     E_star: float
     basis: LegendrePanels
     kernel: Array
+    rounding: ClassVar[float] = ATTRACTION_ROUNDING
 
     @classmethod
     def of(cls, indenter: Indenter, E_star: float, panels: Panels, matrix: Array) -> Attraction:
@@ -298,9 +330,7 @@ class Attraction:
 
     @cached_property
     def _abel(self) -> AbelMoments:
-        towards_end = self.indenter.r_max * (1 - 0.5 ** np.arange(1, ATTRACTION_HALVINGS))
-        kinks = np.unique([self.indenter.a0, *self.indenter.joints, *towards_end])
-        return AbelMoments(self.indenter.abel, kinks[(kinks > 0) & (kinks < self.reach)], self.basis, ATTRACTION_INNER)
+        return AbelMoments(self.indenter.abel, profile_kinks(self.indenter, self.reach), self.basis, ATTRACTION_INNER)
 
     @cached_property
     def _schur(self) -> list[Array]:
@@ -337,7 +367,7 @@ class Attraction:
         beta = np.zeros((a.size, basis.count, basis.order))
         beta[:, :, 0] = np.where(np.arange(basis.count) < panel[:, None], width, 0.0)
         beta[np.arange(a.size), panel] = np.einsum("nq,nqi->ni", w, values)
-        own = (basis, profile or self._abel, self.E_star, a, panel, self._schur, partial)
+        own = (self.E_star, a, basis, profile or self._abel, panel, self._schur, partial)
         return Discs(*own, beta.reshape(a.size, -1), basis.at(a))
 
     def apart(self, c: Array, s: float, gap: float) -> Rims:
@@ -348,6 +378,14 @@ class Attraction:
         pull = 2 / math.pi * s * (c + np.sum(kappa * (rho @ self.kernel), axis=1))
         P = -math.pi * self.E_star * s / 2 * c**2
         return Rims(zero, c, self.indenter.f(c) - pull - gap, P, np.full_like(c, gap))
+
+
+def profile_kinks(indenter: Indenter, reach: float) -> Array:
+    """Radii [m] up to ``reach`` at which the integrals of F are cut, more and more of them towards the profile's
+    end."""
+    towards_end = indenter.r_max * (1 - 0.5 ** np.arange(1, ATTRACTION_HALVINGS))
+    kinks = np.unique([indenter.a0, *indenter.joints, *towards_end])
+    return kinks[(kinks > 0) & (kinks < reach)]
 
 
 def panels_for(reach: float, a0: float, scale: float, tolerance: float, crowding: float) -> Panels:

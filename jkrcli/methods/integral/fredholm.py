@@ -117,6 +117,11 @@ def to_legendre(order: int) -> Array:
     return np.polynomial.legendre.legvander(nodes, order - 1) * (np.arange(order) + 0.5) * weights[:, None]
 
 
+def lagrange(order: int, u: Array) -> Array:
+    """l_i(u) on [0, 1] for the Gauss nodes, last axis i."""
+    return legendre.legvander(2 * u - 1, order - 1) @ to_legendre(order).T
+
+
 @cache
 def crowded_rule(order: int, power: int) -> tuple[Array, Array]:
     """Gauss nodes and weights on [0, 1] in the root of that ``power``: they crowd at 0, where a function may begin like
@@ -532,12 +537,17 @@ class AbelMoments:
         return by_panel @ np.sqrt(np.diff(self.basis.panels.edges))
 
     def arcs(self, a: Array, b: Array) -> Array:
-        """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b, by x = c cos(psi)."""
-        row, _, upper, lower = cut_angles(np.array([0.0, *self.kinks, np.inf]), a, b)
-        u, v = crowded_rule(self.inner, 2)
-        psi = upper[:, None] - (upper - lower)[:, None] * u
-        values = self.F((a + b)[row][:, None] * np.cos(psi))
-        return np.bincount(row, (upper - lower) * (values @ v), a.size)
+        """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b."""
+        return abel_arcs(self.F, self.kinks, a, b, self.inner)
+
+
+def abel_arcs(F: Function, kinks: Array, a: Array, b: Array, inner: int) -> Array:
+    """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b, by x = c cos(psi), with ``inner`` nodes above each kink."""
+    row, _, upper, lower = cut_angles(np.array([0.0, *kinks, np.inf]), a, b)
+    u, v = crowded_rule(inner, 2)
+    psi = upper[:, None] - (upper - lower)[:, None] * u
+    values = F((a + b)[row][:, None] * np.cos(psi))
+    return np.bincount(row, (upper - lower) * (values @ v), a.size)
 
 
 def angle(beyond: Array, c: Array) -> Array:

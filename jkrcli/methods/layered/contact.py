@@ -18,6 +18,14 @@ from ...bodies.problem import Solid, Specimen, contact_modulus
 from ..integral import fredholm
 from ..integral.finite_range import Attraction, panels_for
 from ..integral.fredholm import Quadrature
+from ..integral.logarithm import (
+    LOGARITHM_FLOOR,
+    LOGARITHM_KNOTS,
+    LOGARITHM_NEAREST,
+    LOGARITHM_STEP,
+    LogarithmicAttraction,
+    widest_panel,
+)
 from .spectrum import LayeredSpectrum
 
 # --------------------------------------------------------------------------------------------------
@@ -123,7 +131,7 @@ def _columns(transform: Transform, panels: fredholm.Panels, mirrored: bool) -> A
 def _projection(order: int, points: int) -> Array:
     """(1/w_i) int l_i f = sum over the crowded nodes q of f_q times this (q, i)."""
     u, v = fredholm.crowded_rule(points, 3)
-    return v[:, None] * lagrange(order, u) / (fredholm.rule(order)[1] / 2)
+    return v[:, None] * fredholm.lagrange(order, u) / (fredholm.rule(order)[1] / 2)
 
 
 @cache
@@ -132,14 +140,9 @@ def _alone(order: int, points: int) -> tuple[Array, Array]:
     s, v = fredholm.crowded_rule(points, 3)
     nodes, w = fredholm.rule(order)
     inside = np.outer(1 - s, (nodes + 1) / 2)
-    first, second = lagrange(order, inside), lagrange(order, inside + s[:, None])
+    first, second = fredholm.lagrange(order, inside), fredholm.lagrange(order, inside + s[:, None])
     overlap = np.einsum("q,s,sqi,sqj->sij", w / 2, v * (1 - s), first, second, optimize=True)
     return s, (overlap + overlap.transpose(0, 2, 1)) / np.outer(w / 2, w / 2)
-
-
-def lagrange(order: int, u: Array) -> Array:
-    """l_i(u) on [0, 1] for the Gauss nodes, last axis i."""
-    return np.polynomial.legendre.legvander(2 * u - 1, order - 1) @ fredholm.to_legendre(order).T
 
 
 # How a result is refined and checked, and what is refused.
@@ -158,6 +161,7 @@ LAYERED_ABOUT = 2  # tuned on graded layers, by `make failures`
 LAYERED_SHARE = 0.01  # tuned on graded layers, by `make failures`
 LAYERED_MOST_NODES = 4000  # choice: a matrix of 128 MB
 LAYERED_MOST_FLOPS = 4e11  # choice: minutes
+LAYERED_COSINES = 2**19  # at once, of a kernel's function of the distance; choice: 4 MB
 LAYERED_GROUP = 16  # least radii that are solved together; tuned on series of 100 to 10,000 points, by `make guards`
 LAYERED_PER_GROUP = 2e7  # operations in place of what each group costs beside; tuned on the same, by `make guards`
 LAYERED_NARROWER = 8.0  # panels per length over which a graded modulus changes; choice: some 1e-5 of the load
@@ -326,6 +330,31 @@ class LayeredContact(IndenterOnLayers):
         ``tolerance``."""
         panels = self.attraction_panels(reach, tolerance)
         return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
+
+    def logarithmic(self, reach: float, tolerance: float, order: int) -> LogarithmicAttraction:
+        """The same where the modulus changes right below the contact, on panels of ``order`` nodes, with a spline over
+        ln(s) in place of the kernel's function of the distance s."""
+        from scipy.interpolate import make_interp_spline
+
+        spectrum = LayeredSpectrum(self.specimen, self.indenter.material, LOGARITHM_FLOOR)
+        kernel, tail = spectrum.kernel(2 * reach, self.order), spectrum.tail
+        assert tail is not None
+        # The part of the rest of g - 1 is smooth at s = 0; it varies over ``finest`` and, far away, over s
+        v = np.arange(0.0, math.asinh(2 * reach / tail.finest) + 2 * LOGARITHM_STEP, LOGARITHM_STEP)
+        parts = np.array_split(np.sinh(v) * tail.finest, max(v.size * kernel.k.size // LAYERED_COSINES, 1))
+        waves = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in parts])
+        rest = make_interp_spline(v, waves, 7)
+        ends = math.log(LOGARITHM_NEAREST * reach), math.log(2 * reach)
+        ln_s = np.linspace(*ends, math.ceil(LOGARITHM_KNOTS * order * (ends[1] - ends[0]) / math.log(10)))
+        s = np.exp(ln_s)
+        whole = tail.transform(s) + rest(np.arcsinh(s / tail.finest))
+        spline = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], cubic_spline(ln_s, whole).c)
+
+        def tau(distance: Array) -> Array:
+            return spline(np.log(np.maximum(distance, s[0])))
+
+        widest = widest_panel(tau, order, reach, tolerance, self.specimen.top_thickness)
+        return LogarithmicAttraction(self.indenter, self.E_star, tau, reach, order, widest)
 
     def attraction_panels(self, reach: float, tolerance: float) -> fredholm.Panels:
         """The panels of ``attraction``; Refusal where they are too many."""

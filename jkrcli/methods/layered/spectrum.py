@@ -668,10 +668,11 @@ def _far(m: Array, y: Array, nu: float) -> Array:
 @dataclass(frozen=True, eq=False)
 class LayeredSpectrum:
     """Spectrum g(k) - 1 of one pair of bodies, with the panels in k on which it is resolved; makes kernels of any
-    reach."""
+    reach. ``least``: what is left of the rest beyond k_max where it decays like a power of k."""
 
     specimen: Specimen
     indenter: Solid | None = None
+    least: float = SPECTRUM_GRADED_FLOOR
 
     def __call__(self, k: Array) -> Array:
         rest = _deviation(self.bodies, k)
@@ -690,7 +691,7 @@ class LayeredSpectrum:
     @property
     def floor(self) -> float:
         """Size of the rest beyond k_max."""
-        return SPECTRUM_FLOOR if self.tail is None else SPECTRUM_GRADED_FLOOR
+        return SPECTRUM_FLOOR if self.tail is None else self.least
 
     @cached_property
     def scan(self) -> tuple[Array, Array]:

@@ -31,8 +31,18 @@ from ...base.errors import Refusal, counted
 from ...base.numerics import Array, EvenCubic, PiecewiseCubic, cubic_spline
 from ...base.units import show
 from ...bodies.problem import AnyGraded, Specimen
-from ..integral.fredholm import ContactResult, Panels, crowded, crowded_rule, gauss, panel_means, phase_allowed, rule
-from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers, lagrange, logarithms
+from ..integral.fredholm import (
+    ContactResult,
+    Panels,
+    crowded,
+    crowded_rule,
+    gauss,
+    lagrange,
+    panel_means,
+    phase_allowed,
+    rule,
+)
+from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers, logarithms
 from .spectrum import COUNT, LayeredSpectrum, Tail, compliance, divided, regularised, resolved, surface_series
 
 # --------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from jkrcli.bodies.problem import (
     Specimen,
     TransverselyIsotropic,
 )
-from jkrcli.methods.layered.contact import lagrange
+from jkrcli.methods.integral.fredholm import lagrange
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.surface_tension import Angles, SurfaceTensionSolver
 from jkrcli.resolve.analysis import solved, solver_of

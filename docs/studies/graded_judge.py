@@ -53,18 +53,18 @@ class GradedBody:
 def graded_body(rng: np.random.Generator) -> GradedBody:
     """A paraboloid on one or two layers of linear or exponential laws, bonded to a rigid base or a half-space."""
     place, nus = PLACES[rng.integers(3)], rng.uniform(0.0, 0.49, 3)
-    layers, moduli, finest, E = [], [], H, 1.0
+    layers, moduli, finest, E = list[Layer](), list[tuple[float, Any, float]](), H, 1.0
     for graded in ((True,), (False, True), (True, True))[PLACES.index(place)]:
         ratio = math.exp(rng.uniform(*np.log(RATIO)) * rng.choice([-1, 1])) if graded else 1.0
         nu = float(nus[len(layers)])
-        if not graded:
-            layers.append(Layer(Elastic(E, nu), H))
-        else:
+        if graded:
             law = (Linear, Exponential)[rng.integers(2)](E, ratio * E, H)
             layers.append(Layer(Graded(law, nu), H))
+            moduli.append((H, law.at, nu))
             finest = min(finest, H / max(abs(ratio - 1), abs(1 / ratio - 1)))
-        at = partial(np.full_like, fill_value=E) if not graded else layers[-1].material.law.at
-        moduli.append((H, at, nu))
+        else:
+            layers.append(Layer(Elastic(E, nu), H))
+            moduli.append((H, partial(np.full_like, fill_value=E), nu))
         E *= ratio * float(np.exp(rng.uniform(-1, 1)))
     base = (E * float(np.exp(rng.uniform(-2, 2))), float(nus[2])) if rng.random() < 0.5 else None
     largest = H * math.exp(rng.uniform(math.log(0.3), math.log(WIDEST)))

@@ -541,6 +541,10 @@ class EquilibriumCurve(ABC):
     def point(self, place: float) -> Equilibrium:
         """The equilibrium at a ``place`` [m] on the curve."""
 
+    def surface_displacement(self, point: Equilibrium) -> float | None:
+        """How far the surface has moved at the ``point`` [m], downwards, where that is not delta; else None."""
+        return None
+
     @abstractmethod
     def contact_radii(self, places: Array) -> Array:
         """The contact radii [m] at ``places`` on the curve."""

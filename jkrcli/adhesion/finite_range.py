@@ -497,6 +497,12 @@ class FiniteRangeCurve(EquilibriumCurve):
         a, c = (float(radius(np.array(place))) for radius in (self.contact_radii, self.attracted_radii))
         return Equilibrium(a, float(delta), float(P), c, place)
 
+    def surface_displacement(self, point: Equilibrium) -> float | None:
+        """Where nothing touches, the surface at c: delta and the range less the profile there."""
+        if point.a > 0 or point.c is None:
+            return None
+        return point.delta + self.law.length - float(self.problem.indenter.f(np.array(point.c)))
+
     def contact_radii(self, places: Array) -> Array:
         beyond = places - self._c0
         return np.where(beyond > 2 * ROUNDED * self._c0, beyond, 0.0)

@@ -137,9 +137,12 @@ class Validity:
         ]
 
 
-def large_strains(problem: Problem, w: float, point: Equilibrium, loaded: bool = True) -> Strains:
+def large_strains(
+    problem: Problem, w: float, point: Equilibrium, loaded: bool = True, moved: float | None = None
+) -> Strains:
     """What large strains change of the pull-off force at the ``point``, under load control or another; None where that
-    is negligible, below ``LIMITS.strains_said``.
+    is negligible, below ``LIMITS.strains_said``. ``moved``: how far the surface has moved [m], where that is not
+    delta: surfaces that attract each other over a gap.
 
     Known of rigid spheres on incompressible half-spaces and layers as thick as R, up to (w/(E* R))^(1/3) = 0.3.
     """
@@ -152,7 +155,8 @@ def large_strains(problem: Problem, w: float, point: Equilibrium, loaded: bool =
         if found is None:
             return Unknown(f"beyond the estimate: (w/(E* R))^(1/3) = {wc:.3g} is above 0.3")
         return found if strain_size(found) >= LIMITS.strains_said else None
-    ratios = {"a/R": point.a / R, "|delta|/h": abs(point.delta) / depth}
+    name, moved = ("|delta|/h", point.delta) if moved is None else ("surface displacement/h", moved)
+    ratios = {"a/R": point.a / R, name: abs(moved) / depth}
     name = max(ratios, key=lambda each: ratios[each])
     if ratios[name] <= LIMITS.strained:
         return None

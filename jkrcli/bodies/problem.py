@@ -444,6 +444,12 @@ def smooth_parts(laws: Sequence[Law], thickness: float) -> list[tuple[float, flo
     return list(itertools.pairwise([0.0, *sorted(kinks), thickness]))
 
 
+# What layers are squeezed against, in place of a rigid base, and how their compliance over depth is added up.
+SUPPORT_STIFFER = 10.0  # choice: for a warning; a plate this stiff keeps nine tenths of a strain above it
+SUPPORT_THICKER = 3.0  # choice: for a warning; than all above it: sheets of a laminate bend with it
+SQUEEZED_NODES = 16  # choice: for a warning
+
+
 @dataclass(frozen=True)
 class Layer:
     """One layer of a stack, perfectly bonded to what lies below; ``thickness`` in m."""
@@ -483,6 +489,15 @@ class Layer:
                 return float(values.min()), float(values.max())
             case TransverselyIsotropic(E_p=E_p, E_z=E_z):
                 return min(E_p, E_z), max(E_p, E_z)
+
+    @property
+    def mean_modulus(self) -> float:
+        """Young's modulus [Pa] of a homogeneous layer that is squeezed as much; of transverse isotropy, that of its
+        surface."""
+        if not isinstance(self.material, Graded):
+            return self.material.surface.E
+        depths, weights = np.polynomial.legendre.leggauss(SQUEEZED_NODES)
+        return 2 / float(weights @ (1 / self.material.at(self.thickness * (1 + depths) / 2)))
 
 
 @dataclass(frozen=True)
@@ -920,13 +935,22 @@ class Specimen:
 
     @property
     def yielding_depth(self) -> float:
-        """Depth [m] down to the first material that is stiffer than the one above it, or the rigid base: what is
-        squeezed; infinite where there is none, as below a stiff skin."""
-        moduli = [material.surface.E for material in self.materials]
-        below = [*moduli, math.inf] if isinstance(self.base, Rigid) else moduli
-        stiffer = (i for i, E in enumerate(below[1:]) if E > moduli[i])
-        last = next(stiffer, None)
-        return math.inf if last is None else sum(layer.thickness for layer in self.layers[: last + 1])
+        """Depth [m] over which the softest material above the support is squeezed, as if all of it were of that
+        material: sum of h E_softest/E, E the harmonic mean over a layer. The support is the rigid base, a stiffer
+        half-space, or a layer ``SUPPORT_STIFFER`` times as stiff and ``SUPPORT_THICKER`` times as thick as what is
+        above. Infinite where there is none, as below a stiff skin."""
+        above: list[tuple[float, float]] = []
+        softest, thickness = math.inf, 0.0
+        for layer in self.layers:
+            h, E = layer.thickness, layer.mean_modulus
+            if E > SUPPORT_STIFFER * softest and h > SUPPORT_THICKER * thickness:
+                break
+            above.append((h, E))
+            softest, thickness = min(softest, E), thickness + h
+        else:
+            if isinstance(self.base, HalfSpace) and self.base.material.surface.E <= softest:
+                return math.inf
+        return sum(h * (softest / E) for h, E in above)
 
     @property
     def words(self) -> str:

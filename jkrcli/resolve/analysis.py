@@ -143,7 +143,8 @@ class Analysis(Reported):
     def large_strains(self, point: CriticalPoint) -> Strains:
         """What large strains change of the pull-off force at the ``point``."""
         loaded = self.pull_off["load"]
-        return large_strains(self.problem, self.w, point, isinstance(loaded, CriticalPoint) and loaded.a == point.a)
+        by_load = isinstance(loaded, CriticalPoint) and loaded.a == point.a
+        return large_strains(self.problem, self.w, point, by_load, self.curve.surface_displacement(point))
 
     @cached_property
     def comparison(self) -> Comparison | None:

@@ -605,3 +605,15 @@ def test_what_a_table_leaves_open_is_part_of_the_error() -> None:
         for name in ("delta", "P"):
             off = abs(getattr(found, name) - getattr(true, name))
             assert 1e-7 * abs(getattr(true, name)) < off <= stated[name] <= 20 * off, (control, name)
+
+
+def test_the_gap_is_no_strain() -> None:
+    """Displacement control, contact lost while nothing touches: delta is the gap there, the surface moves little."""
+    specimen = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.499), 1e-6),), jkr.Rigid())
+    problem = jkr.Problem(jkr.Paraboloid(1e-4), specimen, jkr.Loading("radius", 4e-6, 60))
+    result = jkr.transform(jkr.solve(problem), 1.3315597e-3, length=464.1589e-9)
+    point = result.pull_off["displacement"]
+    assert point.a == 0
+    assert point.delta == pytest.approx(-464.4e-9, rel=1e-3)
+    assert abs(result.curve.surface_displacement(point)) < 1e-9
+    assert result.large_strains(point) is None

@@ -8,7 +8,7 @@ import pytest
 
 from jkrcli.adhesion.validity import NO_TIP_RADIUS, judge, regime
 from jkrcli.base.errors import InputError, Unknown
-from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Linear, Rigid, Specimen
 
 SOUND = {"a": 1e-5, "delta": 1e-6, "E_star": 5e9 / 0.84, "w": 50.0, "R": 1e-4, "h": None, "L": None, "z0": 0.3e-9}
 
@@ -92,8 +92,20 @@ def test_a_stiff_skin_is_not_squeezed() -> None:
     depths = [Specimen(layers, base).yielding_depth for layers, base in (
         ((skin,), HalfSpace(Elastic(1e6, 0.4))), ((skin,), Rigid()), ((skin, soft), Rigid()), ((soft, stiff), Rigid()),
         ((skin, soft), HalfSpace(Elastic(0.9e6, 0.4))), ((), HalfSpace(Elastic(1e6, 0.4))))]  # fmt: skip
-    assert depths == pytest.approx([math.inf, 1e-6, 2e-6, 1e-6, math.inf, math.inf])
+    assert depths == pytest.approx([math.inf, 1e-6, 1.05e-6, 1.2e-6, math.inf, math.inf])
+    wafer = Layer(Elastic(100e9, 0.2), 1e-3)
+    assert Specimen((soft, wafer), HalfSpace(Elastic(0.5e6, 0.4))).yielding_depth == pytest.approx(1e-6)
     judged = judge(**{**SOUND, "delta": 2e-6, "h": 1e-6, "depth": math.inf})
     assert isinstance(judged.delta_over_h, Unknown)
     assert judged.delta_over_h.reason == "no layer lies on anything stiffer"
     assert not any("delta/h" in text for text in judged.warnings)
+
+
+def test_all_layers_of_a_stack_are_squeezed() -> None:
+    """Of many layers the displacement is that of all of them, not of the first that lies on a stiffer one."""
+    stack = [Layer(Elastic(E, 0.4), 1e-6) for E in (1e6, 2e6) * 500]
+    assert Specimen(tuple(stack), Rigid()).yielding_depth == pytest.approx(750e-6)
+    assert Specimen(tuple(stack), HalfSpace(Elastic(5e6, 0.4))).yielding_depth == pytest.approx(750e-6)
+    graded = Layer(Graded(Linear(1e6, 3e6, 1e-6), 0.4), 1e-6)  # 1e6 int dz/E = h ln(3)/2
+    squeezed = Specimen((graded,), Rigid()).yielding_depth * graded.mean_modulus
+    assert squeezed / 1e6 == pytest.approx(2e-6 / math.log(3), rel=1e-9)

@@ -79,7 +79,7 @@ class ContactDiscs(ABC):
 
     @abstractmethod
     def F(self, x: Array) -> Array:
-        """Abel image [m] of the profile at ``x`` [m]."""
+        """F of the contact equation [m] at ``x`` [m]."""
 
     @property
     @abstractmethod

@@ -43,7 +43,8 @@ LOGARITHM_ARC = 24  # points across the annulus; tuned on linear laws, by `make 
 LOGARITHM_ARC_MORE = 10  # and for each widest panel in it; tuned on linear laws, by `make range-bounds`
 LOGARITHM_STEP = 0.0125  # theory: of asinh(s/finest): to the power 8, with what varies over s, far below rounding
 LOGARITHM_FLOOR = 1e-11  # theory: of what is left of g - 1 beyond k_max: a thin soft layer of nu = 1/2 has g of 1e-4
-LOGARITHM_KNOTS = 60  # a decade of the kernel's spline, for each node of a panel; tuned on the same, by the same
+# a decade of the kernel's spline, for each node of a panel; tuned on linear laws of 1:20, by `make range-bounds`
+LOGARITHM_KNOTS = 60
 # Widest panels: of the top layer's thickness, where they are not more than so many
 LOGARITHM_WIDEST = 0.5  # tuned on linear laws of 1:20, by `make range-bounds`
 LOGARITHM_MOST = 40  # choice: a matrix of some hundred rows

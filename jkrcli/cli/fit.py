@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -13,7 +14,7 @@ from click.core import ParameterSource
 
 from ..adhesion.rate import RATE_LAWS
 from ..base import files
-from ..base.errors import InputError, SolveError, counted
+from ..base.errors import InputError, JkrError, SolveError, counted
 from ..base.executors import executor
 from ..base.files import beside, together, write_text
 from ..base.numerics import LEVEL
@@ -28,7 +29,7 @@ from ..fitting.forward_model import FittedBody
 from ..fitting.joint import joint_fit, shared_of, with_radii
 from ..fitting.parameters import ALIAS, Answer
 from ..fitting.procedure import Failure, fit_all, friction_warnings, memory_of, planned, preferences
-from ..fitting.result import Fit
+from ..fitting.result import Fit, attempted, left_out
 from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
 from ..methods.protocol import Forecast, Limits
 from ..report.inverse import Fits, alternatives_table, plan_table
@@ -279,13 +280,16 @@ def fit_curves(
                  for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
     reasons = unread + [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(request, each, bodies) if output.plots else []
-    preferred = list(preferences(outcomes)) if len(bodies) > 1 else []
-    friction = [] if len(bodies) > 1 else list(friction_warnings(request.body, outcomes))
-    result = Fits(outcomes, request.body_words, friction, unread)
-    more_files = _write(request, result, reasons, pictures)
-    for line in some(reasons):
-        warn(f"skipped: {line}")
-    drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
+    left, none, several = list[str](), list[str](), len(bodies) > 1
+    prefer, friction = partial(preferences, outcomes), partial(friction_warnings, request.body, outcomes)
+    what, words = ("which surface is preferred", prefer) if several else ("whether sticking matters", friction)
+    told = attempted(what, lambda: list(words()), none, left)
+    preferred, friction_words = (told, none) if several else (none, told)
+    result = Fits(outcomes, request.body_words, friction_words, unread)
+    count, more_files = _write(request, result, reasons, pictures, left)
+    for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
+        warn(line)
+    drawn = f", {counted(count, 'picture')}" if count else ""
     more = f"; the table has all {len(result.outcomes):,} curves" if len(result.fits) > SHOWN else ""
     give(result, output.json, f"  written {request.targets}{drawn}{more_files}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
@@ -295,9 +299,12 @@ def fit_curves(
         (note if output.json else say)(line)
 
 
-def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures) -> str:
-    """Write table, summary, archive and pictures; what is said of the page of curves and the map. InputError, when all
-    that can be written is, where no curve could be used."""
+def _write(
+    request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures, left: list[str]
+) -> tuple[int, str]:
+    """Write table, summary, archive and pictures, but for what goes to ``left`` with the reason; how many pictures, and
+    what is said of the page of curves and the map. InputError, when all that can be written is, where no curve could be
+    used."""
     from ..report import archive
 
     if not result.outcomes:
@@ -316,20 +323,23 @@ def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pict
         lines = [files.json_line(one) for one in summary["curves"]]
         targets.write(result.columns, summary, lines=lines)
         archive.write_fits(targets[".h5"], result.outcomes, result.body, lines)
-        if pictures:
-            _draw(pictures)
+        count = _draw(pictures, left) if pictures else 0
         if several:
             from ..report.curve_page import page
 
-            write_text(of_curves[".html"], page(result.outcomes, f"fit to {request.body_words}"))
+            words = partial(page, result.outcomes, f"fit to {request.body_words}")
+            if text := attempted("the page of all curves", words, "", left):
+                write_text(of_curves[".html"], text)
+            several = bool(text)
         if of_map is not None:
             from ..report.plots.inverse import curves_figure, map_figure
 
-            of_map.write(figure=curves_figure(result.outcomes) if scan is None else map_figure(scan))
+            figure = partial(curves_figure, result.outcomes) if scan is None else partial(map_figure, scan)
+            of_map = of_map if _picture("the map", of_map, figure, left) else None
     if not result.fits:
         raise InputError(some(reasons))
     page_words = f", all curves in {of_curves}" if several else ""
-    return f"{page_words}, the map in {of_map}" if of_map else page_words
+    return count, f"{page_words}, the map in {of_map}" if of_map else page_words
 
 
 def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[FittedBody]) -> Pictures:
@@ -347,16 +357,35 @@ def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[Fitte
             for (item, _), stem in zip(named, stems, strict=True)]  # fmt: skip
 
 
-def _draw(drawn: Pictures) -> None:
-    """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart."""
+def _draw(drawn: Pictures, left: list[str]) -> int:
+    """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart. How
+    many are drawn."""
     from ..report.plots.inverse import fit_figure, record_figure
 
+    count = 0
     for item, target in drawn:
+        what = f"the picture of {item.curve.where if isinstance(item, Failure) else item.where}"
         if not isinstance(item, Failure):
-            target.write(figure=fit_figure(item))
+            count += _picture(what, target, partial(fit_figure, item), left)
             continue
         with contextlib.suppress(InputError):
-            target.write(figure=record_figure([segment_force_curve(item.curve)]))
+            count += _picture(what, target, partial(record_figure, [segment_force_curve(item.curve)]), left)
+    return count
+
+
+def _picture(what: str, target: Files, figure: Callable[[], Any], left: list[str]) -> bool:
+    """Whether a picture could be drawn and written, which else is left out; files that cannot be written are refused as
+    those of results are."""
+    if (made := attempted(what, figure, None, left)) is None:
+        return False
+    try:
+        target.write(figure=made)
+    except (JkrError, OSError):
+        raise
+    except Exception as error:
+        left.append(left_out(what, error))
+        return False
+    return True
 
 
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}

@@ -567,8 +567,9 @@ class Intervals:
             return None
         slopes = {item.name: item.derivative(self.here[item.name]) for item in self.quantities}
         by = np.array([slopes[name] * self.rates[name] for name in names])
-        matrix: Array = by @ self.covariance @ by.T
-        return matrix
+        with np.errstate(all="ignore"):
+            matrix: Array = by @ self.covariance @ by.T
+        return matrix if np.isfinite(matrix).all() else None
 
     def estimates(self) -> tuple[FittedValue, ...]:
         """All quantities with their intervals, those that follow from others with theirs."""
@@ -591,12 +592,13 @@ class Intervals:
 
     @cached_property
     def errors(self) -> Mapping[str, float | None]:
-        """The standard errors on the scales; None where the unknowns are not determined."""
+        """The standard errors on the scales; None where the unknowns are not determined, or a variance is infinite."""
         if self.covariance is None:
             return dict.fromkeys(self.rates)
         by = np.array(list(self.rates.values()))
-        variances = np.sum(by @ self.covariance * by, axis=1)
-        return dict(zip(self.rates, np.sqrt(np.maximum(variances, 0.0)).tolist(), strict=True))
+        with np.errstate(all="ignore"):
+            errors = np.sqrt(np.maximum(np.sum(by @ self.covariance * by, axis=1), 0.0)).tolist()
+        return {name: error if math.isfinite(error) else None for name, error in zip(self.rates, errors, strict=True)}
 
     def _of_samples(self, item: Parameter, estimate: FittedValue) -> FittedValue:
         """The estimate with the scatter of the samples, and the interval of so many of them."""

@@ -8,10 +8,10 @@ attraction makes of an estimate is a part by the model.
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -26,7 +26,7 @@ from .force_curve import ForceCurveFit
 from .forward_model import FittedBody
 from .least_squares import t_quantile, wider
 from .record import fit_record, outcome_of, whole_fit
-from .result import Fit
+from .result import Fit, attempted, later
 from .settings import AUTO, Settings
 
 NUISANCE_FARTHEST = 10.0  # choice: standard errors of the free rows, which the contact moves the size by at most
@@ -56,19 +56,27 @@ def fit_settled(body: FittedBody, record: ForceCurve, settings: Settings, pool: 
     A model that is wrong in the first rows of contact makes them look like an attraction: where the best alternative
     is to be taken, it is fitted to the loads with the attraction too, and that is the answer where it leaves no more.
     """
-    nuisance = settled(body, record, settings)
+    left = list[str]()
+    sizes = partial(settled, body, record, settings)
+    nuisance = attempted("how large what the free rows hold is", sizes, None, left)
     if nuisance is None or record.held is None:
-        return (yield from fit_record(body, record, settings, pool))
-    fitted = with_nuisance((yield from fit_record(body, nuisance.record, settings, pool)), nuisance)
+        fitted = yield from fit_record(body, record, settings, pool)
+        return replace(fitted, warnings=(*fitted.warnings, *left))
+    fitted = yield from fit_record(body, nuisance.record, settings, pool)
+    fitted = yield from later(fitted, "errors by what free rows hold", partial(with_nuisance, fitted, nuisance))
     if settings.model != AUTO or record.held.attraction is None:
         return fitted
-    with contextlib.suppress(JkrError):
-        other = yield from fit_settled(body, record.holding(record.held.straight), settings, pool)
+    straight = record.holding(record.held.straight)
+
+    def without_attraction() -> Flow[Fit]:
+        other = yield from fit_settled(body, straight, settings, pool)
         rise = other.rows.size * ((other.scales["P"] / fitted.scales["P"]) ** 2 - 1)
         if other.verdict is not None and other.verdict.tied and rise < NUISANCE_NEEDED:
             words = f"no attraction before contact remains with the alternative model: {other.verdict.tied[0].name}"
             return replace(other, held=(*other.held, words))
-    return fitted
+        return fitted
+
+    return (yield from later(fitted, "the alternative model without the attraction", without_attraction))
 
 
 def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisance | None:

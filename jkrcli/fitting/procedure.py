@@ -44,7 +44,7 @@ from .nuisance import fit_settled
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import TableAlternatives, alternatives_of, missed_pull_off
 from .record import RESTS, beside, beyond_the_record, contact_rows, differ, raw_force_curve
-from .result import Fit, Further, JKRBeside
+from .result import Fit, Further, JKRBeside, attempted, later, left_out, without
 from .rows import (
     COLUMNS,
     EDGES,
@@ -328,8 +328,15 @@ def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | No
         ]
         warnings = (*flags, *fitted.warnings)
         fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
-        fitted = with_inputs(fitted, body, curve.stiffness)
-        return with_other_profile(with_strains(with_shape(fitted, body), body), body, curve, settings)
+        steps: tuple[tuple[str, Callable[[Fit], Fit]], ...] = (
+            ("inputs that no error holds", lambda fit: with_inputs(fit, body, curve.stiffness)),
+            (OF_SHAPE, lambda fit: with_shape(fit, body)),
+            (OF_STRAINS, lambda fit: with_strains(fit, body)),
+            ("the other profile of the same radius", lambda fit: with_other_profile(fit, body, curve, settings)),
+        )
+        for what, step in steps:
+            fitted = yield from later(fitted, what, partial(step, fitted))
+        return fitted
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
@@ -509,11 +516,20 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)
-    sharp = None if settings.range is None else jkr_comparison(minimum, body, points, settings)
-    confidence = confidence_of(minimum, settings, sharp, pool)
+    left, sharp = list[str](), None
+    if settings.range is not None:
+        nothing: JKRBeside | Unknown = Unknown("it cannot be computed here")
+        compared = partial(jkr_comparison, minimum, body, points, settings)
+        sharp = attempted("JKR beside the range", compared, nothing, left)
+    try:
+        confidence = confidence_of(minimum, settings, sharp, pool)
+    except Exception as error:
+        left.append(left_out(f"intervals by {settings.confidence}, and uncertain inputs", error))
+        confidence = confidence_of(minimum, replace(settings, confidence="covariance", uncertain={}))
     alternatives = TableAlternatives((), 1.0)
     if settings.range is None and minimum.least.ended:
-        alternatives = alternatives_of(minimum, confidence.scatter**2, confidence.dof, settings)
+        of = partial(alternatives_of, minimum, confidence.scatter**2, confidence.dof, settings)
+        alternatives = attempted("alternative models", of, alternatives, left)
     flags = {name: line for name, line in flags_of(curve).items() if curve.stiffness is not None or SET in name}
     free = minimum.objective.unknowns.names
     estimates = _resting(minimum, alternatives.with_parts(confidence.estimates))
@@ -531,23 +547,29 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         evaluations=minimum.least.steps, settings=settings, flags=(*flags, *["not determined"] * undetermined),
         jkr=sharp, range_left=None if alternatives.range is None else alternatives.range.most,
     )  # fmt: skip
-    checks = warnings_of(
-        result, minimum.objective.body, readings.members.plain, minimum.at_bound, alternatives, minimum.least.ended
-    )
+    remarks = partial(
+        warnings_of, result, minimum.objective.body, readings.members.plain, minimum.at_bound, alternatives,
+        minimum.least.ended,
+    )  # fmt: skip
+    checks = attempted("remarks on the fit", remarks, list[str](), left)
     on_record = [f"{name}: {sentence}" for name, sentence in flags.items()]
     if "no base line" in flags and not zero.free and not zero.value:
         on_record.append("no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)")
     words = (*words, *[RESTS] * (ADVANCING in edges and "w" not in free))
-    result = replace(result, warnings=(*on_record, *words, *checks))
+    result = replace(result, warnings=(*on_record, *words, *left, *checks))
     if edges == {ADVANCING}:  # alone, whose w is called w_approach: w is that of a retraction
         estimates = tuple(replace(item, name=OWN.get(item.name, item.name)) for item in result.estimates)
         return replace(result, estimates=estimates, free=tuple(OWN.get(name, name) for name in result.free))
     if ADVANCING not in edges or not _apart(minimum, confidence.scatter):
         return result
-    into, back = (alone(_fit(body, curve, replace(ready.requested, segment=kind), pool)) for kind in EDGES)
-    moduli = [one.estimate("E_star") for one in (into, back)]
-    error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
-    return beside(back, into, result) if differ(moduli[0].value, moduli[1].value, error) else result
+
+    def of_each() -> Fit:
+        into, back = (alone(_fit(body, curve, replace(ready.requested, segment=kind), pool)) for kind in EDGES)
+        moduli = [one.estimate("E_star") for one in (into, back)]
+        error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
+        return beside(back, into, result) if differ(moduli[0].value, moduli[1].value, error) else result
+
+    return (yield from later(result, "each direction by its own modulus", of_each))
 
 
 def _apart(minimum: Minimum, scatter: float) -> bool:
@@ -688,6 +710,8 @@ def planned(body: FittedBody, fit: Fit) -> Fit:
         return replace(fit, plan=further(body, fit))
     except InputError as error:
         return replace(fit, warnings=(*fit.warnings, str(error)))
+    except Exception as error:
+        return without(fit, "further measurements", error)
 
 
 def _candidates(body: FittedBody, fit: Fit, largest: float) -> Iterator[tuple[str, Mapping[str, float], float]]:

@@ -49,7 +49,7 @@ from .force_curve import (
 from .forward_model import FittedBody
 from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
-from .result import Fit
+from .result import Fit, later, without
 from .rows import noise_from_third_differences
 from .settings import AUTO, CALIBRATED, Settings
 
@@ -643,10 +643,14 @@ def as_fit(
         adhesion=_adhesion(record),
         directions=_directions(record, best, settings),
     )
-    named = (f"{name}: {sentence}" for name, sentence in flags.items())
     at_bound = ["modulus"] * any(math.isclose(values["modulus"], end, rel_tol=SAME) for end in best.model.moduli)
-    more = warnings_of(result, body, body.family, at_bound)
-    return replace(result, warnings=(*named, *sentences(best, settings), *more))
+    result = replace(result, warnings=tuple(f"{name}: {sentence}" for name, sentence in flags.items()))
+
+    def with_remarks() -> Fit:
+        more = warnings_of(result, body, body.family, at_bound)
+        return replace(result, warnings=(*result.warnings, *sentences(best, settings), *more))
+
+    return alone(later(result, "remarks on the fit", with_remarks))
 
 
 def _carried(
@@ -821,17 +825,29 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
         return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
     def result_of(body: FittedBody, best: ForceCurveFit) -> Fit:
-        return as_fit(body, record, curve, settings, best, pool)
+        plain = replace(settings, confidence="covariance", uncertain={})
+        if settings == plain:
+            return as_fit(body, record, curve, settings, best, pool)
+        try:
+            return as_fit(body, record, curve, settings, best, pool)
+        except Exception as error:
+            inputs = ["uncertain inputs"] * bool(settings.uncertain)
+            what = " and ".join([f"intervals by {settings.confidence}", *inputs])
+            return without(as_fit(body, record, curve, plain, best, pool), what, error)
 
     whole, joint = yield from of(*kinds)
     if not joint.ended:
         return result_of(whole, joint)
     _refuse_undetermined(curve, joint)
-    plain = yield from attach_verdict((yield from _of_directions(of, result_of, whole, joint)), whole, joint)
+    result = result_of(whole, joint)
+    apart = partial(_of_directions, of, result_of, joint, result)
+    result = yield from later(result, "each direction by its own modulus", apart)
+    plain = yield from later(result, "alternative models", partial(attach_verdict, result, whole, joint))
     if settings.model != AUTO:
         return plain
     fresh = _model(whole, record, settings, waves, kinds)
-    return replace_by_best_alternative(plain, whole, joint, fresh, partial(result_of, whole))
+    best = partial(replace_by_best_alternative, plain, whole, joint, fresh, partial(result_of, whole))
+    return (yield from later(plain, "fits of alternative models", best))
 
 
 def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
@@ -861,10 +877,9 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
 
 def _of_directions(
     of: Callable[..., Flow[tuple[FittedBody, ForceCurveFit]]], result_of: Callable[[FittedBody, ForceCurveFit], Fit],
-    whole: FittedBody, joint: ForceCurveFit,
+    joint: ForceCurveFit, result: Fit,
 ) -> Flow[Fit]:  # fmt: skip
-    """The fit of both directions by one modulus, or each by its own where they differ."""
-    result = result_of(whole, joint)
+    """The ``result`` of both directions by one modulus, or each by its own where they differ."""
     if len(joint.model.stretches) < 2 or joint.model.positions or not _apart(joint):
         return result  # one direction alone tells no error of positions
     _, into = yield from of(APPROACH)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
-from ..base.errors import Unknown
+from ..base.errors import JkrError, Unknown
+from ..base.lockstep import Flow
 from ..base.numerics import Array
 from ..data.curve import Pixel
 from .alternative_tests import Verdict
 from .least_squares import Structure
 from .parameters import Answer, FittedValue
 from .settings import Settings
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -92,3 +96,33 @@ class Fit(Answer):
     def work(self) -> FittedValue:
         """The work of adhesion; of an approach alone its own."""
         return self.estimate("w" if any(item.name == "w" for item in self.estimates) else "w_approach")
+
+
+def later(fit: Fit, what: str, step: Callable[[], Fit | Flow[Fit]]) -> Flow[Fit]:
+    """The result of a ``step`` after the ``fit``; where it fails, whatever it is, the fit as it was, and a warning that
+    names ``what`` is left out: nothing after a fit costs the fit."""
+    try:
+        found = step()
+        return found if isinstance(found, Fit) else (yield from found)
+    except Exception as error:
+        return without(fit, what, error)
+
+
+def without(fit: Fit, what: str, error: Exception) -> Fit:
+    """The fit with a warning on ``what`` is left out for an ``error``."""
+    return replace(fit, warnings=(*fit.warnings, left_out(what, error)))
+
+
+def attempted(what: str, step: Callable[[], Found], instead: Found, left: list[str]) -> Found:
+    """What a ``step`` after a fit finds; where it fails, what there is ``instead``, and a sentence in ``left``."""
+    try:
+        return step()
+    except Exception as error:
+        left.append(left_out(what, error))
+        return instead
+
+
+def left_out(what: str, error: Exception) -> str:
+    """A sentence on ``what`` is left out for an ``error``, whose words count where they are this program's."""
+    reason = str(error) if isinstance(error, JkrError) else f"it cannot be computed here ({type(error).__name__})"
+    return f"{what}: left out, {reason}"

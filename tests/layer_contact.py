@@ -7,6 +7,7 @@ With p_hat(k) = E*/2 int_0^a phi(t) cos kt dt and the layer's surface compliance
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -22,17 +23,20 @@ def compliance(x: np.ndarray, nu: float) -> np.ndarray:
     return above / below
 
 
-def contact(a: float, nu: float, nodes: int = 60) -> tuple[float, float, float, float]:
-    """(delta R, P R/E*, S/E*, S'/E*) at radius ``a``, all lengths in units of the layer's thickness, R apart."""
+def contact(
+    a: float, nu: float, nodes: int = 60, image: Callable[[np.ndarray], np.ndarray] = np.square
+) -> tuple[float, float, float, float]:
+    """(delta R, P R/E*, S/E*, S'/E*) at radius ``a``, all lengths in units of the layer's thickness, R apart; of
+    another tip than the paraboloid (delta, P/E*, S/E*, S'/E*), by the Abel ``image`` of its profile."""
     x, weights = np.polynomial.legendre.leggauss(nodes)
     t, dt = a * (x + 1) / 2, a * weights / 2
     k, dk = (np.concatenate(parts) for parts in zip(*(_panel(i, 1.0) for i in range(25)), strict=True))
     waves = np.cos(np.outer(np.append(t, a), k))
     kernel = waves * ((compliance(k, nu) - 1) * dk) @ waves.T * 2 / np.pi
     matrix = np.eye(nodes) + kernel[:-1, :-1] * dt
-    flat, bowl = np.linalg.solve(matrix, np.stack([np.ones(nodes), t**2], axis=1) * 2 / np.pi).T
+    flat, bowl = np.linalg.solve(matrix, np.stack([np.ones(nodes), image(t)], axis=1) * 2 / np.pi).T
     edge_flat, edge_bowl = (2 / np.pi * end - (kernel[-1, :-1] * dt) @ phi
-                            for end, phi in ((1.0, flat), (a**2, bowl)))  # fmt: skip
+                            for end, phi in ((1.0, flat), (float(image(np.array(a))), bowl)))  # fmt: skip
     delta = edge_bowl / edge_flat
     return delta, np.pi * dt @ (delta * flat - bowl), np.pi * dt @ flat, np.pi**2 / 2 * edge_flat**2
 

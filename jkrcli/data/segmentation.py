@@ -201,12 +201,12 @@ class Direction:
 
     @property
     def begins_free(self) -> bool:
-        """Whether there is a base line: not a few rows only, not contact's own end, not as steep as contact is, and not
-        the straight line of an edge at rest."""
+        """Whether there is a base line: not a few rows only, not contact's own end, not as steep as contact is between
+        its largest tension and its largest load, and not the straight line of an edge at rest."""
         enough = self.base.rows >= RECORD_FAR * len(self.segment) and not self.base.curved
         rise, off = abs(self.base.tilt) * self.way * self.base.rows / len(self.segment), known(self.adhesion) or 0.0
         level = RECORD_STEEP * rise <= max(self.largest, off)
-        return enough and level and abs(self.base.tilt) * self.depth <= RECORD_STEEP * self.largest
+        return enough and level and abs(self.base.tilt) * self.depth <= RECORD_STEEP * (self.largest + off)
 
     @property
     def based(self) -> bool:

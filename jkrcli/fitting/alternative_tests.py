@@ -425,7 +425,8 @@ class Linearised:
         """Those of some records with as many columns each, by J^T J of their ``grams``; by a QR decomposition of what
         is ``weighted`` where J^T J loses too many digits."""
         p = slice(1, 1 + records[0].fit.x.size)
-        scales = np.maximum(np.sqrt(np.diagonal(grams, 0, 1, 2)[:, p]), TINY)
+        scales = np.sqrt(np.diagonal(grams, 0, 1, 2)[:, p])
+        scales = np.where(scales > 0, scales, 1.0)  # of an unknown that none of the rows determines, which stays
         lower, each = np.zeros((len(grams), scales.shape[1], scales.shape[1])), range(len(grams))
         try:
             lower = np.linalg.cholesky(grams[:, p, p] / (scales[:, :, None] * scales[:, None]))

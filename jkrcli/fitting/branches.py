@@ -401,6 +401,13 @@ class Rest:
         """The root of q that a row at ``z`` [m] holds, where ``receding`` is that at the end."""
         return float(receding + (self.end - z) * self.by_u[2] / self.by_u[1])
 
+    def until(self, fold: Array, lost: Array) -> tuple[Array, Array]:
+        """Where contact is lost [m] and where the edges have come to their ends [m], where those that move have their
+        ``fold`` at these logs of radii and are ``lost`` there [m]: a smaller contact is unstable when its edge is
+        released, so that it rests until it is lost."""
+        unstable = self.u < fold
+        return np.where(unstable, self.end, lost), np.where(unstable, -np.inf, self.end)
+
     @cached_property
     def lines(self) -> Array:
         """The straight lines over D - z [m], what they begin with and rise by, (2, 6, curves): the load and its

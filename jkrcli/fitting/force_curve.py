@@ -550,8 +550,11 @@ class ForceCurveModel:
         for part, kept in zip(self.stretches, self._path(x)[1], strict=True):
             moving, resting = kept or (self.branch(part, values), self.rest(part, values))
             depth = self.depth(part, values)
-            rows = part.contact if part.jumped else self.touching(part, depth, moving.fold).nonzero()[0]
-            rests = depth[rows] > (math.inf if resting is None else resting.end)
+            lost, end = np.array(moving.fold), np.array(math.inf)
+            if resting is not None:
+                lost, end = resting.until(moving.u[0], lost)
+            rows = part.contact if part.jumped else self.touching(part, depth, float(lost)).nonzero()[0]
+            rests = depth[rows] > end
             edges.append((moving, resting, depth, rows[~rests], rows[rests]))
         self._edges.clear()
         self._edges[key] = edges
@@ -677,21 +680,25 @@ def contact_loads(
         return answers
     places, parts, depths, widths, edges, at_rest = zip(*each, strict=True)
     moving = Branches.of(edges)
+    resting = [i for i, one in enumerate(at_rest) if one is not None]
+    edge = Rest.of([one for one in at_rest if one is not None]) if resting else None
+    lost, end = moving.fold, np.full(len(each), np.inf)
+    if edge is not None:
+        lost = lost.copy()
+        lost[resting], end[resting] = edge.until(moving.u[resting, moving.first[resting]], lost[resting])
     # Rows in contact, in order of the curves, and the curve of each.
     models = [asked[place][0] for place in places]
     touching = [
         model.touching(part, depth, fold)
-        for model, part, depth, fold in zip(models, parts, depths, moving.fold.tolist(), strict=True)
+        for model, part, depth, fold in zip(models, parts, depths, lost.tolist(), strict=True)
     ]
     depth, rows = np.concatenate(depths), np.concatenate(touching).nonzero()[0]
     ends = list(itertools.accumulate((one.size for one in depths), initial=0))
     own, z = np.repeat(np.arange(len(each)), np.diff(ends))[rows], depth[rows]
     columns = np.zeros((6 if slopes else 1, depth.size))
-    resting = [i for i, one in enumerate(at_rest) if one is not None]
-    edge = Rest.of([one for one in at_rest if one is not None]) if resting else None
     if edge is not None:
-        end, number = np.full(len(each), np.inf), np.zeros(len(each), dtype=int)
-        end[resting], number[resting] = edge.end, np.arange(len(resting))
+        number = np.zeros(len(each), dtype=int)
+        number[resting] = np.arange(len(resting))
         still = z > end[own]
         moves, rests = np.flatnonzero(~still), np.flatnonzero(still)
         columns[:, rows[rests]] = edge.at(z[rests], number[own[rests]])[: len(columns)]
@@ -774,7 +781,7 @@ def residuals_of(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exce
 
 # How many starts are tried.
 # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
-STARTS_ALONE = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
+STARTS_ALONE = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0), (0.2, 0.4))
 STARTS_ROWS = 60  # choice: rows by which starts are compared
 STARTS_SHAPES = 13  # choice: ratios w/s tried
 STARTS_POINTS = 41  # choice: contact points tried
@@ -1147,7 +1154,11 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
     most = held_by_last_row(model, values, model.edges(x)[-1][1]) if adheres else None
     if most is not None and _rests_throughout(model, x, most, weight):
+        most *= 1 + SAME  # so that its last row rests, too
         idle |= np.array(model.names) == own
+        if "turn" in model.names:  # of which the advance, turn sqrt(q), is to stay as it is
+            turn = model.places["turn"]
+            idle[turn], x = False, np.where(np.arange(x.size) == turn, x * math.sqrt(values[own] / most), x)
         values[own] = most
     known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
     return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)

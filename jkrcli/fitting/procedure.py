@@ -363,10 +363,10 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
     ratio = None
     if stiffness is not None and not math.isinf(stiffness):
         # dP/d delta of the fitted curve over the deepest part of its contact, if that holds two depths
-        P, delta = fitted.line["P"], fitted.line["delta"]
-        top = (fitted.line["a"] > 0) & (P > P.max() - STIFFNESS_PART * np.ptp(P))
-        if np.ptp(delta[top]) > 0:
-            along = delta[top] - delta[top].mean()
+        P, delta = (fitted.line[name][fitted.line["a"] > 0] for name in ("P", "delta"))
+        top = P > np.max(P, initial=-math.inf) - STIFFNESS_PART * np.ptp(P)
+        along = delta[top] - delta[top].mean()
+        if along.any():
             ratio = abs(float(along @ P[top] / (along @ along))) / stiffness
     if ratio is not None:
         of_error = f" (1 % changes E* by {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} %)"

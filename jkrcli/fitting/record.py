@@ -14,7 +14,18 @@ import numpy as np
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
 from ..base.lockstep import Flow, alone, ask, together
-from ..base.numerics import FEWEST_ROWS, HALF_WIDTH, MOST_SOLVES, REMEMBERED, ROUNDED, SAME, TINY, UNSEEN, Array
+from ..base.numerics import (
+    FEWEST_ROWS,
+    HALF_WIDTH,
+    MOST_SOLVES,
+    MOST_STEPS,
+    REMEMBERED,
+    ROUNDED,
+    SAME,
+    TINY,
+    UNSEEN,
+    Array,
+)
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
@@ -731,8 +742,31 @@ def _resting(item: FittedValue, best: ForceCurveFit, t: float, intervals: Interv
         return intervals.with_limit(item)
     if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
         return item
-    low = max(item.value - t * _error_of_held(best), 0.0)
+    low = max(_least_held(best, t) * item.value - t * _error_of_held(best), 0.0)
     return FittedValue(item.name, item.value, True, item.dimension, None, low)
+
+
+def _least_held(best: ForceCurveFit, t: float) -> float:
+    """The least w of an edge that rests in all rows, over what its last row holds: it may recede in the last of them,
+    if chi^2 rises by less than ``t`` squared, and to a fold that lies beyond."""
+    own, part = f"q:{RETRACT}", best.model.stretches[-1]
+    model = replace(best.model, known={name: value for name, value in best.model.known.items() if name != own})
+    values = best.model.values(best.x)
+    lost = float(best.model.depth(part, values)[part.touching].min())
+
+    def chi2(q: float) -> float:
+        off = model.off(model.unknowns({**values, own: q}), 0.0)
+        return float(np.sum(model.whitened(off, best.spread.noise) ** 2))
+
+    low, high, least = 0.0, values[own], chi2(values[own])
+    for _ in range(MOST_STEPS):
+        there = {**values, own: (low + high) / 2}
+        moving, resting = model.branch(part, there), model.rest(part, there)
+        recedes = moving.fold <= lost and resting is not None and resting.u > moving.u[0]
+        low, high = (low, there[own]) if recedes and chi2(there[own]) - least < t**2 else (there[own], high)
+        if high - low < UNSEEN * high:
+            break
+    return high / values[own]
 
 
 def _error_of_held(best: ForceCurveFit) -> float:

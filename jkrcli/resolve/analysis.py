@@ -757,7 +757,7 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     body = FiniteRangeBody.of(solution).body
     _check_within(solution, a)
     reach = body.reach(a, 2 * law.stress / body.problem.E_star, law.length)
-    attraction = body.attraction(min(3 * reach, body.limit))
+    attraction = body.ready(min(3 * reach, body.limit))
     r = _around(a, attraction.reach)
     surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
     return _of_surface(body.problem, r, surface)

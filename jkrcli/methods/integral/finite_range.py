@@ -22,7 +22,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -99,6 +99,10 @@ class ContactDiscs(ABC):
     @abstractmethod
     def separations(self, rims: Rims, s: float, r: Array) -> Array:
         """Separations [m] at the radii ``r`` [m] of each state in ``rims``, (discs, radii), between a and the reach."""
+
+    @abstractmethod
+    def inside(self, rims: Rims, s: float, x: Array) -> Array:
+        """int_0^c K phi dt [m] at ``x`` [m] inside the only contact."""
 
     @property
     def nonadhesive(self) -> tuple[Array, Array, Array, Array]:
@@ -246,6 +250,10 @@ class Discs(ContactDiscs):
         M_beta, M_F = self._applied
         rho, _ = tension_moments(self.basis, self.a, rims.c - self.a)
         return rims.delta[:, None] * M_beta - M_F - s * self.applied(rho)
+
+    def inside(self, rims: Rims, s: float, x: Array) -> Array:
+        inner: Array = self.basis.at(x) @ self.smooth(rims, s)[0]
+        return inner
 
     def separations(self, rims: Rims, s: float, r: Array) -> Array:
         smooth, separations = self.smooth(rims, s), np.empty_like(r)
@@ -426,8 +434,23 @@ class AttractedSurface:
     own: Array
 
 
+class ReadyBody(Protocol):
+    """A body ready for any tension up to ``reach`` [m], however its contacts are discretised."""
+
+    @property
+    def indenter(self) -> Indenter: ...
+
+    @property
+    def E_star(self) -> float: ...
+
+    @property
+    def reach(self) -> float: ...
+
+    def discs(self, a: Array) -> ContactDiscs: ...
+
+
 def attracted_surface(
-    attraction: Attraction, a: float, stress: float, length: float, r: Array, scale: float
+    attraction: ReadyBody, a: float, stress: float, length: float, r: Array, scale: float
 ) -> AttractedSurface:
     """Fields at the radii ``r`` > 0 [m] of a contact of radius ``a`` [m] under a tension ``stress`` [Pa] up to the
     separation ``length`` [m], on a body whose kernel varies over ``scale`` [m]."""
@@ -436,7 +459,7 @@ def attracted_surface(
     return _surface(attraction, discs, rims, stress, r, scale)
 
 
-def adhesive_surface(attraction: Attraction, a: float, w: float, r: Array, scale: float) -> AttractedSurface:
+def adhesive_surface(attraction: ReadyBody, a: float, w: float, r: Array, scale: float) -> AttractedSurface:
     """Fields at the radii ``r`` > 0 [m] up to ``reach`` for a work of adhesion ``w`` [J/m^2] without a range,
     on a body whose kernel varies over ``scale`` [m]."""
     discs = attraction.discs(np.array([a]))
@@ -447,13 +470,13 @@ def adhesive_surface(attraction: Attraction, a: float, w: float, r: Array, scale
 
 
 def _surface(
-    attraction: Attraction, discs: Discs, rims: Rims, stress: float, r: Array, scale: float
+    attraction: ReadyBody, discs: ContactDiscs, rims: Rims, stress: float, r: Array, scale: float
 ) -> AttractedSurface:
     """Fields at the radii ``r`` [m] of the one state of ``rims``."""
     s, a, c = 2 * stress / attraction.E_star, float(rims.a[0]), float(rims.c[0])
     # The density up to a, its smooth part on equal pieces
     edges, x = panel_pieces(a, scale, DENSITY_PIECE)
-    smooth = (2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])).reshape(-1, DENSITY_PIECE)
+    smooth = (2 / math.pi * discs.inside(rims, s, x)).reshape(-1, DENSITY_PIECE)
     phi = Density(attraction.indenter, a, float(rims.delta[0]), edges, smooth @ to_legendre(DENSITY_PIECE))
     edge = 0.0 if stress else float(phi(rims.a)[0])
     inside, beyond = r < a, r >= a

@@ -61,13 +61,14 @@ Transform = Callable[[Array], Array]
 class Edged:
     """Contacts of the radii ``a`` (m,) [m] with as many panels each, solved for the right-hand sides 1 and F.
 
-    ``z, w`` (m, n): distance of the nodes from the edge, and weights [m]; ``inverse``: of pi/2 + K, (m, n, n);
-    ``flat, shaped``: phi of both sides; ``edge``: int_0^a K(a,t) phi(t) dt as sums over right-hand sides, (m, n);
-    ``ends``: (pi/2) phi(a) of both, (2, m).
+    Distances from the edge [m]: ``edges`` (m, panels + 1) of panels and ``z`` (m, n) of nodes, whose weights are ``w``
+    [m]; ``inverse``: of pi/2 + K, (m, n, n); ``flat, shaped``: phi of both sides; ``edge``: int_0^a K(a,t) phi(t) dt as
+    sums over right-hand sides, (m, n); ``ends``: (pi/2) phi(a) of both, (2, m).
     """
 
     rows: Array
     a: Array
+    edges: Array
     z: Array
     w: Array
     inverse: Array
@@ -89,7 +90,7 @@ class Edged:
         inverse = np.linalg.inv(K)
         flat, shaped = inverse.sum(axis=2), np.einsum("mij,mj->mi", inverse, F)
         ends = np.stack([1 - np.sum(at_edge * flat, axis=1), F_edge - np.sum(at_edge * shaped, axis=1)])
-        return cls(rows, a, z, w, inverse, flat, shaped, np.einsum("mi,mij->mj", at_edge, inverse), ends)
+        return cls(rows, a, edges, z, w, inverse, flat, shaped, np.einsum("mi,mij->mj", at_edge, inverse), ends)
 
 
 def _collocated(tau: Transform, a: Array, edges: Array, z: Array, w: Array, order: int) -> tuple[Array, Array]:
@@ -184,6 +185,16 @@ class EdgedDiscs(ContactDiscs):
         own = np.sum(arc.weights * arc.of_tension(self.body.tau, arc.angles, 0.0), axis=1)
         gap = arcs - delta * arc.whole - s * b + np.sum(opens * group.w * phi, axis=1) - 2 / math.pi * s * own
         return delta, 2 * self.E_star * integral, 2 / math.pi * gap, phi
+
+    def inside(self, rims: Rims, s: float, x: Array) -> Array:
+        (group,), order = self.groups, self.body.order
+        phi = self._state(group, rims.c - self.a, np.array([s]), np.zeros(1))[3]
+        nodes = rims.delta - self.F(group.a - group.z[0]) - math.pi / 2 * phi[0]
+        z, edges = self.a - x, group.edges[0]
+        panel = np.clip(edges.searchsorted(z, side="right") - 1, 0, edges.size - 2)
+        local = (z - edges[panel]) / np.diff(edges)[panel]
+        inner: Array = np.sum(lagrange(order, local) * nodes.reshape(-1, order)[panel], axis=1)
+        return inner
 
     def separations(self, rims: Rims, s: float, r: Array) -> Array:
         b, separations = rims.c - self.a, np.empty_like(r)

@@ -47,23 +47,26 @@ Bodies that relax, with ``w`` and ``stress`` with adhesion, too:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from .adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from .adhesion.device_path import Course, Program, Turning
-from .adhesion.finite_range import RangeRequest
+from .adhesion.device_path import Course, Program
+from .adhesion.finite_range import RangeRequest, without_range
 from .adhesion.from_rest import LoadingHistory, Rest
-from .adhesion.rate import LogRate, PowerRate, RateContact, RateLaw, rate_law_of
+from .adhesion.rate import RATE_LAWS, LogRate, PowerRate, RateContact, RateLaw, rate_law_of
+from .adhesion.slopes import RULES
+from .base import units
+from .base.arguments import OneOf, check_names, checked, exactly_one
 from .base.errors import InputError, JkrError, Refusal, Unknown
 from .base.files import check_series_target
 from .base.numerics import LEVEL
 from .base.process import one_thread
 from .base.registry import Result
-from .base.units import parse
 from .bodies.indenters import Indenter, Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from .bodies.problem import (
+    RELAXATIONS,
     Coated,
     Elastic,
     Exponential,
@@ -77,6 +80,7 @@ from .bodies.problem import (
     PowerRelaxation,
     Problem,
     Prony,
+    Relaxation,
     Rigid,
     Specimen,
     StandardSolid,
@@ -87,30 +91,32 @@ from .case.models import Case, load_case
 from .case.models import parse_case as _parse_case
 from .case.store import read_solution, write_solution
 from .case.store import solve as _solve
-from .data.curve import Curve, Reading
+from .data.curve import Curve, Reading, Use
 from .data.measured import from_columns
 from .data.measured import read as read_curves
 from .fitting import procedure
 from .fitting.forward_model import FittedBody, body_of
 from .fitting.joint import JointFit, joint_fit, shared_of, with_radii
+from .fitting.parameters import Level, texts_of
 from .fitting.procedure import further
 from .fitting.rate import RateFit, rate_fit, rate_settings
 from .fitting.relaxation import RelaxationFit, relaxation_fit, relaxation_settings
 from .fitting.result import Fit, Further
-from .fitting.settings import settings_of
+from .fitting.settings import EACH, LAW, OPTIONS_OF, RELAXATION, SHARED, Noise, check_unused, settings_of
 from .fitting.surface_tension import TENSION, TensionFit, known_values, radii_of, tension_fit
+from .fitting.work import WORK_LEAST_WINDOW
 from .methods.closed_form import ClosedForm
 from .methods.fem import FEM
 from .methods.hybrid import Hybrid
 from .methods.layered.solver import Layered
-from .methods.protocol import Limits, Method
+from .methods.protocol import METHODS, Limits, Method
 from .report import law_fits, rate  # noqa: F401 - the first registers what fits of laws say
 from .report.check import Check
 from .report.forward import Compared, Cycled, CycledByProgram, MeasuredByHistory, MeasuredPullOff, Profile, PullOff
 from .report.inverse import Look, Work
 from .report.result import Figure
 from .resolve.analysis import Analysis, analyse, nonadhesive, with_solved_points
-from .resolve.histories import curves_from_rest, lost_by_history, pull_off_in_limits, rest_of
+from .resolve.histories import checked_histories, curves_from_rest, lost_by_history, pull_off_in_limits, rest_of
 from .series import Solution
 
 __all__ = [
@@ -126,18 +132,42 @@ __all__ = [
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .bodies.problem import Relaxation
     from .many.maps import MapResult
-
-Body: TypeAlias = Case | Problem | Solution | str | Path  # to be solved, or solved; or the file of either
-Number: TypeAlias = float | str  # in SI, or text with its unit
-OneCurve: TypeAlias = Curve | str | Path  # or the file that holds it
-AnyLaw: TypeAlias = "RateLaw | Mapping[str, Any]"  # or its keys
-Known: TypeAlias = Mapping[str, Number] | None  # values of what is not fitted, standard deviations of inputs
+AnyPath: TypeAlias = str | Path
+Body: TypeAlias = Case | Problem | Solution | AnyPath  # to be solved, or solved; or the file of either
+OneCurve: TypeAlias = Curve | AnyPath  # or the file that holds it
+AnyLaw: TypeAlias = RateLaw | Mapping[str, Any]  # or its keys
+Known: TypeAlias = Mapping[str, str | float] | None  # values of what is not fitted, standard deviations of inputs
+AnyMethod: TypeAlias = Annotated[str, OneOf(METHODS, ("auto",))] | Method | None
+SlopesRule: TypeAlias = Annotated[str, OneOf(RULES, ("auto",))]
 AnyResult = TypeVar("AnyResult", bound=Result)
 
+# Quantities are numbers in SI or, which only a call can see, text with a unit: ``checked`` reads both.
+WorkOfAdhesion: TypeAlias = units.Work | Any
+Force: TypeAlias = units.AnyForce | Any
+Length: TypeAlias = units.AnyLength | Any
+PositiveLength: TypeAlias = units.Length | Any
+Stress: TypeAlias = units.Modulus | Any
+Factor: TypeAlias = units.Factor | Any
+Stiffness: TypeAlias = units.Control | Any
+Share: TypeAlias = Annotated[float, units.Ranged("number", least=0, most=1)]
+RateName: TypeAlias = Annotated[str, OneOf(RATE_LAWS)]
+RelaxationName: TypeAlias = Annotated[str, OneOf(RELAXATIONS)]
+Speed: TypeAlias = str | float  # of a device; under load control of its load
+Time: TypeAlias = Annotated[float, units.Ranged("time", least=0)] | Any
 
-def parse_case(text: str, folder: str | Path = ".") -> Case:
+
+@runtime_checkable
+class Columns(Protocol):
+    """Arrays by the names of columns: a data frame, or a mapping."""
+
+    def keys(self) -> Iterable[str]: ...
+
+    def __getitem__(self, name: str, /) -> Any: ...
+
+
+@checked
+def parse_case(text: str, folder: AnyPath = ".") -> Case:
     """Parse a case from TOML text.
 
     Parameters
@@ -160,9 +190,8 @@ def parse_case(text: str, folder: str | Path = ".") -> Case:
     return _parse_case(text.encode(), "case", Path(folder))
 
 
-def solve(
-    problem: Case | Problem | str | Path, method: str | Method | None = None, limits: Limits | None = None
-) -> Solution:
+@checked
+def solve(problem: Case | Problem | AnyPath, method: AnyMethod = None, limits: Limits | None = None) -> Solution:
     """Solve a body without adhesion at increasing contact radii.
 
     Parameters
@@ -192,7 +221,8 @@ def solve(
     return solution
 
 
-def read(path: str | Path) -> Solution:
+@checked
+def read(path: AnyPath) -> Solution:
     """Read a solution file (HDF5) of ``jkr run``, contact pressures included.
 
     Parameters
@@ -213,7 +243,8 @@ def read(path: str | Path) -> Solution:
     return read_solution(path, with_pressure=True)
 
 
-def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
+@checked
+def save(solved: Solution, path: AnyPath, force: bool = False) -> Path:
     """Write a solution file (HDF5), whole or not at all.
 
     Parameters
@@ -241,10 +272,12 @@ def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
     return target
 
 
+@checked
 @one_thread()
 def transform(
-    solved: Body, w: Number, slopes: str = "auto", modulus_factor: float = 1.0, method: str | Method | None = None, *,
-    stress: Number | None = None, length: Number | None = None,
+    solved: Body, w: WorkOfAdhesion, slopes: SlopesRule = "auto", modulus_factor: Factor = 1.0,
+    method: AnyMethod = None, *,
+    stress: Stress | None = None, length: PositiveLength | None = None,
 ) -> Analysis:  # fmt: skip
     """Transform a nonadhesive solution to the adhesive curve for one work of adhesion.
 
@@ -284,15 +317,17 @@ def transform(
     """
     solution = _solution(solved, method)
     ranged = _range(solution, stress, length)
-    return analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, ranged)[0]
+    return analyse(solution, [w], slopes, modulus_factor, ranged)[0]
 
 
+@checked
 @one_thread()
 def cycle(
-    solved: Body, w: Number, *, program: Program | None = None, w_approach: Number | None = None,
-    to_load: Number | None = None, to_depth: Number | None = None, stiffness: Number = DISPLACEMENT_CONTROL,
-    slopes: str = "auto", modulus_factor: float = 1.0, stress: Number | None = None, length: Number | None = None,
-    rest_load: Number | None = None, rest_depth: Number | None = None,
+    solved: Body, w: WorkOfAdhesion, *, program: Program | None = None, w_approach: WorkOfAdhesion | None = None,
+    to_load: Force | None = None, to_depth: Length | None = None, stiffness: Stiffness = DISPLACEMENT_CONTROL,
+    slopes: SlopesRule = "auto", modulus_factor: Factor = 1.0, stress: Stress | None = None,
+    length: PositiveLength | None = None,
+    rest_load: Force | None = None, rest_depth: Length | None = None,
 ) -> Cycled | CycledByProgram | rate.CycledInLimits:  # fmt: skip
     """Compute the quasi-static cycle of approach and retraction.
 
@@ -328,10 +363,11 @@ def cycle(
         Where the contact leaves the series.
     """
 
-    solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
-    works = (_number("w", w if w_approach is None else w_approach, "work"), _number("w", w, "work"))
+    solution, k = _solution(solved, None), stiffness
+    Course(to_load=to_load, to_depth=to_depth, tabulated=program).refuse_idle()
+    works = (w if w_approach is None else w_approach, w)
     ranged = _range(solution, stress, length)
-    turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
+    turn = to_load, to_depth
 
     def cycled(history: LoadingHistory | None) -> Cycled | CycledByProgram:
         if history is not None and history.rest is not None:
@@ -344,7 +380,7 @@ def cycle(
             return CycledByProgram.of(curves, k, program)
         return Cycled.of(curves, k, *turn, history=words)
 
-    rest = _rest(rest_load, rest_depth)
+    rest = rest_of(rest_load, rest_depth)
     return _in_limits(solution, cycled, rest, *turn, program is None and not ranged)
 
 
@@ -354,23 +390,20 @@ def _in_limits(
 ) -> AnyResult | rate.CycledInLimits:  # fmt: skip
     """What was ``cycled`` on the moduli as they are; of a specimen that relaxes after each history that is known."""
     if solution.problem.specimen.relaxation is None:
+        checked_histories(solution, rest)
         return cycled(None)
     known = rate.traced_histories(solution, rest, load, depth, rests)
     return rate.CycledInLimits.of(solution.record.path, known, cycled)
 
 
-def _rest(load: Number | None, depth: Number | None) -> Rest | None:
-    """Where a viscoelastic specimen rests before it is pulled, in numbers or text."""
-
-    return rest_of(_maybe("rest_load", load, "load"), _maybe("rest_depth", depth, "length"))
-
-
+@checked
 @one_thread()
 def cycle_at_speed(
-    solved: Body, w: Number, law: AnyLaw, speed: Number | None = None, *,
-    program: Program | None = None, w_approach: Number | None = None, law_approach: AnyLaw | None = None,
-    speed_approach: Number | None = None, to_load: Number | None = None, to_depth: Number | None = None,
-    hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", stress: Number | None = None,
+    solved: Body, w: WorkOfAdhesion, law: AnyLaw, speed: Speed | None = None, *,
+    program: Program | None = None, w_approach: WorkOfAdhesion | None = None, law_approach: AnyLaw | None = None,
+    speed_approach: Speed | None = None, to_load: Force | None = None, to_depth: Length | None = None,
+    hold: Time | None = None, stiffness: Stiffness = DISPLACEMENT_CONTROL, slopes: SlopesRule = "auto",
+    stress: Stress | None = None,
 ) -> rate.CycledAtSpeed | rate.CycledInLimits:  # fmt: skip
     """Compute a cycle over time whose work of adhesion depends on the speed of the contact line.
 
@@ -418,29 +451,30 @@ def cycle_at_speed(
     G(a, delta) = w0 (1 + f(v)) at an edge that recedes with v = -da/dt (Gent and Schultz); f: the law.
     """
 
-    w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
-    w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
+    w0, k = w, stiffness
+    w_a = w0 if w_approach is None else w_approach
     inwards = None if law_approach is None else _law(law_approach)
+    course = Course(speed, speed_approach, to_load, to_depth, hold, tabulated=program)
+    exactly_one("cycle_at_speed", speed=speed, program=program)
     solution = _solution(solved, None)
 
     def cycled(history: LoadingHistory | None) -> rate.CycledAtSpeed:
         share, words = (1.0, "") if history is None else (history.moduli, history.words)
         result = with_solved_points(analyse(solution, [w0], slopes, share)[0], k)
         contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
-        driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
-        zone_stress = _maybe("stress", stress, "modulus")
-        return rate.CycledAtSpeed.of(contact, driven, result, stress=zone_stress, history=words)
+        return rate.CycledAtSpeed.of(contact, course.program(contact), result, stress=stress, history=words)
 
     return _in_limits(solution, cycled)
 
 
+@checked
 @one_thread()
 def cycle_relaxing(
-    solved: Body, relaxation: Relaxation | None = None, speed: Number | None = None, *, w: Number = 0.0,
-    stress: Number | None = None, length: Number | None = None, rest_load: Number | None = None,
-    rest_depth: Number | None = None, program: Program | None = None, speed_approach: Number | None = None,
-    to_load: Number | None = None, to_depth: Number | None = None, hold: Number = 0.0,
-    stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", compare_rate: bool = False,
+    solved: Body, relaxation: Relaxation | None = None, speed: Speed | None = None, *, w: WorkOfAdhesion = 0.0,
+    stress: Stress | None = None, length: PositiveLength | None = None, rest_load: Force | None = None,
+    rest_depth: Length | None = None, program: Program | None = None, speed_approach: Speed | None = None,
+    to_load: Force | None = None, to_depth: Length | None = None, hold: Time | None = None,
+    stiffness: Stiffness = DISPLACEMENT_CONTROL, slopes: SlopesRule = "auto", compare_rate: bool = False,
 ) -> rate.CycledRelaxing | rate.CycledAdhering:  # fmt: skip
     """Compute a cycle over time on a viscoelastic specimen.
 
@@ -477,56 +511,44 @@ def cycle_relaxing(
     from .adhesion.relaxation import RelaxingContact
     from .adhesion.relaxing_adhesion import RelaxingAdhesion
 
-    solution, k, work = _solution(solved, None), _number("stiffness", stiffness, "stiffness"), _number("w", w, "work")
-    law, rest = relaxation or solution.problem.specimen.relaxation, _rest(rest_load, rest_depth)
+    solution, k, work = _solution(solved, None), stiffness, w
+    law, rest = relaxation or solution.problem.specimen.relaxation, rest_of(rest_load, rest_depth)
     if law is None:
         raise InputError(
             "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"
         )
     relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
     solution, ranged = replace(solution, problem=relaxing), _range(solution, stress, length)
-    does = (program, speed, speed_approach, to_load, to_depth, hold)
+    course = Course(speed, speed_approach, to_load, to_depth, hold, tabulated=program)
+    exactly_one("cycle_relaxing", speed=speed, program=program)
     if work == 0:
-        if rest is not None:
-            raise InputError("cycle_relaxing: rest_load and rest_depth need adhesion: give w")
+        idle = {"rest_load": rest_load, "rest_depth": rest_depth, "stress": stress, "length": length}
+        for name in [
+            name for name, value in (idle | {"compare_rate": compare_rate or None}).items() if value is not None
+        ]:
+            raise InputError(f"cycle_relaxing: {name} is of adhesion: give w > 0, or leave it out")
         free = RelaxingContact(nonadhesive(solution, slopes), law, k)
-        return rate.CycledRelaxing.of(free, _driven("cycle_relaxing", free, *does), solution.record.path)
+        return rate.CycledRelaxing.of(free, course.program(free), solution.record.path)
     if not ranged:
         raise InputError(
             "cycle_relaxing: adhesion at a given speed needs its cohesive stress or range: give stress or length"
         )
     contact = RelaxingAdhesion.of(solution, ranged.law(work), law, k)
-    turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
+    turn = to_load, to_depth
     at_rest = [one for one in rate.traced_histories(solution, rest, *turn) if one.rest is not None]
     limits = pull_off_in_limits(solution, work, ranged, next(iter(at_rest), None), slopes)
     if rest is None:
-        driven = _driven("cycle_relaxing", contact, *does)
-    elif speed is None:
-        raise InputError("cycle_relaxing: a retraction from rest needs its speed")
+        driven = course.program(contact)
     else:
+        course.refuse_before_rest()
         contact = replace(contact, rests=True)
-        driven = Program.on(contact.pulled_from(rest), -_number("speed", speed, "load rate" if k == 0 else "speed"))
+        driven = Program.on(contact.pulled_from(rest), -course.moves(k == LOAD_CONTROL).back)
     return rate.followed_with_limits(solution, contact, driven, limits, slopes, compare_rate=compare_rate)
 
 
-def _driven(
-    verb: str, contact: Turning, program: Program | None, speed: Number | None,
-    speed_approach: Number | None, to_load: Number | None, to_depth: Number | None, hold: Number,
-) -> Program:  # fmt: skip
-    """The ``program``, or there and back at a speed."""
-
-    if (speed is None) == (program is None):
-        raise InputError(f"{verb}: give either the speed of the instrument or its program")
-    if speed is None:
-        assert program is not None
-        return program
-    turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
-    return Course(speed, speed_approach, *turn, hold).program(contact)
-
-
-def _range(solution: Solution, stress: Number | None, length: Number | None) -> RangeRequest:
+def _range(solution: Solution, stress: Stress | None, length: PositiveLength | None) -> RangeRequest:
     """Adhesion of finite range by its tension or its length, in numbers or text."""
-    return RangeRequest.of(solution.record, _maybe("stress", stress, "modulus"), _maybe("length", length, "length"))
+    return RangeRequest.of(solution.record, stress, length)
 
 
 def _law(law: AnyLaw) -> RateLaw:
@@ -538,30 +560,15 @@ def _solution(solved: Body, method: str | Method | None) -> Solution:
     """The series of what is solved, or to be solved."""
     if isinstance(solved, Case | Problem) or (not isinstance(solved, Solution) and Path(solved).suffix == ".toml"):
         solved = solve(solved, method)
+    elif method is not None:
+        raise InputError("method: is of what is not solved yet, and this is a solution: leave it out")
     return solved if isinstance(solved, Solution) else read_solution(solved)
 
 
-def _maybe(name: str, value: Number | None, dimension: str) -> float | None:
-    """The same where it is given."""
-    return None if value is None else _number(name, value, dimension)
-
-
-def _number(name: str, value: Number, dimension: str) -> float:
-    """A number in SI, or text with its unit."""
-    try:
-        return parse(value, dimension) if isinstance(value, str) else float(value)
-    except ValueError as error:
-        raise InputError(f"{name}: {error}") from None
-
-
-def _texts(known: Known) -> list[tuple[str, str]]:
-    """Names and values as a user types them; a number is in SI, of all its digits."""
-    return [(name, value if isinstance(value, str) else repr(float(value))) for name, value in (known or {}).items()]
-
-
+@checked
 def identify(
-    body: Body, measured: OneCurve | DataFrame | Mapping[str, Any] | None = None, free: Iterable[str] = (),
-    fix: Known = None, slopes: str = "auto", *, reading: Reading | None = None,
+    body: Body, measured: OneCurve | Columns | None = None, free: Iterable[str] = (),
+    fix: Known = None, slopes: SlopesRule = "auto", *, reading: Reading | None = None,
     a: Any = None, delta: Any = None, P: Any = None, t: Any = None, **options: Any,
 ) -> Fit:  # fmt: skip
     """Fit E*, w, contact point and force offset to one measured curve; ``fit`` is the same function.
@@ -596,6 +603,7 @@ def identify(
     InputError
         Where the data cannot be fitted.
     """
+    _check_options("identify", EACH, options)
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     named = {name: values for name, values in arrays.items() if values is not None}
     if (measured is None) == (not named):
@@ -605,16 +613,18 @@ def identify(
         reading = replace(reading, contact="as-is")
     curve = _curve_of(named if measured is None else measured, reading)
     source = body_of(body, slopes)
-    result = one_thread()(procedure.fit)(source, curve, settings_of(source, free, _texts(fix), **options))
+    result = one_thread()(procedure.fit)(source, curve, settings_of(source, free, fix or {}, **options))
     return replace(result, body=_named(body, source))
 
 
 fit = identify  # the verb's name
 
 
+@checked
 def identify_joint(
     body: Body, measured: Sequence[OneCurve], shared: Iterable[str] = ("E_star", "w"), own: Iterable[str] = (),
-    tip_radii: Sequence[Number] = (), free: Iterable[str] = (), fix: Known = None, slopes: str = "auto", **options: Any,
+    tip_radii: Sequence[PositiveLength] = (), free: Iterable[str] = (), fix: Known = None,
+    slopes: SlopesRule = "auto", **options: Any,
 ) -> JointFit:  # fmt: skip
     """Fit what several measured curves share, E* and w by default, to all of them together.
 
@@ -644,15 +654,17 @@ def identify_joint(
     InputError
         Where a curve cannot be used, or the curves do not tell what they share.
     """
+    _check_options("identify_joint", SHARED, options, **_given(slopes), tip_radius=tip_radii)
     source = body_of(body, slopes)
     curves = [_curve_of(item, None) for item in measured]
-    settings = settings_of(source, free, _texts(fix), **options)
-    bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
+    settings = settings_of(source, free, fix or {}, **options)
+    bodies = with_radii(source, tip_radii, len(curves))
     result = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
     return replace(result, body=_named(body, source))
 
 
-def plan(body: Body, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
+@checked
+def plan(body: Body, found: Fit, slopes: SlopesRule = "auto") -> tuple[Further, ...]:
     """Compare what further measurements would leave of the errors of E* and w.
 
     Parameters
@@ -679,9 +691,10 @@ def plan(body: Body, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
     return one_thread()(further)(body_of(body, slopes), found)
 
 
+@checked
 def identify_law(
-    body: Body, measured: Iterable[OneCurve], law: str = "power", free: Iterable[str] = (), fix: Known = None,
-    slopes: str = "auto", **options: Any,
+    body: Body, measured: Iterable[OneCurve], law: RateName = "power", free: Iterable[str] = (), fix: Known = None,
+    slopes: SlopesRule = "auto", **options: Any,
 ) -> RateFit:  # fmt: skip
     """Fit w0, the parameters of a law of w over the speed of the edge, E* and the contact point.
 
@@ -713,15 +726,16 @@ def identify_law(
         Where the curves cannot be fitted.
     """
 
+    _check_options("identify_law", LAW, options)
     source = body_of(body, slopes)
-    start = _texts(options.pop("start", None))
-    settings = rate_settings(source, law, free, _texts(fix), start, **options)
+    settings = rate_settings(source, law, free, fix or {}, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
     return replace(one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
 
 
+@checked
 def identify_relaxation(
-    body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto",
+    body: Body, measured: OneCurve, law: RelaxationName = "sls", fix: Known = None, slopes: SlopesRule = "auto",
     free: Sequence[str] = (), **options: Any,
 ) -> RelaxationFit:  # fmt: skip
     """Fit the modulus, the parameters of a law of relaxation and the contact point to a curve with time.
@@ -754,16 +768,18 @@ def identify_relaxation(
         Where the curve cannot be fitted.
     """
 
+    _check_options("identify_relaxation", RELAXATION, options, **_given(slopes), relaxation=law)
     source = body_of(body, slopes)
     curve = _curve_of(measured, None)
-    names = (law, _texts(fix), free, source.problem.E_star, source.range_of_case)
+    names = (law, fix or {}, free, source.problem.E_star, source.range_of_case)
     result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(*names, **options))
     return replace(result, body=_named(body, source))
 
 
+@checked
 def identify_tension(
-    body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[Number] = (), fix: Known = None,
-    level: float = LEVEL,
+    body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[PositiveLength] = (), fix: Known = None,
+    level: Level = LEVEL,
 ) -> TensionFit:  # fmt: skip
     """Fit surface tension, E*, w and the contact points to curves by tips of one or more radii.
 
@@ -794,10 +810,22 @@ def identify_tension(
     source = body_of(body)
     problem = source.problem
     curves = [_curve_of(item, None) for item in measured]
-    radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
-    known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], _texts(fix))
+    radii = radii_of(problem, tip_radii, len(curves))
+    known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], fix or {})
     result = one_thread()(tension_fit)(problem, curves, radii, known, level)
     return replace(result, body=_named(body, source))
+
+
+def _check_options(name: str, kind: str, options: Mapping[str, Any], **beside: Any) -> None:
+    """InputError where one of the ``options`` of the function ``name`` is none, or without an effect on a ``kind`` of
+    fit with what is given ``beside``."""
+    check_unused(kind, {**options, **beside}, by=name)
+    check_names(name, options, OPTIONS_OF[kind])
+
+
+def _given(slopes: str) -> dict[str, str]:
+    """The rule for slopes where it is not the default."""
+    return {} if slopes == "auto" else {"slopes": slopes}
 
 
 def _named(body: Any, source: FittedBody) -> str:
@@ -808,6 +836,8 @@ def _named(body: Any, source: FittedBody) -> str:
 def _curve_of(measured: Any, reading: Reading | None) -> Curve:
     """One curve, of what may be a curve, a file, a data frame or arrays by name."""
     if isinstance(measured, Curve):
+        if reading not in (None, Reading(contact="as-is")):
+            raise InputError("reading: is of what is not read yet, and this is a curve: leave it out")
         return measured
     if not isinstance(measured, str | Path):
         names = {"a": "a (m)", "delta": "delta (m)", "P": "P (N)", "t": "t (s)"}  # SI where no unit is named
@@ -819,7 +849,8 @@ def _curve_of(measured: Any, reading: Reading | None) -> Curve:
     return curves[0]
 
 
-def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
+@checked
+def measured_curves(path: AnyPath, **reading: Any) -> list[Curve]:
     """Read the measured curves in a file.
 
     Parameters
@@ -839,10 +870,16 @@ def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     InputError
         Where the file cannot be read.
     """
-    return read_curves(Path(path), Reading(**reading))
+    return read_curves(Path(path), _reading("measured_curves", reading))
 
 
-def check(case: Case | str | Path) -> Check:
+def _reading(where: str, options: Mapping[str, Any]) -> Reading:
+    check_names(where, options, [item.name for item in fields(Reading)])
+    return Reading(**options)
+
+
+@checked
+def check(case: Case | AnyPath) -> Check:
     """Tell which method a case needs, what each costs and what to expect; nothing is solved at full accuracy.
 
     Parameters
@@ -864,7 +901,8 @@ def check(case: Case | str | Path) -> Check:
     return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
 
 
-def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> Look:
+@checked
+def look(path: AnyPath, tip: Indenter | None = None, **reading: Any) -> Look:
     """Tell what a measured file holds: segments, base line, contact, jumps, adhesion force; no body is needed.
 
     Parameters
@@ -886,13 +924,14 @@ def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> Look:
     InputError
         Where a field of the reading is wrong.
     """
-    return one_thread()(Look.at)(Path(path), Reading(**reading), tip)
+    return one_thread()(Look.at)(Path(path), _reading("look", reading), tip)
 
 
+@checked
 @one_thread()
 def profile(
-    solved: Body, a: Number | None = None, load: Number | None = None, w: Number = 0.0, *,
-    stress: Number | None = None, length: Number | None = None,
+    solved: Body, a: Length | None = None, load: Force | None = None, w: WorkOfAdhesion = 0.0, *,
+    stress: Stress | None = None, length: PositiveLength | None = None,
 ) -> Profile:  # fmt: skip
     """Compute pressure, displacement and gap around one contact.
 
@@ -921,23 +960,20 @@ def profile(
     """
     from .resolve.analysis import profile_columns, radius_under
 
-    if (a is None) == (load is None):
-        raise InputError("profile: give exactly one of a and load")
-    solution, work = _solution(solved, None), _number("w", w, "work")
+    exactly_one("profile", a=a, load=load)
+    solution = _solution(solved, None)
     ranged = _range(solution, stress, length)
-    if load is not None:
-        radius = radius_under(solution, _number("load", load, "load"), work, ranged)
-    else:
-        assert a is not None
-        radius = _number("a", a, "length")
-    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, ranged))
+    radius: Any = a if load is None else radius_under(solution, load, w, ranged)
+    return Profile(solution.record.path, radius, w, profile_columns(solution, radius, w, ranged))
 
 
+@checked
 @one_thread()
 def pull_off(
-    solved: Body, w: Number | None = None, load: Number | None = None, stiffness: Sequence[Number] = (),
-    slopes: str = "auto", modulus_factor: float = 1.0, *, stress: Number | None = None, length: Number | None = None,
-    uncertain: Known = None, rest_load: Number | None = None, rest_depth: Number | None = None,
+    solved: Body, w: WorkOfAdhesion | None = None, load: Force | None = None, stiffness: Sequence[Stiffness] = (),
+    slopes: SlopesRule = "auto", modulus_factor: Factor = 1.0, *, stress: Stress | None = None,
+    length: PositiveLength | None = None,
+    uncertain: Known = None, rest_load: Force | None = None, rest_depth: Length | None = None,
 ) -> PullOff | MeasuredPullOff | MeasuredByHistory:  # fmt: skip
     """Find where contact is lost, or which w a measured pull-off force means.
 
@@ -968,31 +1004,35 @@ def pull_off(
     InputError
         Where contact is not lost within the series, or the force is none of this body.
     """
-    from .fitting.pull_off import measured_work, works_by_history
+    from .fitting.pull_off import measured_work, refuse_idle, works_by_history
     from .resolve.analysis import where_lost
 
-    if (w is None) == (load is None):
-        raise InputError("pull_off: give exactly one of w and load")
-    solution, devices = _solution(solved, None), [_number("stiffness", k, "stiffness") for k in stiffness]
-    rest = _rest(rest_load, rest_depth)
+    exactly_one("pull_off", w=w, load=load)
+    refuse_idle(load, uncertain or {}, stress, length)
+    solution, devices, rest = _solution(solved, None), list(stiffness), rest_of(rest_load, rest_depth)
     if load is not None:
-        force, pairs = abs(_number("load", load, "load")), _texts(uncertain)
+        without_range(solution.record, "pull_off: load")
+        if len(devices) > 1:
+            raise InputError(f"stiffness: a measured load has one, got {len(devices)}")
+        force, pairs = abs(load), texts_of(uncertain or {})
         under = (devices or [LOAD_CONTROL])[0]
         found = works_by_history(solution, force, under, rest, slopes, modulus_factor, pairs)
         if isinstance(found, list):
             return MeasuredByHistory.of(solution, force, under, found, slopes, modulus_factor)
         return MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
-    assert w is not None
     ranged = _range(solution, stress, length)
-    curve, lost = where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, ranged)[0]
+    works: list[Any] = [w]
+    curve, lost = where_lost(solution, works, devices, slopes, modulus_factor, ranged)[0]
     controls = devices or [LOAD_CONTROL, DISPLACEMENT_CONTROL]
     return PullOff(curve, lost, lost_by_history(curve, controls, rest, slopes))
 
 
+@checked
 @one_thread()
 def work(
-    solved: Body, measured: str | Path, slopes: str = "auto", modulus_factor: float = 1.0, *,
-    reading: Reading | None = None, **options: Any,
+    solved: Body, measured: AnyPath, slopes: SlopesRule = "auto", modulus_factor: Factor = 1.0, *,
+    reading: Reading | None = None, use: Use | None = None, segment: str | None = None, noise: Noise | None = None,
+    window: Annotated[int, units.Ranged("number", least=WORK_LEAST_WINDOW)] = 11,
 ) -> Work:  # fmt: skip
     """Compute the work of adhesion along measured curves, row by row.
 
@@ -1006,8 +1046,14 @@ def work(
         As of `transform`.
     reading : Reading, optional
         How the file is read.
-    **options
-        use ("a,P"), segment, noise ``{"P": 2e-9}``, window, as of ``jkr work``.
+    use : {"a,P", "a,delta", "delta,P"}, optional
+        Columns from which w is computed; default: the first of these that were measured.
+    segment : str, optional
+        Rows of this segment only.
+    noise : mapping, optional
+        Standard deviations of measured quantities, ``{"P": "2 nN"}``.
+    window : int, optional
+        Rows for the speed da/dt: an odd number.
 
     Returns
     -------
@@ -1024,13 +1070,15 @@ def work(
 
     solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
     unit = nonadhesive(solution, slopes)
-    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
+    without_range(solution.record, "work")
+    evaluation = evaluation_of(solution, unit, reading, modulus_factor, use, segment, noise, window)
     with executor(1) as pool:
         return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
 
 
+@checked
 def compare(
-    first: Body, second: Body, rtol: float = 1e-3, columns: Iterable[str] = (), overlap: float = 0.9,
+    first: Body, second: Body, rtol: Factor = 1e-3, columns: Iterable[str] = (), overlap: Share = 0.9,
 ) -> Compared:  # fmt: skip
     """Compare two results of the same problem.
 
@@ -1060,6 +1108,7 @@ def compare(
     return Compared.of((one, two), lambda: [_solution(item, None) for item in both], rtol, columns, overlap)
 
 
+@checked
 def study_map(name: str, **axes: Any) -> MapResult:
     """Compute a map of results over parameters, as ``jkr study <name>-map`` does.
 
@@ -1085,6 +1134,7 @@ def study_map(name: str, **axes: Any) -> MapResult:
     return one_thread()(map_of(name).over)(**axes)
 
 
+@checked
 def table(curve: Result) -> Mapping[str, Any]:
     """Return the columns of a result's CSV file.
 
@@ -1101,6 +1151,7 @@ def table(curve: Result) -> Mapping[str, Any]:
     return curve.columns
 
 
+@checked
 def to_pandas(curve: Result) -> DataFrame:
     """Return the columns of a result as a data frame (needs pandas).
 
@@ -1122,7 +1173,8 @@ def to_pandas(curve: Result) -> DataFrame:
     return curve.to_pandas()
 
 
-def plot(curve: Result, path: str | Path | None = None) -> Figure:
+@checked
+def plot(curve: Result, path: AnyPath | None = None) -> Figure:
     """Draw a result.
 
     Parameters
@@ -1145,6 +1197,7 @@ def plot(curve: Result, path: str | Path | None = None) -> Figure:
     return figure
 
 
+@checked
 def summary(curve: Result) -> dict[str, Any]:
     """Return what a result's JSON file says.
 

@@ -17,9 +17,10 @@ import numpy as np
 import pytest
 from conftest import Outcome
 
+from jkrcli.base.arguments import read_fields
 from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
-from jkrcli.base.units import Ranged, check_ranges
+from jkrcli.base.units import Ranged
 from jkrcli.case import store
 from jkrcli.case.models import method_of, options_of, parse_case
 from jkrcli.formulas import foundation_modulus, thin_layer
@@ -51,7 +52,7 @@ class BadDefault:
     tolerance: Annotated[float, Ranged("number", least=1e-8, most=1e-2)] = 1.0
 
     def __post_init__(self) -> None:
-        check_ranges(self, "bad")
+        read_fields(self, "bad")
 
 
 RUN = """

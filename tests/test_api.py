@@ -90,10 +90,10 @@ def test_a_cycle_at_speed_is_that_of_the_command_line(jkr: Callable) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({}, "cycle_at_speed: give either the speed of the instrument or its program"),
+        ({}, "cycle_at_speed: give exactly one of speed and program"),
         ({"speed": "10 kg"}, "speed: must be a speed"),
-        ({"speed": 0.0}, "speed: must be > 0, got 0.0"),
-        ({"speed": 1e-6, "to_load": "1 N", "to_depth": "1 um"}, "cycle: give the reversal as a load or as a depth"),
+        ({"speed": 0.0}, "speed: must be > 0, got 0.0 m.s"),
+        ({"speed": 1e-6, "to_load": "1 N", "to_depth": "1 um"}, "cycle: give at most one of to_load and to_depth"),
         (
             {"speed": 1e-6, "law_approach": {"v0": 1e-6, "n": 1}},
             "cycle: a contact line that closes by a law needs",

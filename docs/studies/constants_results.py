@@ -158,7 +158,7 @@ def _slopes(rule: str) -> Numbers:
     return summary(partial(jkr.transform, replace(solution, series=series), W, rule))
 
 
-def _work(use: str) -> Any:
+def _work(use: Any) -> Any:
     return jkr.work(_case("gel"), TABLE, use=use, noise={"P": 2e-6})
 
 

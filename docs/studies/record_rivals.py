@@ -37,7 +37,7 @@ from jkrcli.fitting.alternatives import ALTERNATIVES, AMOUNT, ChangedModel, Fitt
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.result import Fit
-from jkrcli.fitting.settings import settings_of, uncertain_of
+from jkrcli.fitting.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 
 # Right records by what disturbs them, and how they are fitted:
@@ -69,9 +69,7 @@ def fitted(kind: str, made: Wrong, **options: Any) -> Fit:
     held = body(made.R, made.h, made.nu, kind == "large strains")
     known = [("radius", "10%"), ("stiffness", "10%")] + [("nu", "0.2")] * (made.h is not None)
     options = {"model": "jkr", **RIGHT.get(kind, {}), **options}
-    settings = settings_of(held, **options)
-    if kind in CALIBRATED:
-        settings = settings_of(held, uncertain=uncertain_of(held, known, settings), **options)
+    settings = settings_of(held, uncertain=known if kind in CALIBRATED else (), **options)
     z, P = made.columns["z"], made.columns["P"]
     curve = Curve("made", delta=z - P / made.k, P=P, t=made.columns["t"], stiffness=made.k)
     last.clear()

@@ -14,15 +14,16 @@ import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
+from ..base.arguments import read, read_fields
 from ..base.errors import Estimate, InputError, JkrError, Unknown
-from ..base.numerics import MOST_STEPS, ROUNDED, SAME, Array, zeros_between
-from ..base.units import parse, show
+from ..base.numerics import MOST_STEPS, ROUNDED, SAME, Array, numbers_of, zeros_between
+from ..base.units import Ranged, show
 from .curve import (
     DISPLACEMENT_CONTROL,
     LOAD_CONTROL,
@@ -206,11 +207,12 @@ class Program:
 
     t: Array
     x: Array
-    rate: float | None = None
+    rate: Annotated[float, Ranged("speed")] | Annotated[float, Ranged("load rate")] | None = None
 
     def __post_init__(self) -> None:
+        read_fields(self, "program", t=Any, x=Any)
         for name in ("t", "x"):
-            values = np.array(getattr(self, name), dtype=float)
+            values = read(f"program: {name}", numbers_of, getattr(self, name))
             values.setflags(write=False)
             object.__setattr__(self, name, values)
             if values.ndim != 1 or not np.isfinite(values).all():
@@ -289,33 +291,58 @@ class Moves(NamedTuple):
 class Course:
     """The device presses at ``speed_approach`` (default: ``speed``) to ``to_load`` [N] or ``to_depth`` [m], both None
     to the end of the series, waits for ``hold`` and goes back at ``speed``, as far as ``dwell`` where it then stays for
-    ``dwell_time``. Numbers are SI, text carries its unit; under load control speeds are N/s and ``dwell`` is a load.
+    ``dwell_time``; or what a ``tabulated`` program says. Numbers are SI, text carries its unit; under load control
+    speeds are N/s and ``dwell`` is a load.
     """
 
-    speed: float | str
+    speed: float | str | None = None
     speed_approach: float | str | None = None
     to_load: float | None = None
     to_depth: float | None = None
     hold: float | str | None = None
     dwell: float | str | None = None
     dwell_time: float | str | None = None
+    tabulated: Any = None
+
+    def refuse_idle(self, called: Callable[[str], str] = str) -> None:
+        """InputError, options as they are ``called``, where one that was given would have no effect."""
+        given = [item.name for item in fields(self) if getattr(self, item.name) is not None]
+        if "tabulated" in given and len(given) > 1:
+            raise InputError(f"cycle: give either {called(given[0])} or {called('program')}, which says it all")
+        if (self.dwell is None) != (self.dwell_time is None):
+            raise InputError(f"cycle: {called('dwell')} and {called('dwell_time')} go together")
+        if self.to_load is not None and self.to_depth is not None:
+            raise InputError(f"cycle: give at most one of {called('to_load')} and {called('to_depth')}")
+
+    def refuse_before_rest(self, called: Callable[[str], str] = str) -> None:
+        """The same where the device pulls at once, from rest."""
+        before = ("to_load", "to_depth", "speed_approach", "hold", "tabulated")
+        for name in before:
+            if getattr(self, name) is not None:
+                word = called("program" if name == "tabulated" else name)
+                raise InputError(f"cycle: a retraction from rest has its speed only: leave {word} out")
+        if self.speed is None:
+            raise InputError(f"cycle: a retraction from rest needs its speed: give {called('speed')}")
 
     def moves(self, loaded: bool, called: Callable[[str], str] = str) -> Moves:
         """The fields in SI, under load control where ``loaded``; InputError that names one as it is ``called``."""
 
         length, speed = ("load", "load rate") if loaded else ("length", "speed")
-        back = self._si("speed", called, speed)
-        there = back if self.speed_approach is None else self._si("speed_approach", called, speed)
-        hold = 0.0 if self.hold is None else self._si("hold", called, "time", least=0.0)
+        back = self._si("speed", called, Ranged(speed, above=0))
+        there = back if self.speed_approach is None else self._si("speed_approach", called, Ranged(speed, above=0))
+        hold = 0.0 if self.hold is None else self._si("hold", called, Ranged("time", least=0))
         if self.dwell is None:
             return Moves(there, back, hold)
-        dwell = self._si("dwell", called, length, least=-math.inf)
-        return Moves(there, back, hold, dwell, self._si("dwell_time", called, "time"))
+        dwell = self._si("dwell", called, Ranged(length))
+        return Moves(there, back, hold, dwell, self._si("dwell_time", called, Ranged("time", above=0)))
 
     def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
         """What the device does to ``contact``; InputError that names the field as it is ``called``."""
-        if self.to_load is not None and self.to_depth is not None:
-            raise InputError("cycle: give the reversal as a load or as a depth, not both")
+        self.refuse_idle(called)
+        if self.tabulated is not None:
+            return cast(Program, self.tabulated)
+        if self.speed is None:
+            raise InputError(f"cycle: give the motion of the instrument: {called('speed')} or {called('program')}")
         moves = self.moves(contact.stiffness == LOAD_CONTROL, called)
         x = contact.turning(self.to_load, self.to_depth, moves.there)
 
@@ -326,16 +353,9 @@ class Course:
         has_turn = self.to_load is not None or self.to_depth is not None
         return turned(x if has_turn else contact.within(turned, x))
 
-    def _si(self, field: str, called: Callable[[str], str], dimension: str, least: float | None = None) -> float:
-        """A field in SI, of a number or text with its unit; > 0 where no ``least`` is given."""
-        entry, name = getattr(self, field), called(field)
-        try:
-            value = parse(entry, dimension) if isinstance(entry, str) else float(entry)
-        except ValueError as error:
-            raise InputError(f"{name}: {error}") from None
-        wrong = value <= 0 if least is None else value < least
-        if wrong or not math.isfinite(value):
-            raise InputError(f"{name}: must be {'> 0' if least is None else f'>= {least:g}'}, got {entry}")
+    def _si(self, field: str, called: Callable[[str], str], ranged: Ranged) -> float:
+        """A field in SI, of a number or text with its unit."""
+        value: float = read(called(field), ranged.read, getattr(self, field))
         return value
 
 

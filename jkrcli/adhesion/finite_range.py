@@ -301,11 +301,13 @@ class RangeRequest:
     length: float | None = None
 
     @classmethod
-    def of(cls, record: Record, stress: float | None = None, length: float | None = None) -> RangeRequest:
+    def of(
+        cls, record: Record, stress: float | None = None, length: float | None = None, names: str = "stress or length"
+    ) -> RangeRequest:
         """The ``stress`` [Pa] or the ``length`` [m] if there is one, else those of the case in ``record``; InputError
-        where there are both."""
+        where there are both, by what ``names`` they have."""
         if stress is not None and length is not None:
-            raise InputError("give either --stress or --range, got both")
+            raise InputError(f"give either {names}, got both")
         if stress is None and length is None:
             return cls(record.stress, record.length)
         return cls(stress, length)
@@ -324,6 +326,15 @@ class RangeRequest:
         if not self:
             return ""
         return f"-range{self.length:g}" if self.stress is None else f"-stress{self.stress:g}"
+
+
+def without_range(record: Record, verb: str) -> None:
+    """Refusal by a ``verb`` that has no adhesion of finite range, where the case of ``record`` asks for it."""
+    if record.stress is not None or record.length is not None:
+        raise InputError(
+            f"{verb}: has no adhesion of finite range, which the case of {record.path} asks for: leave "
+            "adhesion.range, stress and capillary out"
+        )
 
 
 # Points of the curve, and the error of its interpolation.

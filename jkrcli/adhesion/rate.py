@@ -15,14 +15,15 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Annotated, Any, Protocol, TypeAlias
+from typing import Annotated, Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
+from ..base.arguments import read_fields
 from ..base.errors import Estimate, InputError, SolveError, Unknown, did_you_mean, positive
 from ..base.numerics import LOOKED_AT, MOST_STEPS, Array, zeros_between
 from ..base.registry import Registry
-from ..base.units import Ranged, check_ranges, show
+from ..base.units import Ranged, show
 from . import device_path
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, AdhesiveCurve, Nonadhesive, position
 from .device_path import UNBOUNDED, path, turning_radius
@@ -41,6 +42,7 @@ RATE_LAWS = Registry()
 rate_law = RATE_LAWS.register  # decorator: the name by which ``--rate law=...`` and ``--law`` call it
 
 
+@runtime_checkable
 class RateLaw(Protocol):
     """w over the edge's speed: a frozen dataclass whose fields, all > 0, are its parameters."""
 
@@ -61,7 +63,7 @@ class PowerRate:
     n: Exponent
 
     def __post_init__(self) -> None:
-        check_ranges(self, "power")
+        read_fields(self, "power")
 
     def work(self, w0: Any, v: Any) -> Any:
         return w0 * (1 + (v / self.v0) ** self.n)
@@ -80,7 +82,7 @@ class LogRate:
     b: PositiveWork
 
     def __post_init__(self) -> None:
-        check_ranges(self, "log")
+        read_fields(self, "log")
 
     def work(self, w0: Any, v: Any) -> Any:
         return w0 + self.b * np.log1p(v / self.v0)

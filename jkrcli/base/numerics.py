@@ -11,7 +11,26 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from .units import shortly
+
 Array: TypeAlias = np.ndarray[Any, np.dtype[Any]]
+
+
+def numbers_of(values: Any) -> Array:
+    """The numbers of a list, array or series, (n,), as a copy; nan where one is masked or missing. ValueError with a
+    sentence where they are none."""
+    try:
+        if hasattr(values, "to_numpy"):
+            values = values.to_numpy(dtype=float, na_value=math.nan)
+        numbers = np.ma.array(values)
+        if numbers.dtype.kind in "USMmc":
+            raise TypeError
+        filled = np.ma.filled(numbers.astype(float), math.nan)
+    except (TypeError, ValueError, AttributeError):
+        raise ValueError(f"must be a list of numbers, got {shortly(values)}") from None
+    if filled.ndim != 1:
+        raise ValueError(f"must be one-dimensional, got shape {filled.shape}")
+    return np.array(filled)
 
 
 def evenly(rows: int, most: int) -> Array:

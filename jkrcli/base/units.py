@@ -6,15 +6,16 @@ the complete list of what is allowed.
 """
 
 import math
+import numbers
 import operator
 import re
+import reprlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import cache
-from typing import Annotated, Any, NamedTuple, TypeAlias, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
-from .errors import InputError, did_you_mean
+from .errors import did_you_mean
 
 PREFIX = {"a": -18, "f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9, "T": 12}
 
@@ -91,9 +92,11 @@ def parse(text: str, dimension: str) -> float:
 
 @dataclass(frozen=True)
 class Ranged:
-    """A finite number of ``dimension`` with ``above < x < below`` and ``least <= x <= most``; stands in ``Annotated``.
+    """A finite number of ``dimension`` with ``above < x < below`` and ``least <= x <= most``, or what one of ``words``
+    stands for; in ``Annotated``.
 
-    From such annotations come the keys of a case file (``jkrcli.case``) and the checks of ``check_ranges``.
+    From such annotations come the keys of a case file (``jkrcli.case``), the types of options (``jkrcli.cli``) and what
+    ``base.arguments`` reads.
     """
 
     dimension: str
@@ -101,6 +104,7 @@ class Ranged:
     least: float | None = None
     below: float | None = None
     most: float | None = None
+    words: tuple[tuple[str, float], ...] = ()
 
     def __contains__(self, number: float) -> bool:
         return all(test(number, limit) for _, limit, test in self._bounds())
@@ -113,8 +117,9 @@ class Ranged:
 
     @property
     def rule(self) -> str:
-        """``> 0 and <= 0.5``."""
-        return " and ".join(f"{sign}{limit:g}" for sign, limit, _ in self._bounds())
+        """``> 0 and <= 0.5``, ``> 0 or "rigid"``."""
+        bounds = " and ".join(f"{sign}{limit:g}" for sign, limit, _ in self._bounds())
+        return " or ".join([*([bounds] if bounds else []), *(f'"{word}"' for word, _ in self.words)])
 
     def _bounds(self) -> Iterator[tuple[str, float, Callable[[float, float], bool]]]:
         signs = ("> ", self.above, operator.gt), (">= ", self.least, operator.ge), ("< ", self.below, operator.lt)
@@ -124,6 +129,10 @@ class Ranged:
 
     def read(self, value: Any) -> float:
         """The SI value of a number [SI] or text with a unit; ValueError with a full sentence where it is wrong."""
+        for word, meant in self.words:
+            if (value.strip().lower() == word) if isinstance(value, str) else is_number(value) and value == meant:
+                return meant
+        value = plain(value)
         number = _number(value, self.dimension)
         entry = value if isinstance(value, str) else f"{value} {SI[self.dimension]}".strip()
         if not math.isfinite(number):
@@ -140,8 +149,13 @@ class Ranged:
 Length: TypeAlias = Annotated[float, Ranged("length", above=0)]
 AnyLength: TypeAlias = Annotated[float, Ranged("length")]
 Modulus: TypeAlias = Annotated[float, Ranged("modulus", above=0)]
+AnyForce: TypeAlias = Annotated[float, Ranged("load")]
 Force: TypeAlias = Annotated[float, Ranged("load", above=0)]
 Work: TypeAlias = Annotated[float, Ranged("work", least=0)]
+Factor: TypeAlias = Annotated[float, Ranged("number", above=0)]
+Stiffness: TypeAlias = Annotated[float, Ranged("stiffness", above=0, words=(("rigid", math.inf),))]  # of a device
+Control: TypeAlias = Annotated[float, Ranged("stiffness", above=0, words=(("load", 0.0), ("rigid", math.inf)))]
+Sensitivity: TypeAlias = Annotated[float, Ranged("sensitivity", above=0)]
 Tension: TypeAlias = Annotated[float, Ranged("tension", least=0)]
 Poisson: TypeAlias = Annotated[float, Ranged("number", above=-1, most=0.5)]
 
@@ -184,36 +198,50 @@ def doubtful_modulus(E: float) -> str:
     )
 
 
+class KindError(ValueError):
+    """A value is not even of the kind that is ``wanted``."""
+
+    def __init__(self, wanted: str, value: Any):
+        super().__init__(f"must be {wanted}, got {shortly(value)}")
+        self.wanted = wanted
+
+
+def shortly(value: Any) -> str:
+    """A value in a message: numbers, texts and short lists as they are, of others their type."""
+    if value is None or isinstance(value, bool):
+        return {None: "nothing", True: "true", False: "false"}[value]
+    if isinstance(value, str):
+        return f'"{value[:LONGEST]}"'
+    if isinstance(value, type):
+        return f"the class {value.__name__}: write {value.__name__}(...)"
+    if is_number(value):
+        return f"{value}"[:LONGEST]
+    return reprlib.repr(value) if isinstance(value, list | tuple | dict) else f"{type(value).__name__}(...)"
+
+
+def plain(value: Any) -> Any:
+    """The Python number, truth or text of one of NumPy's, or of an array without dimensions; others as they are."""
+    if getattr(value, "shape", None) != () or not hasattr(value, "item"):
+        return value
+    if getattr(value, "mask", False):
+        raise ValueError("is masked")
+    return value.item()
+
+
+def is_number(value: Any) -> bool:
+    """Whether ``value`` is a real number, and no truth value."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
 def _number(value: Any, dimension: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        entry = str(value).lower() if isinstance(value, bool) else value
-        raise ValueError(f"must be {DIMENSIONS[dimension].words}, got {entry}")  # noqa: TRY004 (a sentence for the user)
+    if not isinstance(value, str) and not is_number(value):
+        raise KindError(DIMENSIONS[dimension].words, value)
     if isinstance(value, str):
         return parse(value, dimension)
     try:
         return float(value)
     except OverflowError:
         raise ValueError("must be a finite number, got one with more than 300 digits") from None
-
-
-def check_ranges(options: Any, where: str) -> None:
-    """InputError where a field of the dataclass ``options`` is outside the range in its annotation; None is allowed."""
-    kind: Any = type(options)
-    for name, ranged in ranges_of(kind).items():
-        value = getattr(options, name)
-        if value is not None and value not in ranged:
-            raise InputError(f"{where}.{name}: must be {ranged.rule}, got {value:g}")
-
-
-@cache
-def ranges_of(kind: Any) -> dict[str, Ranged]:
-    """The ranges of the fields of ``kind`` that are one number, or one or None."""
-    ranges: dict[str, Ranged] = {}
-    for name, annotation in get_type_hints(kind, include_extras=True).items():
-        for part in get_args(annotation) if get_origin(annotation) is Union else (annotation,):
-            for note in getattr(part, "__metadata__", ()):
-                ranges |= {name: note} if isinstance(note, Ranged) else {}
-    return ranges
 
 
 def show(value: float, dimension: str, digits: int = 4) -> str:

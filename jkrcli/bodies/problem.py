@@ -8,14 +8,15 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeAlias, cast
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeAlias, cast, runtime_checkable
 
 import numpy as np
 
-from ..base.errors import InputError, did_you_mean, positive
+from ..base.arguments import read_fields
+from ..base.errors import InputError, did_you_mean
 from ..base.numerics import ROUNDED, Array
 from ..base.registry import Key, Registry
-from ..base.units import AnyLength, Length, Modulus, Ranged, check_ranges, show
+from ..base.units import AnyLength, Force, Length, Modulus, Poisson, Ranged, Tension, show
 
 # --------------------------------------------------------------------------------------------------
 # Linear elastic materials: isotropic or transversely isotropic, each homogeneous or graded over depth.
@@ -64,11 +65,10 @@ class _Between(Law):
 
     top: Modulus
     bottom: Modulus
-    depth: Annotated[float, Key("thickness")]
+    depth: Annotated[Length, Key("thickness")]
 
     def __post_init__(self) -> None:
-        positive("Pa", top=self.top, bottom=self.bottom)
-        positive("m", depth=self.depth)
+        read_fields(self)
 
     @property
     def reach(self) -> float:
@@ -115,10 +115,7 @@ class Power(Law):
     exponent: Annotated[float, Ranged("number")]
 
     def __post_init__(self) -> None:
-        positive("Pa", top=self.top)
-        positive("m", length=self.length)
-        if not math.isfinite(self.exponent):
-            raise InputError(f"exponent: must be a finite number, got {self.exponent:g}")
+        read_fields(self)
 
     @property
     def reach(self) -> float:
@@ -144,6 +141,7 @@ class Tabulated(Law):
     moduli: Annotated[tuple[Modulus, ...], Key("E")]
 
     def __post_init__(self) -> None:
+        read_fields(self)
         if len(self.depths) != len(self.moduli) or len(self.depths) < 2:
             raise InputError(
                 "a table needs as many moduli as depths, at least two of each, "
@@ -151,11 +149,6 @@ class Tabulated(Law):
             )
         if self.depths[0] != 0 or any(not b > a for a, b in itertools.pairwise(self.depths)):
             raise InputError(f"depth: must start at 0 m and increase, got {list(self.depths)}")
-        if not math.isfinite(self.depths[-1]):
-            raise InputError(f"depth: must be finite, got {self.depths[-1]:g} m")
-        wrong = [modulus for modulus in self.moduli if not (math.isfinite(modulus) and modulus > 0)]
-        if wrong:
-            raise InputError(f"E: every modulus must be > 0 Pa, got {wrong[0]:g}")
 
     @property
     def reach(self) -> float:
@@ -183,12 +176,11 @@ INCOMPRESSIBLE = 0.45  # choice: nu from which on a material is spoken of as rub
 class Elastic:
     """Isotropic linear elastic material: Young's modulus ``E`` [Pa] and Poisson's ratio ``nu`` in (-1, 1/2]."""
 
-    E: float
-    nu: float
+    E: Modulus
+    nu: Poisson
 
     def __post_init__(self) -> None:
-        positive("Pa", E=self.E)
-        _check_poisson(self.nu)
+        read_fields(self)
 
     @property
     def E_star(self) -> float:
@@ -234,10 +226,10 @@ class Graded:
     """
 
     law: Law
-    nu: float
+    nu: Poisson
 
     def __post_init__(self) -> None:
-        _check_poisson(self.nu)
+        read_fields(self)
 
     @property
     def laws(self) -> tuple[Law, ...]:
@@ -264,6 +256,10 @@ class Graded:
         return replace(self, law=self.law.scaled(factor))
 
 
+InPlane: TypeAlias = Annotated[float, Ranged("number", above=-1, below=1)]
+Contraction: TypeAlias = Annotated[float, Ranged("number")]
+
+
 @dataclass(frozen=True)
 class TransverselyIsotropic:
     """Material that is isotropic in the planes parallel to the surface; moduli in Pa.
@@ -273,17 +269,15 @@ class TransverselyIsotropic:
     ``G_z``: shear modulus between z and the plane.
     """
 
-    E_p: float
-    E_z: float
-    nu_p: float
-    nu_zp: float
-    G_z: float
+    E_p: Modulus
+    E_z: Modulus
+    nu_p: InPlane
+    nu_zp: Contraction
+    G_z: Modulus
 
     def __post_init__(self) -> None:
-        positive("Pa", E_p=self.E_p, E_z=self.E_z, G_z=self.G_z)
-        if not -1 < self.nu_p < 1:
-            raise InputError(f"nu_p: must be > -1 and < 1, got {self.nu_p:g}")
-        if not (math.isfinite(self.nu_zp) and self.nu_zp**2 < self._nu_zp_squared_limit):
+        read_fields(self)
+        if not self.nu_zp**2 < self._nu_zp_squared_limit:
             raise InputError(
                 f"nu_zp: must lie between -{math.sqrt(self._nu_zp_squared_limit):.4g} and "
                 f"{math.sqrt(self._nu_zp_squared_limit):.4g} for a positive strain energy "
@@ -347,13 +341,14 @@ class GradedTransverselyIsotropic:
     the same at every depth. All as in ``TransverselyIsotropic``.
     """
 
-    E_p: Law | float
-    E_z: Law | float
-    nu_p: float
-    nu_zp: float
-    G_z: Law | float
+    E_p: Law | Modulus
+    E_z: Law | Modulus
+    nu_p: InPlane
+    nu_zp: Contraction
+    G_z: Law | Modulus
 
     def __post_init__(self) -> None:
+        read_fields(self)
         if not self.laws:
             raise InputError("at least one of E_p, E_z and G_z must be a law: else take TransverselyIsotropic")
         _ = self.top
@@ -455,11 +450,11 @@ class Layer:
     """One layer of a stack, perfectly bonded to what lies below; ``thickness`` in m."""
 
     material: Material
-    thickness: float
+    thickness: Length
     name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        positive("m", thickness=self.thickness)
+        read_fields(self)
         material = self.material
         if isinstance(material, AnyGraded):
             named = {"E": material.law} if isinstance(material, Graded) else material.moduli
@@ -511,6 +506,7 @@ class Coated:
     core: Elastic
 
     def __post_init__(self) -> None:
+        read_fields(self, "indenter")
         if not self.layers:
             raise InputError("indenter.layers: must hold at least one layer")
         if any(isinstance(layer.material, AnyGraded) for layer in self.layers):
@@ -533,11 +529,6 @@ class Coated:
 
 
 Solid = Elastic | Coated  # of an indenter
-
-
-def _check_poisson(nu: float) -> None:
-    if not -1 < nu <= 0.5:
-        raise InputError(f"nu: must be > -1 and <= 0.5, got {nu:g}")
 
 
 def contact_modulus(first: Elastic, second: Solid | None = None) -> float:
@@ -577,6 +568,7 @@ class Modes(NamedTuple):
         return self.relaxed + np.exp(-np.multiply.outer(t, self.rates)) @ self.weights
 
 
+@runtime_checkable
 class Relaxation(Protocol):
     """r(t) of the moduli: a frozen dataclass whose fields are its parameters."""
 
@@ -598,7 +590,7 @@ class StandardSolid:
     time: Time
 
     def __post_init__(self) -> None:
-        check_ranges(self, "relaxation")
+        read_fields(self, "relaxation")
 
     @property
     def relaxed(self) -> float | None:
@@ -624,7 +616,7 @@ class PowerRelaxation:
     exponent: Annotated[float, Ranged("number", above=0, below=1)]
 
     def __post_init__(self) -> None:
-        check_ranges(self, "relaxation")
+        read_fields(self, "relaxation")
 
     @property
     def relaxed(self) -> float | None:
@@ -654,14 +646,13 @@ class Prony:
     times: tuple[Time, ...]
 
     def __post_init__(self) -> None:
+        read_fields(self, "relaxation")
         if len(self.weights) != len(self.times) or not self.weights:
             raise InputError(
                 f"relaxation: needs as many times as weights, got {len(self.weights)} weights, {len(self.times)} times"
             )
-        if not min(self.weights) > 0 or sum(self.weights) > 1 + 1e-12:
-            raise InputError(f"relaxation: the weights must be > 0, their sum at most 1, got {list(self.weights)}")
-        if not min(self.times) > 0:
-            raise InputError(f"relaxation: the times must be > 0 s, got {list(self.times)}")
+        if sum(self.weights) > 1 + 1e-12:
+            raise InputError(f"relaxation: the sum of the weights must be at most 1, got {list(self.weights)}")
 
     @property
     def relaxed(self) -> float | None:
@@ -850,6 +841,9 @@ class Rigid:
 
     bonded: bool = True
 
+    def __post_init__(self) -> None:
+        read_fields(self, "base")
+
 
 @dataclass(frozen=True)
 class HalfSpace:
@@ -857,29 +851,32 @@ class HalfSpace:
 
     material: Elastic | TransverselyIsotropic
 
+    def __post_init__(self) -> None:
+        read_fields(self, "half_space")
+
 
 @dataclass(frozen=True)
 class Specimen:
-    """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only.
+    """Layers from the contact surface down, and a base (default: rigid, bonded); ``radius`` [m] and ``side`` for a
+    really finite body only.
 
     ``surface_tension`` [N/m]: of the solid, a constant stress of its whole surface. ``relaxation``: of all moduli
     together, which are those at t = 0 (or at the law's own reference time); no part of what is solved.
     """
 
     layers: tuple[Layer, ...]
-    base: Rigid | HalfSpace
-    radius: float | None = None
+    base: Rigid | HalfSpace = field(default_factory=Rigid)
+    radius: Length | None = None
     side: Side | None = None
-    surface_tension: float = field(default=0.0, repr=False)
+    surface_tension: Tension = field(default=0.0, repr=False)
     relaxation: Relaxation | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.surface_tension) and self.surface_tension >= 0):
-            raise InputError(f"specimen.surface_tension: must be finite and >= 0, got {self.surface_tension:g} N/m")
+        read_fields(self, "specimen")
         if not self.layers and isinstance(self.base, Rigid):
             raise InputError("specimen: a rigid substrate needs at least one layer on it")
-        if self.radius is not None:
-            positive("m", **{"specimen.radius": self.radius})
+        if (self.radius is None) != (self.side is None):
+            raise InputError("specimen: a cylinder needs both radius and side (free, roller or clamped)")
         if self.pieces > MOST_PIECES:
             raise InputError(
                 f"E over depth has {self.pieces:,} smooth pieces, at most {MOST_PIECES:,} are taken; "
@@ -1000,15 +997,13 @@ class Loading:
 
     to: Quantity
     maximum: float
-    points: int = 100
+    points: Annotated[int, Ranged("number", least=1)] = 100
     spacing: Spacing = "radius"
     values: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.maximum) and self.maximum > 0):
-            raise InputError(f"loading: the largest {self.to} must be > 0, got {self.maximum:g}")
-        if self.points < 1:
-            raise InputError(f"loading.points: must be >= 1, got {self.points}")
+        kind: Any = Force if self.to == "load" else Length
+        read_fields(self, "loading", maximum=kind, values=tuple[kind, ...])
         if self.spacing == "given":
             steps = [b - a for a, b in zip((0.0, *self.values), self.values, strict=False)]
             if not self.values or min(steps) <= 0:
@@ -1039,6 +1034,7 @@ class Problem:
     sticks: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
+        read_fields(self, "problem")
         specimen = self.specimen
         features = {"elastic": self.indenter.material is not None, "sticking": self.sticks}
         features |= {"relaxation": specimen.relaxation is not None, "tension": specimen.surface_tension > 0}

@@ -33,10 +33,11 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 from pydantic_core.core_schema import no_info_before_validator_function
 
 from ..base import units
+from ..base.arguments import checked, ranges_of
 from ..base.errors import InputError, counted, did_you_mean, nearest
 from ..base.files import read_bytes
 from ..base.registry import Registry
-from ..base.units import Ranged, doubtful_work, ranges_of
+from ..base.units import Ranged, doubtful_work
 from ..bodies.indenters import SHAPES, Indenter
 from ..bodies.problem import (
     LAWS,
@@ -136,7 +137,7 @@ class Read:
             raise wrong(str(error)) from None
 
 
-def quantity(dimension: str, **bounds: float) -> Any:
+def quantity(dimension: str, **bounds: Any) -> Any:
     """A finite number of ``dimension``, SI or text with a unit, within the ``bounds`` of ``Ranged``."""
     return readable(Annotated[float, Ranged(dimension, **bounds)])
 
@@ -885,6 +886,7 @@ class Case:
         return tomli_w.dumps(tree)
 
 
+@checked
 def load_case(path: str | Path) -> Case:
     """Load and check a case file.
 

@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from ..adhesion.finite_range import without_range
 from ..adhesion.from_rest import Rest
 from ..base.errors import InputError, counted
 from ..base.files import atomic, together, write_text
 from ..base.registry import Result
 from ..bodies.problem import relaxing
 from ..case.models import Case, fem_of
+from ..data.curve import Use
 from ..methods.protocol import Limits
 from ..report import forward, tables
 from ..report.result import PICTURES, Files, Output, Results
@@ -155,13 +157,10 @@ def pull_off(
     """
     if force is not None and works:
         raise InputError("pull-off: give either --w or --load, not both")
-    if uncertain and force is None:
-        raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
-    if force is not None and (how.stress, how.length) != (None, None):
-        raise InputError("pull-off: --load asks for the w of JKR: give neither --stress nor --range with it")
-    if force == 0:
-        raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
-    rest = rest_of(rest_load, rest_depth)
+    from ..fitting.pull_off import refuse_idle
+
+    refuse_idle(force, uncertain, how.stress, how.length, options.flag)
+    rest = rest_of(rest_load, rest_depth, options.flag)
     if inputs.by_flags("pull-off", flags, files):
         solutions = [_by_flags(flags, works, force, stiffnesses, how)]
     elif files:
@@ -195,7 +194,7 @@ def _means(
 
     controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
     for solution in solutions:
-        inputs.without_range(solution.record, "pull-off: --load")
+        without_range(solution.record, "pull-off: --load")
     seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in solutions)
     tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
     inputs.begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
@@ -407,7 +406,7 @@ def explore(
     target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
     solution = inputs.read_series(file)
     inputs.warn_of_constant_moduli(solution)
-    inputs.without_range(solution.record, "explore")
+    without_range(solution.record, "explore")
     reading.refuse_contact("explore")
     inputs.begin_reading("explore", data, limits)
     curves = [curve for path in data for curve in read(path, reading)]
@@ -479,7 +478,7 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
 
 
 @options.verb("series measured...")
-@click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
+@click.option("--use", type=options.choice(Use),
               help="Columns from which w is computed [default: the first of these that were measured].")  # fmt: skip
 @click.option("--segment", help='Rows of this segment only, "retract".')
 @click.option("--noise", multiple=True, type=options.SCALE, help='Standard deviation of a measured quantity, P="2 nN".')
@@ -520,7 +519,7 @@ def work(
     inputs.begin_reading("work", measured, per_row=inputs.TABLE_WORK_PER_ROW)
     solution = inputs.read_series(series)
     inputs.warn_of_constant_moduli(solution)
-    inputs.without_range(solution.record, "work")
+    without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)
     chosen["noise"] = dict(chosen["noise"])
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **chosen)

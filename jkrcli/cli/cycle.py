@@ -61,14 +61,7 @@ class RateOptions:
     def __post_init__(self) -> None:
         if self.rate is not None and (self.speed is None) == (self.program is None):
             raise InputError('cycle: --rate needs the motion of the instrument: --speed "10 um/s", or --program TABLE')
-        if self.program is not None and (beside := [name for name in self.named if name in ALONE]):
-            raise InputError(f"cycle: give either {flag(beside[0])} or --program")
-        if (self.dwell is None) != (self.dwell_time is None):
-            raise InputError("cycle: --dwell and --dwell-time go together")
-        if self.program is not None and not self.to_load is self.to_depth is None:
-            raise InputError("cycle: give either --program or a reversal (--to-load, --to-depth)")
-        if self.to_load is not None and self.to_depth is not None:
-            raise InputError("cycle: give at most one of --to-load and --to-depth")
+        self._course.refuse_idle(flag)
 
     @property
     def named(self) -> list[str]:
@@ -103,9 +96,7 @@ class RateOptions:
 
     def pulled(self, x: float, stiffness: float) -> Program:
         """What the device does from rest at its position ``x`` on: back at once, to a dwell where there is one."""
-        if turns := [name for name in ("to_load", "to_depth", "speed_approach", "hold", "program")
-                     if getattr(self, name) is not None]:  # fmt: skip
-            raise InputError(f"cycle: a retraction from rest has its --speed only: leave {flag(turns[0])} out")
+        self._course.refuse_before_rest(flag)
         moves = self._course.moves(stiffness == LOAD_CONTROL, flag)
         whole = Program.on(x, -moves.back)
         return whole if moves.dwell is None else whole.dwelling(moves.dwell, moves.dwell_time)
@@ -132,7 +123,8 @@ class RateOptions:
 
     @property
     def _course(self) -> Course:
-        return Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
+        named = {name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)}
+        return Course(**named, tabulated=self.program)
 
 
 rate_options = options.as_one("rates", RateOptions)
@@ -269,7 +261,7 @@ def cycle(
         per_row = inputs.TABLE_CYCLE_PER_ROW + inputs.TABLE_CYCLE_PER_POINT * points
         inputs.begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
                              per_row=per_row, mib_per_row=inputs.TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
-    rest, known = rest_of(rest_load, rest_depth), tuple[LoadingHistory, ...]()
+    rest, known = rest_of(rest_load, rest_depth, flag), tuple[LoadingHistory, ...]()
     if in_limits:
         rests = rates.rate is None and not ranged
         known = traced_histories(solution, rest, rates.to_load, rates.to_depth, rests)

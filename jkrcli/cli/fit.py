@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -30,7 +30,23 @@ from ..fitting.joint import joint_fit, shared_of, with_radii
 from ..fitting.parameters import ALIAS, Answer
 from ..fitting.procedure import Failure, fit_all, friction_warnings, memory_of, planned, preferences
 from ..fitting.result import Fit, attempted, left_out
-from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
+from ..fitting.settings import (
+    EACH,
+    LAW,
+    RELAXATION,
+    SHARED,
+    TENSION,
+    USUALLY_FREE,
+    BaseLineName,
+    BranchName,
+    ConfidenceName,
+    Loss,
+    ModelName,
+    SegmentName,
+    Settings,
+    check_unused,
+    settings_of,
+)
 from ..methods.protocol import Forecast, Limits
 from ..report.inverse import Fits, alternatives_table, plan_table
 from ..report.result import PICTURES, SHOWN, Files, Output
@@ -54,22 +70,7 @@ from .options import Parallel, as_one, begin, flag, several, verb
 from .printing import give, note, progress, say, warn
 
 # --------------------------------------------------------------------------------------------------
-# Which options have an effect on which kind of fit: one table; whatever is given besides is refused.
-
-EACH, LAW, RELAXATION, SHARED, TENSION = "each", "--law", "--relaxation", "--shared", "surface_tension"
-EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
-    "law": (LAW,), "relaxation": (RELAXATION,), "terms": (RELAXATION,), "shared": (SHARED,), "own": (SHARED,),
-    "tip_radius": (SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
-    "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
-    "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, SHARED, LAW, RELAXATION), "samples": (EACH,),
-    "seed": (EACH,), "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
-    "contact": (EACH, SHARED, LAW, RELAXATION), "slopes": (EACH, SHARED, LAW),
-}  # fmt: skip
-NOT = {("contact", "fitted"): (LAW, RELAXATION), ("confidence", "bootstrap"): (SHARED, LAW, RELAXATION)}
-GOES_WITH = {
-    "terms": "--relaxation prony", "own": "--shared", "tip_radius": "--shared or --free surface_tension",
-    "samples": "--confidence bootstrap", "seed": "--confidence bootstrap",
-}  # fmt: skip
+# Which options were given.
 
 
 def typed_options() -> dict[str, Any]:
@@ -77,24 +78,6 @@ def typed_options() -> dict[str, Any]:
     context = click.get_current_context()
     names = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
     return {name: context.params[name] for name in names}
-
-
-def check_unused_options(kind: str, options: Mapping[str, Any]) -> None:
-    """InputError where one of the ``options`` that were given has no effect on this ``kind`` of fit."""
-    idle = [name for name in options if kind not in EFFECT.get(name, (kind,))]
-    if options.get("confidence") != "bootstrap":
-        idle += [name for name in ("samples", "seed") if name in options]
-    if kind == RELAXATION and options["relaxation"] != "prony":
-        idle += [name for name in ("terms",) if name in options]
-    idle += [name for (name, value), kinds in NOT.items() if kind in kinds and options.get(name) == value]
-    if "slopes" in options and options.get("tip_radius") and kind == SHARED:
-        raise InputError("fit: --slopes does not go with --tip-radius, whose bodies have exact ones: leave it out")
-    for name in idle:
-        value = f" {options[name]}" if isinstance(options[name], str) else ""
-        if name in GOES_WITH and (kind == EACH or kind in EFFECT[name]):
-            raise InputError(f"fit: {flag(name)}: applies only with {GOES_WITH[name]}; leave it out")
-        by = "" if kind == EACH else f"{kind} does not take {flag(name)}{value}: leave it out"
-        raise InputError(f"fit: {by}")
 
 
 # --------------------------------------------------------------------------------------------------
@@ -221,7 +204,7 @@ def fit_relaxation(request: FitRequest) -> None:
 
     body, asked = request.body, request.options
     terms = {} if asked.terms is None else {"terms": asked.terms}
-    how: dict[str, Any] = {"level": asked.level, "confidence": asked.confidence} | terms
+    how: dict[str, Any] = {"level": asked.level, "confidence": asked.confidence, "segment": asked.segment} | terms
     assert asked.relaxation is not None
     settings = relaxation_settings(
         asked.relaxation, asked.fix, request.names, body.problem.E_star, body.range_of_case, **how
@@ -230,9 +213,8 @@ def fit_relaxation(request: FitRequest) -> None:
     done = []
     for curve in curves:
         try:
-            part = curve if asked.segment in (None, "both") else curve.only(asked.segment)
             with one_thread():
-                done.append(relaxation_fit(body, part, settings))
+                done.append(relaxation_fit(body, curve, settings))
         except InputError as error:
             skipped += error.lines
     if not done:
@@ -423,19 +405,19 @@ ASKED = as_one(
                  "law and contact point from t, delta, P of indentation, dwell and retraction; with --free w and "
                  "--fix stress=... or range=... of adhesive cycles."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
-    click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
+    click.option("--segment", type=options.choice(SegmentName),
                  help="Directions to fit [default: both; with --law retract]."),
-    click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
+    click.option("--base-line", type=options.choice(BaseLineName), default="straight", show_default=True,
                  help="Of a raw force curve; sine: with optical interference."),
-    click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
+    click.option("--branch", type=options.choice(BranchName), default="all", show_default=True,
                  help="compressive: rows under compression only."),
     click.option("--noise", multiple=True, type=options.SCALE,
                  help='Standard deviation of the readings, P="2 nN" [default: from the force curve].'),
-    click.option("--loss", type=click.Choice(["linear", "soft_l1", "huber", "cauchy"]), default="linear",
+    click.option("--loss", type=options.choice(Loss), default="linear",
                  show_default=True, help="Anything but linear is robust against outliers."),
-    click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
+    click.option("--confidence", type=options.choice(ConfidenceName), default="covariance",
                  show_default=True, help="How the intervals are found."),
-    click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
+    click.option("--model", type=options.choice(ModelName), default="jkr", show_default=True,
                  help="Of a raw force curve; auto: the best other models too, where its data favour one."),
     click.option("--alternatives", "--rivals", "rivals", is_flag=True,
                  help="Print what the data of a raw force curve say of each other model."),
@@ -494,7 +476,7 @@ def fit(
     kinds = {RELAXATION: asked.relaxation, LAW: asked.law, SHARED: asked.shared}
     typed, kind = typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
     if kind != EACH:
-        check_unused_options(kind, typed)
+        check_unused(kind, typed, flag)
     # What is written, but for pictures of curves, whose names are known when they are read.
     timed = kind != EACH
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
@@ -518,7 +500,7 @@ def fit(
     request = FitRequest(fitted, paths, reading, [*_flat(asked.free), *own], asked, targets, words, output, inputs)
     if kind in (EACH, SHARED):
         kind = TENSION if has_tension(request) else kind
-        check_unused_options(kind, typed)
+        check_unused(kind, typed, flag)
         request = replace(request, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
     if kind == RELAXATION:
         fit_relaxation(request)
@@ -534,14 +516,10 @@ def fit(
 
 
 def _settings(request: FitRequest, contact: str) -> Settings:
-    """What is fitted and how; uncertain inputs are known only when the parameters are."""
+    """What is fitted and how."""
     asked = request.options
-    free = (request.body, request.names, asked.fix, asked.start, asked.bound)
     how = {name: getattr(asked, name) for name in HOW} | {"noise": dict(asked.noise), "contact": contact}
-    settings = settings_of(*free, **how)
-    if not asked.uncertain:
-        return settings
-    return settings_of(*free, uncertain=uncertain_of(request.body, asked.uncertain, settings), **how)
+    return settings_of(request.body, request.names, asked.fix, asked.start, asked.bound, asked.uncertain, **how)
 
 
 def _flat(groups: Iterable[Sequence[str]]) -> list[str]:

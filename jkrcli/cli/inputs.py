@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 
 from .. import __version__
-from ..adhesion.finite_range import RangeRequest
+from ..adhesion.finite_range import RangeRequest, without_range
 from ..base.errors import InputError, counted, writable
 from ..base.files import check_series_target
 from ..base.units import doubtful_modulus
@@ -275,15 +275,6 @@ def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = Fals
     if work is None and not solution.record.w:
         note(f"{solution.record.path}: its case names no work of adhesion: the contact without adhesion, or give --w")
     return file, solution, (*solution.record.w, 0.0)[0] if work is None else work
-
-
-def without_range(record: Record, verb: str) -> None:
-    """Refusal by a ``verb`` that has no adhesion of finite range, where the case of ``record`` asks for it."""
-    if record.stress is not None or record.length is not None:
-        raise InputError(
-            f"{verb}: has no adhesion of finite range, which the case of {record.path} asks for: leave "
-            "adhesion.range, stress and capillary out"
-        )
 
 
 def begin_curves(

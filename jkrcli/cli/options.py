@@ -7,19 +7,20 @@ from __future__ import annotations
 import contextlib
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, get_args
 
 import click
 
 from ..adhesion.finite_range import RangeRequest
 from ..adhesion.slopes import RULES
-from ..base.errors import InputError
+from ..base import units
+from ..base.arguments import exactly_one
 from ..base.files import HANDED, received
-from ..base.units import LARGEST_SI, doubtful_work, parse
+from ..base.units import Ranged, doubtful_work
 from ..methods.protocol import LESS, Forecast, Limits, check_cost
 from ..report.result import Output
 from ..series import Solution
@@ -248,6 +249,11 @@ class NumberRange(click.FloatRange):
         return number
 
 
+def choice(kind: Any) -> Any:
+    """The words of a ``Literal``."""
+    return click.Choice([str(word) for word in get_args(kind)])
+
+
 POSITIVE = NumberRange(min=0, min_open=True)
 
 
@@ -270,30 +276,18 @@ class ParsedType(ParamType):
 
 
 class QuantityType(ParsedType):
-    """A finite number of a ``dimension``, SI or with a unit, or one of ``words`` that stand for a number; ``allowed``:
-    in words, where it must be > 0, else it is at least ``least``."""
+    """A number, SI or with a unit, as Python reads one that is ``annotated`` so."""
 
-    least = -math.inf
-
-    def __init__(self, name: str, dimension: str, allowed: str = "", words: Mapping[str, float] | None = None):
-        self.name, self.dimension, self.allowed, self.words = name, dimension, allowed, words or {}
+    def __init__(self, name: str, annotated: Any):
+        self.name = name
+        self.ranged: Ranged = next(note for note in annotated.__metadata__ if isinstance(note, Ranged))
 
     def parsed(self, text: str) -> Any:
-        if (word := text.strip().lower()) in self.words:
-            return self.words[word]
-        number = parse(text, self.dimension)
-        if not (math.isfinite(number) and (number > 0 if self.allowed else number >= self.least)):
-            raise ValueError(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {text}")
-        least, most = 1 / LARGEST_SI, LARGEST_SI
-        if number != 0 and not least <= abs(number) <= most:
-            raise ValueError(f"must lie between {least:g} and {most:g} in SI units, got {text}")
-        return number
+        return self.ranged.read(text)
 
 
 class WorkType(QuantityType):
     """A work of adhesion; a doubtful bare number is warned of."""
-
-    least = 0.0
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         work = super().convert(value, param, ctx)
@@ -303,13 +297,12 @@ class WorkType(QuantityType):
         return work
 
 
-WORK = WorkType("WORK", "work")
-LENGTH, LOAD = QuantityType("LENGTH", "length"), QuantityType("LOAD", "load")
-LENGTH_ABOVE_0, STRESS = QuantityType("LENGTH", "length", "> 0"), QuantityType("STRESS", "modulus", "> 0")
-FACTOR, SENSITIVITY = QuantityType("FACTOR", "number", "> 0"), QuantityType("SENSITIVITY", "sensitivity", "> 0")
-STIFFNESS = QuantityType("STIFFNESS", "stiffness", "> 0", words={"rigid": math.inf})  # of a device
-CONTROL = QuantityType("STIFFNESS", "stiffness", '> 0, or "load" for load control, or "rigid"',
-                       words={"rigid": math.inf, "load": 0.0})  # fmt: skip
+WORK = WorkType("WORK", units.Work)
+LENGTH, LOAD = QuantityType("LENGTH", units.AnyLength), QuantityType("LOAD", units.AnyForce)
+LENGTH_ABOVE_0, STRESS = QuantityType("LENGTH", units.Length), QuantityType("STRESS", units.Modulus)
+FACTOR, SENSITIVITY = QuantityType("FACTOR", units.Factor), QuantityType("SENSITIVITY", units.Sensitivity)
+STIFFNESS = QuantityType("STIFFNESS", units.Stiffness)  # of a device
+CONTROL = QuantityType("STIFFNESS", units.Control)  # of what holds a contact
 
 
 class KeyValueType(ParsedType):
@@ -458,7 +451,7 @@ class RangeOptions:
 
     def of(self, solution: Solution) -> RangeRequest:
         """The range for a ``solution``."""
-        return RangeRequest.of(solution.record, self.stress, self.length)
+        return RangeRequest.of(solution.record, self.stress, self.length, "--stress or --range")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -479,8 +472,7 @@ class State:
 
     def refuse_wrong(self, verb: str) -> None:
         """InputError where not exactly one of radius and load is there."""
-        if (self.radius is None) == (self.load is None):
-            raise InputError(f"{verb}: give exactly one of --a and --load")
+        exactly_one(verb, **{"--a": self.radius, "--load": self.load})
 
 
 state_options = as_one("state", State)

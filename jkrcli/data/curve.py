@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
-from ..base.errors import InputError, did_you_mean
-from ..base.numerics import Array
-from ..base.units import LARGEST_FACTOR, parse
+from ..base.arguments import OneOf, PerName, read, read_fields, reader
+from ..base.errors import InputError
+from ..base.numerics import Array, numbers_of
+from ..base.units import LARGEST_FACTOR, AnyForce, AnyLength, Ranged, Sensitivity, Stiffness
+from ..tables import SEPARATORS
+from .tables import VOCABULARIES
 
+NAMES = VOCABULARIES["measured"]
+Use: TypeAlias = Literal["a,P", "a,delta", "delta,P"]  # columns from which w follows
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
 LEAST_ROWS = 3  # theory: E* and w take two rows, the third shows how well they fit
@@ -67,10 +71,10 @@ class Curve:
         for name in (*self.measured, *(() if self.segment is None else ("segment",))):
             given = getattr(self, name)
             is_fixed = isinstance(given, np.ndarray) and given.flags.owndata and not given.flags.writeable
-            convert = np.asarray if is_fixed else np.array  # the columns of another curve are not copied
-            array = convert(given, dtype=str if name == "segment" else float)
-            if name != "segment" and array.ndim != 1:
-                raise InputError(f"{self.where}: {name} must be one-dimensional, got shape {array.shape}")
+            if is_fixed or name == "segment":  # the columns of another curve are not copied
+                array = (np.asarray if is_fixed else np.array)(given, dtype=str if name == "segment" else float)
+            else:
+                array = read(f"{self.where}: {name}", numbers_of, given)
             if name != "segment" and not np.isfinite(array).all():
                 raise InputError(f"{self.where}: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
             array.setflags(write=False)
@@ -152,27 +156,16 @@ class Curve:
 AsRead: TypeAlias = tuple[Curve | InputError | str, float | None]
 
 
-def quantity(name: str, value: float | str, dimension: str) -> float:
-    """A number as it is, SI, or that of a text with its unit; InputError where it is none."""
-    try:
-        number = parse(value, dimension) if isinstance(value, str) else float(value)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: {error}") from None
-    if math.isnan(number):
-        raise InputError(f"{name}: must be a number, got {value}")
-    return number
-
-
-def factors_of(factors: Mapping[str, float | str]) -> dict[str, float]:
+def factors_of(factors: Mapping[str, float]) -> dict[str, float]:
     """The ``factors`` of columns; InputError where one is larger or smaller than units may differ by."""
-    numbers = {key: quantity(f"factors: {key}", value, "number") for key, value in factors.items()}
+    numbers = read("factors", reader(Mapping[str, float]), factors)
     for key, number in numbers.items():
         if not 1 / LARGEST_FACTOR <= abs(number) <= LARGEST_FACTOR:
             raise InputError(
                 f"--factor {key}: must lie between {1 / LARGEST_FACTOR:g} and {LARGEST_FACTOR:g}, of either sign, got "
                 f"{factors[key]}"
             )
-    return numbers
+    return dict(numbers)
 
 
 def place(origin: Path, name: str) -> str:
@@ -180,10 +173,7 @@ def place(origin: Path, name: str) -> str:
     return str(origin) if name == origin.stem else f'{origin}: curve "{name}"'
 
 
-READING_WORDS = {
-    "flip": ("delta", "P"), "zero": ("delta", "P"), "contact": ("auto", "fitted", "as-is", "estimate"),
-    "format": ("auto", "text", "afm"), "decimal": (".", ","),
-}  # fmt: skip
+Row: TypeAlias = Annotated[int, Ranged("number", least=1)]
 
 
 @dataclass(frozen=True)
@@ -229,59 +219,33 @@ class Reading:
         Names the field, the value and what is allowed.
     """
 
-    columns: Mapping[str, str] = field(default_factory=dict)
+    columns: Annotated[Mapping[str, str], PerName(dict.fromkeys(NAMES.quantities, str | int))] = field(
+        default_factory=dict
+    )
     units: Mapping[str, str] = field(default_factory=dict)
-    factors: Mapping[str, float] = field(default_factory=dict)
-    flip: frozenset[str] = frozenset()
-    stiffness: float | None = None
-    sensitivity: float | None = None
-    zero: Mapping[str, float] = field(default_factory=dict)
+    factors: Annotated[Mapping[str, float], PerName(dict.fromkeys(NAMES.numbers, float))] = field(default_factory=dict)
+    flip: frozenset[Literal["delta", "P"]] = frozenset()
+    stiffness: Stiffness | None = None
+    sensitivity: Sensitivity | None = None
+    zero: Annotated[Mapping[str, float], PerName({"delta": AnyLength, "P": AnyForce})] = field(default_factory=dict)
     contact: Literal["auto", "fitted", "as-is", "estimate"] = "auto"
     format: Literal["auto", "text", "afm"] = "auto"
-    separator: str | None = None
-    decimal: str | None = None
+    separator: Annotated[str, OneOf(SEPARATORS)] | None = None
+    decimal: Literal[".", ","] | None = None
     incomplete: bool = False
-    rows: tuple[int, int] | None = None
+    rows: tuple[Row, Row] | None = None
     where: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Take texts with units for numbers, "0.6 N/m"; InputError where one is no such number, or a word none of its
         field's."""
-        flip = [self.flip] if isinstance(self.flip, str) else list(self.flip)
-        words = [("flip", word) for word in flip] + [(name, getattr(self, name)) for name in ("contact", "format")]
-        words += [("decimal", self.decimal)] * (self.decimal is not None)
-        words += [("zero", key) for key in self.zero]
-        for name, word in words:
-            if word not in READING_WORDS[name]:
-                allowed = ", ".join(READING_WORDS[name])
-                hint = did_you_mean(word, READING_WORDS[name])
-                raise InputError(f"{name}: must be one of {allowed}, got {word!r}{hint}")
-        for name in ("columns", "units", "factors", "where"):
-            if not isinstance(getattr(self, name), Mapping):
-                raise InputError(f'{name}: must be a mapping, {{"P": ...}}, got {getattr(self, name)!r}')
-        if self.rows is not None:
-            pair = tuple(self.rows) if isinstance(self.rows, tuple | list) else ()
-            if (
-                len(pair) != 2
-                or not all(isinstance(row, int | np.integer) for row in pair)
-                or not 1 <= pair[0] <= pair[1]
-            ):
-                raise InputError(
-                    f"rows: must be the first and the last row, counted from 1, as (100, 900), got {self.rows!r}"
-                )
-        for name in ("stiffness", "sensitivity"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            number = math.inf if value == "rigid" and name == "stiffness" else quantity(name, value, name)
-            if not number > 0:
-                raise InputError(f"{name}: must be > 0, got {value}")
-            object.__setattr__(self, name, number)
-        dimensions = {"delta": "length", "P": "load"}
-        zero = {key: quantity(f"zero: {key}", value, dimensions.get(key, "length")) for key, value in self.zero.items()}
-        object.__setattr__(self, "zero", zero)
+        read_fields(self)
+        object.__setattr__(self, "columns", {key: str(name) for key, name in self.columns.items()})
         object.__setattr__(self, "factors", factors_of(self.factors))
-        object.__setattr__(self, "flip", frozenset(flip))
+        if self.rows is not None and self.rows[0] > self.rows[1]:
+            raise InputError(
+                f"rows: must be the first and the last row, counted from 1, as (100, 900), got {self.rows}"
+            )
 
     def refuse_contact(self, verb: str) -> None:
         """InputError where the contact point is to be left or fitted by a ``verb`` that fits nothing."""

@@ -12,7 +12,7 @@ import numpy as np
 from ..base.errors import InputError, did_you_mean
 from ..base.files import is_ours, packed
 from ..base.hdf5 import format_of
-from ..base.numerics import SHOWN
+from ..base.numerics import SHOWN, Array
 from . import afm_formats, instruments, text_formats
 from . import instruments as archive
 from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
@@ -37,7 +37,9 @@ def read(path: Path, reading: Reading | None = None) -> list[Curve]:
 def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, name: str = "data") -> Curve:
     """The curve in arrays or the columns of a data frame: by their names as those of a table ("delta_um", "P (nN)"),
     SI where they name no unit; InputError as of a file."""
-    arrays = {str(key): np.asarray(values) for key, values in columns.items()}
+    arrays = {str(key): _cells(columns[key]) for key in columns.keys()}  # noqa: SIM118 - of a data frame, too
+    if not arrays:
+        raise InputError(f"{name}: holds no columns")
     if len({array.shape for array in arrays.values()}) != 1 or next(iter(arrays.values())).ndim != 1:
         raise InputError(f"{name}: all columns must be one-dimensional and of one length, got "
                          f"{ {key: array.shape for key, array in arrays.items()} }")  # fmt: skip
@@ -48,6 +50,15 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, nam
     if others or not isinstance(curve, Curve):
         raise curve if isinstance(curve, InputError) else InputError(f"{name}: holds several curves, one is wanted")
     return _by_convention(curve, reading, stiffness)
+
+
+def _cells(values: Any) -> Array:
+    """What a column holds, numbers or words, nan where it is masked or missing."""
+    cells = np.array(values, dtype=object)
+    missing = values.isna() if hasattr(values, "isna") else np.ma.getmaskarray(values) if np.ma.isMA(values) else []
+    blank = np.array([cell is None or cell is np.ma.masked for cell in cells.flat], dtype=bool).reshape(cells.shape)
+    cells[blank | np.asarray(missing, dtype=bool) if len(missing) else blank] = math.nan
+    return cells
 
 
 def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:

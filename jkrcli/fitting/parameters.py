@@ -10,14 +10,14 @@ import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
 from ..base.errors import InputError, did_you_mean
 from ..base.numerics import HALF_WIDTH, LEVEL, SAME, Array, half_width
 from ..base.registry import Reported
-from ..base.units import Ranged
+from ..base.units import Ranged, is_number, plain, shortly
 
 # --------------------------------------------------------------------------------------------------
 # The result of any fit: values with their errors and intervals, their correlations, and warnings on both.
@@ -319,6 +319,20 @@ def check_law(name: str, laws: Mapping[str, object]) -> None:
         raise InputError(f'fit: unknown law "{name}"{did_you_mean(name, laws)} (laws: {", ".join(laws)})')
 
 
+Level: TypeAlias = Annotated[float, Ranged("number", least=0.5, below=1)]  # of confidence intervals
+Named: TypeAlias = Mapping[str, float | str] | Iterable[tuple[str, float | str]]  # values of parameters, SI or text
+
+
+def texts_of(named: Named) -> list[tuple[str, str]]:
+    """Names and values as they are typed; a number is in SI, of all its digits."""
+    pairs = []
+    for name, value in named.items() if isinstance(named, Mapping) else named:
+        if not isinstance(value, str) and not is_number(plain(value)):
+            raise InputError(f"fit: {name}: must be a number, SI, or text with its unit, got {shortly(value)}")
+        pairs.append((name, value if isinstance(value, str) else repr(float(value))))
+    return pairs
+
+
 def read_value(name: str, ranged: Ranged, text: str) -> float:
     """The value, SI, that a user writes for the parameter ``name``."""
     try:
@@ -350,11 +364,10 @@ class Nameable:
             raise InputError(f'fit: unknown parameter "{name}"{hint} (with {self.option}: {names})')
         return "modulus" if name == ALIAS else self.aliases.get(name, name)
 
-    def known(self, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
-        """Values, SI, by the own names of the parameters, from names and texts; InputError where one is given twice, by
-        two of its names."""
+    def known(self, given: Named) -> dict[str, float]:
+        """Values, SI, by the own names of the parameters; InputError where one is given twice, by two of its names."""
         values, named = dict[str, float](), dict[str, str]()
-        for name, text in pairs:
+        for name, text in texts_of(given):
             own, value = self.own(name), read_value(name, self.allowed[name], text)
             if own in named:
                 both = name if name == named[own] else f"{named[own]} and {name} are one parameter, which"

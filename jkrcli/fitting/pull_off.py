@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -69,6 +69,21 @@ class _Inverse:
     def work(self) -> FoundWork:
         R = self.solution.problem.indenter.tip_radius
         return work_from_pull_off(self.body, self.load, self.stiffness, R, self.history)
+
+
+def refuse_idle(
+    load: float | None, uncertain: Collection[Any], stress: float | None, length: float | None,
+    called: Callable[[str], str] = str,
+) -> None:  # fmt: skip
+    """InputError, options as they are ``called``, where one of a measured pull-off ``load`` [N] has no effect."""
+    if load is None and uncertain:
+        raise InputError(f"pull-off: {called('uncertain')} says how well a measured force and its body are known: give "
+                         f"{called('load')} too")  # fmt: skip
+    if load is not None and (stress, length) != (None, None):
+        raise InputError(f"pull-off: {called('load')} asks for the w of JKR: give neither {called('stress')} nor "
+                         f"{called('range')} with it")  # fmt: skip
+    if load == 0:
+        raise InputError(f"pull-off: {called('load')} must not be 0; give the measured pull-off force")
 
 
 def measured_work(

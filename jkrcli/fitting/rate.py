@@ -18,6 +18,7 @@ import numpy as np
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import REST, Edge, Program
 from ..adhesion.rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
+from ..base.arguments import read_fields
 from ..base.errors import InputError, JkrError, SolveError, Unknown
 from ..base.numerics import (
     FEWEST_ROWS,
@@ -47,11 +48,11 @@ from .least_squares import (
     robust_scale,
     t_quantile,
 )
-from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of
+from .parameters import MODULUS, Answer, Level, Nameable, Named, Parameter, Unknowns, check_law, parameters_of
 from .procedure import fit
 from .relaxation import check_over_time, check_rising, noise_about, noise_of, through
 from .rows import noise_from_third_differences
-from .settings import Settings
+from .settings import SegmentName, Settings
 from .work import WorkAlong, work_along
 
 # --------------------------------------------------------------------------------------------------
@@ -507,10 +508,13 @@ class RateSettings:
 
     law: str
     unknowns: Unknowns
-    level: float = LEVEL
+    level: Level = LEVEL
     confidence: Followed = "covariance"
-    segment: str | None = None
+    segment: SegmentName | None = None
     start: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        read_fields(self, "fit")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -537,8 +541,7 @@ class RateFit(Answer):
 
 
 def rate_settings(
-    body: FittedBody, law: str, free: Iterable[str] = (), fix: Iterable[tuple[str, str]] = (),
-    start: Iterable[tuple[str, str]] = (), **options: Any,
+    body: FittedBody, law: str, free: Iterable[str] = (), fix: Named = (), start: Named = (), **options: Any
 ) -> RateSettings:  # fmt: skip
     """Settings from what a user types: free are the modulus, w0, the law's parameters and delta0, but for what ``fix``
     names, and what ``free`` adds (P0)."""

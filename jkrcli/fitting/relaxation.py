@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -21,16 +21,30 @@ from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import RangeRequest
 from ..adhesion.relaxation import RelaxingContact
+from ..base.arguments import ranges_of, read_fields
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.numerics import FEWEST_ROWS, LEVEL, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
-from ..base.units import Ranged, ranges_of, show
+from ..base.units import Ranged, show
 from ..bodies.problem import RELAXATIONS, Relaxation
 from ..data.curve import Curve
 from .adhesive_march import ADHESION, MARCH_APART, MARCH_NEAR, MARCH_SHARES, AdhesiveMarch, ElasticLimits, Secants
 from .forward_model import FittedBody
 from .least_squares import SEARCH_MISFIT, SEARCH_REACH, Followed, Intervals, Least, LeastSquares, State, by_differences
-from .parameters import ALIAS, MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
+from .parameters import (
+    ALIAS,
+    MODULUS,
+    Answer,
+    Level,
+    Nameable,
+    Named,
+    Parameter,
+    Unknowns,
+    check_law,
+    parameters_of,
+    word,
+)
 from .rows import noise_from_third_differences
+from .settings import SegmentName
 
 # --------------------------------------------------------------------------------------------------
 # What a device did, from its readings: straight pieces between corners.
@@ -252,15 +266,19 @@ WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 class RelaxationSettings:
     """A request: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free, the
     ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed;
-    ``adhesion``: of w, stress and range, those that are free."""
+    ``segment``: its rows alone; ``adhesion``: of w, stress and range, those that are free."""
 
     law: str
     zeros: tuple[str, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
-    terms: int = 2
-    level: float = LEVEL
+    terms: Annotated[int, Ranged("number", least=1, most=4)] = 2
+    level: Level = LEVEL
     confidence: Followed = "covariance"
+    segment: SegmentName | None = None
     adhesion: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        read_fields(self, "fit")
 
     @property
     def adheres(self) -> bool:
@@ -299,7 +317,7 @@ def _of_law(law: str, terms: int) -> dict[str, Ranged]:
 
 
 def relaxation_settings(
-    law: str, fix: Iterable[tuple[str, str]] = (), free: Iterable[str] = (), E_star: float = 1.0,
+    law: str, fix: Named = (), free: Iterable[str] = (), E_star: float = 1.0,
     ranged: RangeRequest | None = None, **options: Any,
 ) -> RelaxationSettings:  # fmt: skip
     """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
@@ -307,7 +325,8 @@ def relaxation_settings(
     is else that of the case, ``ranged``, if it has one. Of a power law, whose modulus is that at its time, the time is
     fixed, 1 s by default. ``E_star`` of the body [Pa]."""
     check_law(law, RELAXATIONS)
-    own = _of_law(law, options.get("terms", 2))
+    asked_for = RelaxationSettings(law, (), **options)
+    own = _of_law(law, asked_for.terms)
     named = Nameable("--relaxation", MODULUS | own | ADHESION | ZEROS, E_star)
     fixed = ({"time": 1.0} if law == "power" else {}) | named.known(fix)
     wanted = ["delta0", *(named.own(name) for name in free if name != "relaxation")]
@@ -324,7 +343,7 @@ def relaxation_settings(
         raise InputError("fit: stress and range are one parameter with w: give one of them")
     if asked == ["w"] and ranged:
         fixed |= {"range": ranged.length} if ranged.stress is None else {"stress": ranged.stress}  # type: ignore[dict-item]
-    return RelaxationSettings(law, zeros, fixed, adhesion=adhesion, **options)
+    return replace(asked_for, zeros=zeros, fixed=fixed, adhesion=adhesion)
 
 
 @dataclass(frozen=True, eq=False)
@@ -535,7 +554,8 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     allow it, SolveError where no history is found; both name the curve."""
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
-            return _fit(body, curve, settings)
+            part = curve if settings.segment in (None, "both") else curve.only(settings.segment)
+            return _fit(body, part, settings)
     except SolveError as error:
         raise SolveError(f"{curve.where}: {error}") from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:

@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Annotated, Any, Literal, TypeAlias
 
+from ..base.arguments import PerName, read_fields
 from ..base.errors import InputError
 from ..base.numerics import LEVEL
-from ..base.units import Ranged
+from ..base.units import Force, Length, Ranged, Tension
 from ..bodies.problem import RADIUS, checked_names
 from .forward_model import FittedBody
-from .parameters import ALIAS, DIMENSIONS, OF_A_CYCLE, OF_TRAVEL, POSITIONS, Parameter, dimension_of, read_value
+from .parameters import (
+    ALIAS,
+    DIMENSIONS,
+    OF_A_CYCLE,
+    OF_TRAVEL,
+    POSITIONS,
+    Level,
+    Named,
+    Parameter,
+    dimension_of,
+    read_value,
+    texts_of,
+)
 
 BranchName = Literal["all", "compressive"]
 SegmentName = Literal["approach", "retract", "both"]
@@ -29,6 +42,7 @@ USUALLY_FREE = ("modulus", "w", "delta0")
 BETWEEN = ".."  # the ends of bounds
 
 
+Noise: TypeAlias = Annotated[Mapping[str, float], PerName({"a": Length, "delta": Length, "P": Force})]
 AS_IN_THE_CASE = {"modulus": 1.0, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
 
 
@@ -52,21 +66,22 @@ class Settings:
     parameters: tuple[Parameter, ...]
     segment: SegmentName | None = None
     branch: BranchName = "all"
-    noise: Mapping[str, float] = field(default_factory=dict)
+    noise: Noise = field(default_factory=dict)
     loss: Loss = "linear"
     confidence: ConfidenceName = "covariance"
-    level: float = LEVEL
+    level: Level = LEVEL
     uncertain: Mapping[str, float] = field(default_factory=dict)
-    samples: int = 200
-    seed: int = 0
+    samples: Annotated[int, Ranged("number", least=20, most=100_000)] = 200
+    seed: Annotated[int, Ranged("number", least=0)] = 0
     contact: ContactName = "auto"
     base_line: BaseLineName = "straight"
     model: ModelName = "jkr"
     named: frozenset[str] = frozenset()
-    range_at_most: float = math.inf
-    tension_at_most: float = 0.0
+    range_at_most: Annotated[float, Ranged("length", above=0, words=(("inf", math.inf),))] = math.inf
+    tension_at_most: Tension = 0.0
 
     def __post_init__(self) -> None:
+        read_fields(self, "fit")
         object.__setattr__(self, "named", self.named or frozenset(parameter.name for parameter in self.parameters))
         if "w" not in self.named:
             raise InputError("fit: w must be free or fixed at a value")
@@ -78,17 +93,8 @@ class Settings:
 
     def _wrong(self) -> Iterator[str]:
         """What makes the settings none."""
-        if not 0.5 <= self.level < 1:
-            yield f"the confidence level must be between 0.5 and 1, got {self.level:g}"
-        for name, value in self.noise.items():
-            if not (math.isfinite(value) and value > 0):
-                yield f"the noise of {name} must be > 0, got {value:g}"
-        if self.seed < 0:
-            yield f"the seed must be >= 0, got {self.seed}"
         if not self.free:
             yield "no parameter is free"
-        if not self.range_at_most > 0:
-            yield f"the largest range of adhesion must be > 0, got {self.range_at_most:g} m"
         for item in self.parameters:
             if item.name in OF_TRAVEL and item.value is not None and not -1 < item.value < 1:
                 yield f"{item.name} is a fraction of the travel, must be > -1 and < 1, got {item.value:g}"
@@ -140,20 +146,63 @@ class Settings:
         return next((parameter for parameter in self.parameters if parameter.name == name), None)
 
 
+# What a user may say beside parameters, and on which kind of fit it has an effect: one table for the command line and
+# Python; whatever is given besides is refused.
+EACH, LAW, RELAXATION, SHARED = "each", "--law", "--relaxation", "--shared"
+EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
+    "law": (LAW,), "relaxation": (RELAXATION,), "terms": (RELAXATION,), "shared": (SHARED,), "own": (SHARED,),
+    "tip_radius": (SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
+    "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
+    "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, SHARED, LAW, RELAXATION), "samples": (EACH,),
+    "seed": (EACH,), "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
+    "contact": (EACH, SHARED, LAW, RELAXATION), "slopes": (EACH, SHARED, LAW),
+}  # fmt: skip
+NOT = {("contact", "fitted"): (LAW, RELAXATION), ("confidence", "bootstrap"): (SHARED, LAW, RELAXATION)}
+GOES_WITH = {
+    "terms": ("relaxation", " prony"), "own": ("shared", ""), "tip_radius": ("shared", " or --free surface_tension"),
+    "samples": ("confidence", " bootstrap"), "seed": ("confidence", " bootstrap"),
+}  # fmt: skip
+NO_OPTIONS = ("parameters", "named", "range_at_most", "tension_at_most")  # of the settings, which follow from others
+OPTIONS = ("start", "bound", *(item.name for item in fields(Settings) if item.name not in NO_OPTIONS))
+OPTIONS_OF = {EACH: OPTIONS, SHARED: OPTIONS, LAW: ("start", "level", "confidence", "segment"),
+              RELAXATION: ("terms", "level", "confidence", "segment")}  # fmt: skip
+
+
+def check_unused(kind: str, given: Mapping[str, Any], called: Callable[[str], str] = str, by: str = "") -> None:
+    """InputError where one of the options that were ``given`` has no effect on this ``kind`` of fit, which a user calls
+    so, the options as ``called``."""
+    idle = [name for name in given if kind not in EFFECT.get(name, (kind,))]
+    if given.get("confidence") != "bootstrap":
+        idle += [name for name in ("samples", "seed") if name in given]
+    if kind == RELAXATION and given.get("relaxation") != "prony":
+        idle += [name for name in ("terms",) if name in given]
+    idle += [name for (name, value), kinds in NOT.items() if kind in kinds and given.get(name) == value]
+    if "slopes" in given and given.get("tip_radius") and kind == SHARED:
+        raise InputError(f"fit: {called('slopes')} does not go with {called('tip_radius')}, whose bodies have exact "
+                         "ones: leave it out")  # fmt: skip
+    for name in idle:
+        value = f" {given[name]}" if isinstance(given[name], str) else ""
+        if name in GOES_WITH and (kind == EACH or kind in EFFECT[name]):
+            other, more = GOES_WITH[name]
+            raise InputError(f"fit: {called(name)}: applies only with {called(other)}{more}; leave it out")
+        raise InputError(f"fit: {by or kind} does not take {called(name)}{value}: leave it out")
+
+
 def settings_of(
-    body: FittedBody, free: Iterable[str] = (), fix: Iterable[tuple[str, str]] = (),
-    start: Iterable[tuple[str, str]] = (), bound: Iterable[tuple[str, str]] = (), **options: Any,
+    body: FittedBody, free: Iterable[str] = (), fix: Named = (), start: Named = (), bound: Named = (),
+    uncertain: Named = (), **options: Any,
 ) -> Settings:  # fmt: skip
-    """The settings for ``body``; texts such as ("w", "50 mJ/m^2"), ("E:film", "1 MPa..1 GPa"); InputError names them.
+    """The settings for ``body``; values by name, such as {"w": "50 mJ/m^2"}, ("E:film", "1 MPa..1 GPa"); InputError
+    names them.
 
     Free are the common modulus, w and delta0, but for those that ``fix`` names, and what ``free`` adds. Where that is
     a quantity of a layer, the common modulus stays as in the case unless it is named too.
     """
-    bound = list(bound)
-    for text in (text for name, text in bound if name == TENSION):
+    bounded = texts_of(bound)
+    for text in (text for name, text in bounded if name == TENSION):
         options["tension_at_most"] = _largest_tension(body, text)
-    bound = [pair for pair in bound if pair[0] != TENSION]
-    fixed, starts, bounds = (_by_name(body, pairs) for pairs in (fix, start, bound))
+    bounded = [pair for pair in bounded if pair[0] != TENSION]
+    fixed, starts, bounds = (_by_name(body, pairs) for pairs in (texts_of(fix), texts_of(start), bounded))
     wanted = list(dict.fromkeys(_own_name(body, name) for name in free))
     of_layers = any(":" in name for name in wanted)
     usual = [name for name in USUALLY_FREE if not (name == "modulus" and of_layers)]
@@ -180,10 +229,11 @@ def settings_of(
     parameters += [Parameter(name, False, _value(body, *text)) for name, text in fixed.items()]
     if not set(RANGES) & {parameter.name for parameter in parameters}:
         parameters += [Parameter(name, False, value) for name, value in of_case.items()]
-    return Settings(tuple(parameters), **options)
+    settings = Settings(tuple(parameters), **options)
+    return replace(settings, uncertain=_uncertain(body, texts_of(uncertain), settings)) if uncertain else settings
 
 
-def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: Settings) -> dict[str, float]:
+def _uncertain(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: Settings) -> dict[str, float]:
     """Standard deviations of inputs by name: "radius" of the indenter, "nu" and "thickness" of the layer in contact, or
     "nu:film", "h:film", "E:base", absolute ("0.02", "50 nm") or relative ("5%"); "stiffness" and "sensitivity" of a
     device, relative."""

@@ -32,9 +32,11 @@ from .parameters import (
     Answer,
     FittedValue,
     Nameable,
+    Named,
     Parameter,
     Unknowns,
     parameters_of,
+    texts_of,
     word,
 )
 from .rows import ROWS_LEAST
@@ -128,11 +130,11 @@ def radii_of(problem: Problem, radii: Sequence[float], count: int) -> Sequence[f
     return for_each(radii, count) or [own] * count
 
 
-def known_values(problem: Problem, names: Iterable[str], fix: Iterable[tuple[str, str]]) -> dict[str, float]:
+def known_values(problem: Problem, names: Iterable[str], fix: Named) -> dict[str, float]:
     """Known values by the fit's names; the tension is the body's where it is neither free nor fixed."""
     if problem.specimen.radius is not None:
         raise InputError("fit: surface_tension: a finite cylinder is not solved anew: leave specimen.radius out")
-    names, fix = list(names), list(fix)
+    names, fix = list(names), texts_of(fix)
     if other := [name for name in (*names, *dict(fix)) if name not in (*RANGES, ALIAS, "modulus", "delta0")]:
         raise InputError(f"fit: surface_tension: {other[0]} cannot be free or fixed beside it: leave it out")
     values = Nameable(TENSION, RANGES, 1.0).known(fix)

@@ -16,7 +16,7 @@ from ..base.errors import InputError
 from ..base.executors import Pool, completed
 from ..base.numerics import HALF_WIDTH, LEVEL, ROUNDED, SETTLED, TOGETHER, Array, zeros_between
 from ..base.units import show
-from ..data.curve import Curve, Reading
+from ..data.curve import Curve, Reading, Use
 from ..data.measured import each
 from ..data.segmentation import segment_force_curve
 from ..series import Solution
@@ -148,15 +148,16 @@ class Evaluation:
 
 
 def evaluation_of(
-    solution: Solution, unit: Nonadhesive, reading: Reading, modulus_factor: float = 1.0, use: str | None = None,
+    solution: Solution, unit: Nonadhesive, reading: Reading, modulus_factor: float = 1.0, use: Use | None = None,
     segment: str | None = None, noise: Mapping[str, float] | None = None, window: int = 11,
 ) -> Evaluation:  # fmt: skip
     """What gives w along any curve: on a ``solution`` with its functions ``unit``, moduli times ``modulus_factor``, by
     the pair of quantities ``use`` ("a,P"); of raw records base line, zero points and rows are fitted first."""
     check_window(window)
     body, contact = body_of(solution), "as-is" if reading.zero else reading.contact
-    settings = settings_of(body, fix=[("modulus", f"{modulus_factor!r}")], contact=contact, segment=segment)
     own = segment in (None, "approach", "retract")
+    rows: dict[str, Any] = {"segment": segment} if own else {}
+    settings = settings_of(body, fix={"modulus": modulus_factor}, contact=contact, **rows)
     pair: Any = None if use is None else tuple(use.split(","))
     own_body = body if own else None
     return Evaluation(unit.scaled(modulus_factor), pair, noise or {}, window, segment, own_body, settings)

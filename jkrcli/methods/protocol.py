@@ -6,12 +6,13 @@ import importlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast
+from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast, runtime_checkable
 
+from ..base.arguments import read_fields
 from ..base.errors import InputError, Refusal, counted
 from ..base.numerics import NOTICEABLE
 from ..base.process import SHARE, SILENCE, duration, free_memory
-from ..base.units import Length, Ranged, check_ranges
+from ..base.units import Length, Ranged
 from ..bodies.problem import Problem
 from ..series import Solution
 
@@ -26,6 +27,7 @@ class Forecast:
     note: str = ""
 
 
+@runtime_checkable
 class Method(Protocol):
     """Solve a problem without adhesion: a frozen dataclass whose fields are the options.
 
@@ -132,12 +134,18 @@ LARGE = 2048.0  # choice: MiB from which on the memory is announced
 LESS = "fewer points, larger elements or a cheaper method"  # what makes a solve cheaper
 
 
+Limit: TypeAlias = Annotated[float, Ranged("number", above=0, words=(("inf", math.inf),))]
+
+
 @dataclass(frozen=True)
 class Limits:
     """Limits of a solve that is begun: most ``memory`` [GiB] (None: ``SHARE`` of what is free) and CPU ``hours``."""
 
-    memory: float | None = None
-    hours: float = 1.0
+    memory: Limit | None = None
+    hours: Limit = 1.0
+
+    def __post_init__(self) -> None:
+        read_fields(self, "limits")
 
 
 def check_cost(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> str | None:
@@ -315,7 +323,7 @@ class LayeredOptions:
     tolerance: Annotated[float, Ranged("number", least=1e-12, most=1e-2)] = 1e-8
 
     def __post_init__(self) -> None:
-        check_ranges(self, "layered")
+        read_fields(self, "layered")
 
 
 @dataclass(frozen=True)
@@ -325,7 +333,7 @@ class HybridOptions:
     tolerance: Annotated[float, Ranged("number", least=1e-8, most=1e-2)] = 1e-5
 
     def __post_init__(self) -> None:
-        check_ranges(self, "hybrid")
+        read_fields(self, "hybrid")
 
 
 Solver: TypeAlias = Literal["auto", "superlu", "cholmod"]
@@ -383,7 +391,7 @@ class FEMOptions:
     contact: Annotated[Literal["nested", "incremental"], InTable("contact", "algorithm")] = "nested"
 
     def __post_init__(self) -> None:
-        check_ranges(self, "mesh")
+        read_fields(self, "mesh")
         if self.element_size is not None and self.layout == "scaled":
             raise InputError('mesh: element_size belongs to layout "zones"; the layout "scaled" takes spacing')
         if self.zone_sizes != FEMOptions.zone_sizes and self.layout == "scaled":

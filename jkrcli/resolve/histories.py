@@ -172,8 +172,8 @@ def checked_histories(solution: Solution, rest: Rest | None) -> tuple[LoadingHis
         return histories(law, rest or Rest())
     if rest is not None:
         raise InputError(
-            f"{solution.record.path}: its specimen is elastic, so that nothing relaxes at rest: leave --rest-load and "
-            "--rest-depth out, or give specimen.relaxation"
+            f"{solution.record.path}: its specimen is elastic, so that nothing relaxes at rest: leave the load or "
+            "depth of rest out, or give specimen.relaxation"
         )
     return None
 
@@ -329,10 +329,10 @@ def seconds_of_histories(solution: Solution, works: Sequence[float], devices: in
     return CURVES * forecast(solution, works, devices=devices).seconds
 
 
-def rest_of(load: float | None, depth: float | None) -> Rest | None:
+def rest_of(load: float | None, depth: float | None, called: Callable[[str], str] = str) -> Rest | None:
     """The rest under a ``load`` [N] or at a ``depth`` [m]; None where neither is given, InputError where both are."""
     if load is not None and depth is not None:
-        raise InputError("give at most one of --rest-load and --rest-depth")
+        raise InputError(f"give at most one of {called('rest_load')} and {called('rest_depth')}")
     if depth is not None:
         return Rest(depth=depth)
     return None if load is None else Rest(load)

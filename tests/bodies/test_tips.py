@@ -118,7 +118,7 @@ def test_what_stands_for_a_pyramid_is_told() -> None:
     assert "axis to face" in words
     assert "equal load" in words
     assert "0.8824 E* tan(20 deg)" in words
-    with pytest.raises(InputError, match="sides: must be 3 or 4, got 5"):
+    with pytest.raises(InputError, match="sides: must be one of 3, 4, got 5"):
         Pyramid.of(5, 0.5)
 
 

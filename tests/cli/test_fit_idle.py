@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import jkrcli.cli.fit as verb
-from jkrcli.cli.fit import EFFECT, GOES_WITH
+from jkrcli.fitting.settings import EFFECT, GOES_WITH
 
 GEL = Path(__file__).parents[2] / "cases" / "gel.toml"
 KINDS = {"--law": ("--law", "power"), "--relaxation": ("--relaxation", "sls"), "--shared": ("--shared", "w"),

@@ -9,7 +9,8 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from ... import formulas
-from ...base.errors import InputError, positive
+from ...base.arguments import checked, read_fields
+from ...base.errors import InputError
 from ...base.numerics import Array
 from ...base.registry import Key
 from ...base.units import AnyLength, Length, Ranged, show
@@ -26,7 +27,7 @@ class _Round(Indenter):
     material: Solid | None = None
 
     def __post_init__(self) -> None:
-        positive(R=self.R)
+        read_fields(self)
 
     @property
     def tip_radius(self) -> float:
@@ -115,9 +116,7 @@ class PowerLaw(Indenter):
     noun: ClassVar[str] = "power law"
 
     def __post_init__(self) -> None:
-        positive(B=self.B)
-        if not (math.isfinite(self.d) and self.d >= 1):
-            raise InputError(f"exponent: must be >= 1 (a convex profile), got {self.d:g}")
+        read_fields(self)
 
     @property
     def tip_radius(self) -> float | None:
@@ -164,7 +163,7 @@ class RoundedFlat(Indenter):
     noun: ClassVar[str] = "rounded flat end"
 
     def __post_init__(self) -> None:
-        positive(flat_radius=self.b, edge_radius=self.edge_radius)
+        read_fields(self)
 
     @property
     def a0(self) -> float:
@@ -202,6 +201,7 @@ class RoundedFlat(Indenter):
 
 Cap: TypeAlias = Literal["sphere", "parabola"]
 Equal: TypeAlias = Literal["load", "area"]
+Sides: TypeAlias = Literal[3, 4]
 
 # theory: of a rigid pyramid of so many faces on a frictionless half-space, at the angle t of a face to the axis, load P
 # over E* tan(t) delta^2 and contact area over (tan(t) delta)^2: boundary elements, extrapolated from grids up to 384^2
@@ -227,11 +227,7 @@ class RoundedCone(Indenter):
     noun: ClassVar[str] = "rounded cone"
 
     def __post_init__(self) -> None:
-        positive(R=self.R)
-        if not 0 < self.half_angle < math.pi / 2:
-            raise InputError(f"half_angle: must be > 0 and < 90 deg, got {math.degrees(self.half_angle):g} deg")
-        if self.cap not in ("sphere", "parabola"):
-            raise InputError(f'cap: must be one of sphere, parabola, got "{self.cap}"')
+        read_fields(self)
 
     @property
     def b(self) -> float:
@@ -295,16 +291,17 @@ class Pyramid(PowerLaw):
     cot(theta), A = 3 sqrt(3) or 4; it is 7.2 and 2.6 % too compliant.
     """
 
-    sides: int = 4
-    half_angle: float = math.pi / 4
+    sides: Sides = 4
+    half_angle: HalfAngle = math.pi / 4
     equal: Equal = "load"
     noun: ClassVar[str] = "pyramid"
 
     @classmethod
-    def of(cls, sides: int, half_angle: float, material: Solid | None = None, equal: Equal = "load") -> Pyramid:
+    @checked
+    def of(
+        cls, sides: Sides, half_angle: HalfAngle, material: Solid | None = None, equal: Equal = "load"
+    ) -> Pyramid:  # fmt: skip
         """The pyramid of 3 or 4 ``sides``."""
-        if sides not in LOADS:
-            raise InputError(f"sides: must be 3 or 4, got {sides}")
         wider = math.pi / 2 * LOADS[sides] if equal == "load" else math.sqrt(SECTIONS[sides] / math.pi)
         return cls(1 / (wider * math.tan(half_angle)), 1.0, material, sides, half_angle, equal)
 

@@ -11,7 +11,8 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...base.errors import InputError, positive
+from ...base.arguments import read_fields
+from ...base.errors import InputError
 from ...base.numerics import AT_ONCE, HALF_WIDTH, LOOKED_AT, REMEMBERED, ROUNDED, TINY, Array, spline_slopes
 from ...base.registry import Key
 from ...base.units import AnyLength, Length, show
@@ -348,6 +349,7 @@ class TableProfile(Indenter):
     noun: ClassVar[str] = "tabulated profile"
 
     def __post_init__(self) -> None:
+        read_fields(self)
         r, f = np.asarray(self.r, dtype=float), np.asarray(self.heights, dtype=float)
         smooth = self._check(r, f)
         object.__setattr__(self, "smooth", smooth)
@@ -367,8 +369,6 @@ class TableProfile(Indenter):
         """What is smoothed of the points, None where they are taken as they are; InputError where they are no
         profile."""
         noise = self.noise
-        if noise is not None:
-            positive(noise=noise)
         _check_table(r, f, noise is None)
         wrong = [bend for bend in self.bends if bend not in r[1:-1]]
         if wrong or any(not b > a for a, b in itertools.pairwise(self.bends)):

@@ -652,7 +652,7 @@ class Prony:
                 f"relaxation: needs as many times as weights, got {len(self.weights)} weights, {len(self.times)} times"
             )
         if sum(self.weights) > 1 + 1e-12:
-            raise InputError(f"relaxation: the sum of the weights must be at most 1, got {list(self.weights)}")
+            raise InputError(f"relaxation: the weights must be > 0, their sum at most 1, got {list(self.weights)}")
 
     @property
     def relaxed(self) -> float | None:

@@ -172,8 +172,8 @@ def checked_histories(solution: Solution, rest: Rest | None) -> tuple[LoadingHis
         return histories(law, rest or Rest())
     if rest is not None:
         raise InputError(
-            f"{solution.record.path}: its specimen is elastic, so that nothing relaxes at rest: leave the load or "
-            "depth of rest out, or give specimen.relaxation"
+            f"{solution.record.path}: its specimen is elastic, so that nothing relaxes at rest: leave --rest-load and "
+            "--rest-depth out, or give specimen.relaxation"
         )
     return None
 

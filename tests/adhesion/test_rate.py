@@ -320,10 +320,10 @@ def test_a_trace_of_ten_thousand_rows_is_quick() -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: PowerRate(1.0, 0.0), "power.n: must be > 0 and <= 100, got 0"),
+        (lambda: PowerRate(1.0, 0.0), "power.n: must be > 0 and <= 100, got 0.0"),
         (lambda: PowerRate(1.0, -0.5), "power.n: must be > 0 and <= 100, got -0.5"),
-        (lambda: PowerRate(0.0, 0.5), "power.v0: must be > 0, got 0"),
-        (lambda: LogRate(1.0, 0.0), "log.b: must be > 0, got 0"),
+        (lambda: PowerRate(0.0, 0.5), "power.v0: must be > 0, got 0.0 m/s"),
+        (lambda: LogRate(1.0, 0.0), "log.b: must be > 0, got 0.0 J/m^2"),
         (
             lambda: Program(np.array([0.0, 2.0, 1.0]), np.zeros(3)),
             "program: time must not fall, got t = 1 s after 2 s in row 3",

@@ -240,8 +240,7 @@ REFUSALS = [
     ),
     (
         ("pull-off", "p.h5", "--stiffness", "0"),
-        'invalid value for \'--stiffness\': must be > 0, or "load" for load control, or "rigid", got 0; '
-        "see jkr pull-off --help",
+        'invalid value for \'--stiffness\': must be > 0 or "load" or "rigid", got 0; see jkr pull-off --help',
     ),
     (("pull-off", "no.h5"), 'no.h5: solution file not found, did you mean "p.h5"?'),
     (

@@ -128,7 +128,7 @@ def test_a_layer_that_is_not_there_is_refused_with_the_names_there_are(jkr, tmp_
         (("--free", "range", "--bound", "range=1 nm..1.0000000000000002 nm"), "range: bounds must increase and leave"),
         (("--fix", "E_star=-1 MPa"), "modulus: must be > 0, got -0.5"),
         (("--fix", "w"), 'invalid value for \'--fix\': must be NAME=VALUE, such as w="50 mJ/m^2", got "w"'),
-        (("--level", "1"), "fit: the confidence level must be between 0.5 and 1, got 1"),
+        (("--level", "1"), "fit.level: must be >= 0.5 and < 1, got 1.0"),
         (("--segment", "retract"), 'probe.csv: names no segments, cannot take "retract" alone'),
         (("--flip", "P"), "probe.csv: P falls as delta rises (correlation -1.00): one of them has the wrong"),
         (("--column", "P=force"), 'probe.csv: no single column "force" for P'),

@@ -145,7 +145,7 @@ MISTAKES = {
     "see jkr work --help",
     ("--zero", "a=1"): "invalid value for '--zero': must be KEY=VALUE with a key of delta, P, got \"a=1\"; "
     "see jkr work --help",
-    ("--stiffness", "0"): "invalid value for '--stiffness': must be > 0, got 0; see jkr work --help",
+    ("--stiffness", "0"): "invalid value for '--stiffness': must be > 0 or \"rigid\", got 0; see jkr work --help",
     ("--column", "P=lod"): 'm.csv: no single column "lod" for P (columns: 1 "t_s", 2 "a_um", 3 "delta_um", 4 "P_mN")',
     ("m.csv",): "m-work.csv: would be written twice; rename a file, or give each its own -o",
 }

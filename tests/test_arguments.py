@@ -260,6 +260,14 @@ def test_quantities_with_units_lists_and_numbers_of_numpy() -> None:
         jkr.Specimen(plain, jkr.Rigid)
 
 
+def test_many_numbers_are_within_their_range() -> None:
+    values = np.linspace(1e-6, 1e-4, 50)
+    assert jkr.Loading.given("radius", tuple(values)).values == tuple(values.tolist())
+    for wrong in (0.0, math.nan, -1.0):
+        with pytest.raises(jkr.InputError, match=r"loading.values: entry 7 must be"):
+            jkr.Loading("radius", 1e-4, 50, "given", np.where(values == values[6], wrong, values))
+
+
 def _columns() -> dict[str, Any]:
     curve = jkr.measured_curves(PROBE)[0]
     return {name: getattr(curve, name) for name in curve.measured if name in ("a", "delta", "P")}

@@ -308,7 +308,7 @@ class Course:
         """InputError, options as they are ``called``, where one that was given would have no effect."""
         given = [item.name for item in fields(self) if getattr(self, item.name) is not None]
         if "tabulated" in given and len(given) > 1:
-            raise InputError(f"cycle: give either {called(given[0])} or {called('program')}, which says it all")
+            raise InputError(f"cycle: give either {called(given[0])} or {called('program')}")
         if (self.dwell is None) != (self.dwell_time is None):
             raise InputError(f"cycle: {called('dwell')} and {called('dwell_time')} go together")
         if self.to_load is not None and self.to_depth is not None:
@@ -320,7 +320,7 @@ class Course:
         for name in before:
             if getattr(self, name) is not None:
                 word = called("program" if name == "tabulated" else name)
-                raise InputError(f"cycle: a retraction from rest has its speed only: leave {word} out")
+                raise InputError(f"cycle: a retraction from rest has its {called('speed')} only: leave {word} out")
         if self.speed is None:
             raise InputError(f"cycle: a retraction from rest needs its speed: give {called('speed')}")
 

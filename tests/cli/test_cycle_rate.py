@@ -107,7 +107,7 @@ def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
          "cycle: give either --hold or --program"),
         (("--program", "step.csv"), "program: row 3 is a step: without --rate give it the time of a way"),
         (("--program", "step.csv", "--to-load", "1"),
-         "cycle: give either --program or a reversal (--to-load, --to-depth)"),
+         "cycle: give either --to-load or --program"),
         ((*RATE, "--program", "bad.csv"), "program: time must not fall, got t = 1 s after 2 s in row 3"),
         ((*RATE, "--program", "units.csv"), 'units.csv: column 2 is to be a length, got the unit "mN"'),
         ((*RATE, "--speed", "1", "--w-approach", "2 J/m^2", "--w-retract", "1 J/m^2"),

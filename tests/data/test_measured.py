@@ -252,7 +252,7 @@ def test_segments_are_taken_by_their_words() -> None:
     [
         ({"t": T}, "c: holds none of a, delta, P"),
         ({"a": A, "P": P[1:]}, "c: all columns must have the same length, got {'a': 4, 'P': 3}"),
-        ({"a": A[None]}, "c: a must be one-dimensional, got shape (1, 4)"),
+        ({"a": A[None]}, "c: a: must be one-dimensional, got shape (1, 4)"),
         ({"P": np.array([1.0, np.inf])}, "c: P[1] is not finite"),
     ],
 )

@@ -63,7 +63,7 @@ class PowerRate:
     n: Exponent
 
     def __post_init__(self) -> None:
-        read_fields(self, "power")
+        read_fields(self, "power", sought=True)
 
     def work(self, w0: Any, v: Any) -> Any:
         return w0 * (1 + (v / self.v0) ** self.n)
@@ -82,7 +82,7 @@ class LogRate:
     b: PositiveWork
 
     def __post_init__(self) -> None:
-        read_fields(self, "log")
+        read_fields(self, "log", sought=True)
 
     def work(self, w0: Any, v: Any) -> Any:
         return w0 + self.b * np.log1p(v / self.v0)

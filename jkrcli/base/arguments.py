@@ -231,11 +231,18 @@ def _fields(kind: Hashable) -> tuple[tuple[str, Read], ...]:
     return tuple((item.name, reader(hints[item.name])) for item in fields(cast(Any, kind)) if item.init)
 
 
-def read_fields(thing: Any, where: str = "", **kinds: Any) -> None:
+def read_fields(thing: Any, where: str = "", sought: bool = False, **kinds: Any) -> None:
     """Read the fields of the frozen dataclass ``thing`` in place, some as of other ``kinds`` than annotated; InputError
-    that names one, after ``where``."""
+    that names one, after ``where``. ``sought``: a fit makes it too, with numbers far from matter within their range."""
     for name, by in _fields(cast(Hashable, type(thing))):
         value = getattr(thing, name)
+        if (
+            sought
+            and type(value) is float
+            and math.isfinite(value)
+            and value in ranges_of(cast(Hashable, type(thing)))[name]
+        ):
+            continue
         taken = read(f"{where}{where and '.'}{name}", reader(kinds[name]) if name in kinds else by, value)
         if taken is not value:
             object.__setattr__(thing, name, taken)

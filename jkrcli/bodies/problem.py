@@ -590,7 +590,7 @@ class StandardSolid:
     time: Time
 
     def __post_init__(self) -> None:
-        read_fields(self, "relaxation")
+        read_fields(self, "relaxation", sought=True)
 
     @property
     def relaxed(self) -> float | None:
@@ -616,7 +616,7 @@ class PowerRelaxation:
     exponent: Annotated[float, Ranged("number", above=0, below=1)]
 
     def __post_init__(self) -> None:
-        read_fields(self, "relaxation")
+        read_fields(self, "relaxation", sought=True)
 
     @property
     def relaxed(self) -> float | None:

@@ -458,6 +458,9 @@ SOLVED_ROUGH = 0.25  # tuned on random bodies, by `make bounds`
 SOLVED_BENT = 0.45  # tuned on random bodies, by `make bounds`
 # Error of a rate, in logs, over that of its column: one kernel errs smoothly
 SOLVED_STEEPER = 1.5  # tuned on random bodies, by `make bounds`
+# By how much slower changes from order to order fall than those before, at x of (d - x)^p and of its logarithm:
+# as h^2/d^2 times (3 - p) (4 - p)/5, then 3 (5 - p) (6 - p)/14
+SOLVED_SLOWER = 4.0  # theory: up to p = 1.2; the profile of a sphere is singular at its rim
 # Radius up to which such a kernel is made over that of the outermost point, less the flat end, at most:
 SOLVED_REACH = 1.6  # tuned on random bodies, by `make bounds`
 SOLVED_SCATTER = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
@@ -606,12 +609,12 @@ def _followed(problem: Problem, series: Series, seven: Array) -> tuple[Array, fl
 
 def _rates(values: Array) -> tuple[Array, Array]:
     """Slopes (...) over log(a - a0) of ``values`` (..., 7) at ``STEPS``, and what the polynomials leave: their changes
-    go on to fall as they have done, and no faster than by the step."""
+    go on to fall, beside a singularity slower than they have done, and no faster than by the step."""
     sixth, quartic, parabola = np.einsum("...k,wk->w...", values, WEIGHTS) / SOLVED_STEP
     first = np.abs(quartic - parabola)
     second = np.maximum(np.abs(sixth - quartic), SOLVED_STEP**2 * first)
     fall = np.divide(second, first, out=np.ones_like(first), where=first > second)
-    return sixth, second * np.maximum(fall, SOLVED_STEP)
+    return sixth, second * np.maximum(SOLVED_SLOWER * fall, SOLVED_STEP)
 
 
 def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:

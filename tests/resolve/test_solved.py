@@ -74,6 +74,48 @@ def test_points_are_solved_and_their_errors_are_near_the_truth(name: str, points
         assert stated[other] <= 1e-6 * abs(truth[other])
 
 
+NEAR_ITS_RIM = Problem(
+    Sphere(1.0),
+    Specimen((Layer(Elastic(1e6, 0.4), 0.27), Layer(Elastic(3e5, 0.3), 1.0)), Rigid()),
+    Loading("radius", 0.95, 30),
+)
+
+
+@pytest.mark.parametrize("share", [0.75, 0.92, 0.97])
+def test_the_place_of_pull_off_is_known_less_well_near_the_rim_of_a_sphere(share: float) -> None:
+    """The profile is singular there, which polynomials through seven radii find at a rate that slows down: delta under
+    load lay up to 3 times beyond what was stated."""
+    series = Layered()(NEAR_ITS_RIM).series
+    assert series.S is not None
+    assert series.dS is not None
+    rate = np.gradient(series.P, series.a) / np.gradient(
+        series.S * np.sqrt(4 * math.pi * series.a / series.dS), series.a
+    )
+    result = analyse(solve(NEAR_ITS_RIM, "layered")[1], [float(np.interp(share * 0.95, series.a, rate) ** 2)])[0]
+    for control, stated in result.pull_off_errors.items():
+        point = result.pull_off[control]
+        assert isinstance(point, CriticalPoint)
+        assert not isinstance(stated, Unknown)
+        P, delta = stationary(NEAR_ITS_RIM, result.w, point.a, control)
+        assert abs(point.P - P) <= stated["P"] + 1e-11 * abs(P)
+        assert abs(point.delta - delta) <= stated["delta"] + 1e-11 * abs(delta)
+
+
+@pytest.mark.parametrize("share", [1.0005, 1.03])
+@pytest.mark.parametrize("method", [Layered(), Hybrid()], ids=["layered", "hybrid"])
+def test_points_are_solved_beyond_the_last_row(method: Method, share: float) -> None:
+    """What was read off next to the end of a series was refused: it "lies outside the solution"."""
+    body = Specimen((Layer(Elastic(1e6, 0.45), 1e-6),), Rigid())
+    problem = Problem(Paraboloid(1e-5), body, Loading("radius", share * 1.025412e-6, 40))
+    result = analyse(method(problem), [4e-3])[0]
+    point, stated = result.pull_off["load"], result.pull_off_errors["load"]
+    assert isinstance(point, CriticalPoint)
+    assert not isinstance(stated, Unknown)
+    assert abs(point.P - stationary(problem, result.w, point.a, "load")[0]) <= stated["P"] < 1e-5 * abs(point.P)
+    assert isinstance(result.curve.interpolation_error, float)
+    assert result.summary
+
+
 def test_a_row_beside_a_solved_radius_does_not_disturb_it() -> None:
     """The row at 0.525 of the largest radius errs otherwise than the radius solved at 0.5252: between the two the slope
     was that of their errors, and the force 6e-5 off where 1e-5 was stated."""

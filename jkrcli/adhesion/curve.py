@@ -21,6 +21,7 @@ import numpy as np
 from ..base.errors import Estimate, InputError, Unknown
 from ..base.numerics import (
     ROUNDED,
+    SAME,
     UNSEEN,
     Array,
     PiecewiseCubic,
@@ -389,6 +390,9 @@ CURVE_FEWEST = 5  # theory: every second of fewer points leaves no cubic
 CURVE_FEW = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
 CURVE_WIDEST = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
 CURVE_ORDER = 3  # theory: with the spacing errors fall at least as its power, where splines end too
+# of log(a - a0), the widest piece of a work; theory: Gauss' rule leaves 1e-10 of what bends as layers do
+CURVE_WORKED = 0.05
+CURVE_UNSURE = 2  # and that of works across two gaps that are wider; tuned on stacks, by `make stack-bounds`
 CURVE_MIDDLE = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
 CURVE_LOOKED_AT = (0.25, 0.5, 0.75)  # theory: of a gap, where S' and delta_H err most
 CURVE_RIM = 0.01  # choice: of the position, up to which a first row may lie above the rim, with that as error
@@ -712,10 +716,15 @@ class EquilibriumCurve(ABC):
         begin, end = self._works(low, places[first]), self._works(places[last], high)
         return float(begin.sum() + works[first:last].sum() + end.sum())
 
+    @property
+    def _joints(self) -> Array:
+        """Places (n,), the ends among them, of pieces over which Gauss' rule is accurate."""
+        return np.unique(self.places)
+
     @cached_property
     def _work_between(self) -> tuple[Array, Array]:
-        """Places of the points (n,), and the work between them (n - 1,)."""
-        return np.unique(self.places), self._works(*self.places[[0, -1]])
+        """The joints (n,), and the work between them (n - 1,)."""
+        return self._joints, self._works(*self.places[[0, -1]])
 
     def _works(self, low: float, high: float) -> Array:
         """The work between two places, of each piece of the ``path``."""
@@ -862,6 +871,7 @@ class AdhesiveCurve(EquilibriumCurve):
         """
         z = np.log(self.nonadhesive.knots.a - self.series.a0)
         a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), CURVE_LOOKED_AT)).ravel()
+        a = a[~self.beyond(a)]  # points around pull-off may be solved beyond the last row
         errors = self.interpolation_at(a)
         if isinstance(errors, Unknown):
             return errors
@@ -878,15 +888,69 @@ class AdhesiveCurve(EquilibriumCurve):
         assumed. Of the two halves of the points the one counts in which the radius lies nearer to the middle of a gap.
         """
         knots = self.nonadhesive.knots.a - self.series.a0
-        if knots.size < CURVE_FEWEST:
-            return Unknown(f"unknown: fewer than {CURVE_FEWEST} points")
         y = self._inside(a) - self.series.a0
         gaps, at, place = np.diff(np.log(knots)), _before(knots, y), _place_between(knots, y)
-        if np.max(gaps[at]) > math.log(CURVE_WIDEST):
-            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {CURVE_WIDEST:g}")
+        if (reason := self._too_few(float(np.max(gaps[at])))) is not None:
+            return reason
         beside = np.clip(np.stack([at - 1, at, at + 1]) if self._order else at[None], 0, gaps.size - 1)
         shape = 4 * place * (1 - place) * (gaps[at] / gaps[beside]) ** self._order
         return {name: np.max(changes[beside] * shape, axis=0) for name, changes in self._gap_errors.items()}
+
+    def _too_few(self, gap: float) -> Unknown | None:
+        """Why errors between points are unknown over such a ``gap`` of log(a - a0); None where they are known."""
+        if self.nonadhesive.knots.a.size < CURVE_FEWEST:
+            return Unknown(f"unknown: fewer than {CURVE_FEWEST} points")
+        if gap > math.log(CURVE_WIDEST):
+            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {CURVE_WIDEST:g}")
+        return None
+
+    def work_between(self, low: float, high: float) -> Estimate:
+        """Error of the ``work`` [J] from one place [m] to another, at equal displacements, by what lies between the
+        points (see ``_gap_works``)."""
+        x = np.log(self.nonadhesive.knots.a - self.series.a0)
+        first, last = np.log(np.array([low, high]) - self.series.a0)
+        gaps = np.diff(x)
+        passed = (np.minimum(x[1:], last) - np.maximum(x[:-1], first)) / gaps
+        some = passed > SAME
+        if not some.any():
+            return 0.0
+        if (reason := self._too_few(float(np.max(gaps[some])))) is not None:
+            return reason
+        share = np.clip(passed, 0.0, 1.0)
+        over_gap, over_part = self._gap_works
+        return float(np.sum(over_gap * share + over_part * (4 * share * (1 - share)) ** 2))
+
+    @cached_property
+    def _gap_works(self) -> Array:
+        """Errors (2, n - 1) of the work [J] over each gap between the points, and at most over a part of it.
+
+        At equal displacements it errs by int (e_P d(delta) - e_delta dP), with one power of the gap more than values:
+        what leaving out every second point changes is the error of the gap that is merged, less that of the gap.
+        """
+        a0, knots = self.series.a0, self.nonadhesive.knots.a - self.series.a0
+        x, weights = composite_gauss(np.log(knots))
+        gaps, a = np.diff(np.log(knots)), a0 + np.exp(x)
+        (delta, P), rates = self._at(a), self._rates(a)
+        largest = np.zeros((2, gaps.size))
+        for coarser in self.halves:
+            fewer = coarser.a - a0
+            other_delta, other_P = coarser._at(a)
+            pieces = weights * (a - a0) * ((other_P - P) * rates[0] - (other_delta - delta) * rates[1])
+            merged = _before(fewer, np.sqrt(knots[1:] * knots[:-1]))
+            so_far = np.cumsum(pieces).reshape(pieces.shape)
+            begun = np.append(0.0, so_far[:-1, -1])[np.searchsorted(merged, merged)]
+            reached = so_far - begun[:, None]
+            both = np.zeros((2, fewer.size - 1))
+            both[0] = np.abs(np.bincount(merged, pieces.sum(axis=1)))
+            np.maximum.at(both[1], merged, np.abs(reached).max(axis=1))
+            wider = np.diff(np.log(fewer))[merged] / gaps
+            # the power of the gap with which it falls: less where splines end, and where gaps are too wide to say
+            power = np.full(gaps.size, self._order + 1)
+            power[np.isin(merged, [0, fewer.size - 2])] = max(self._order, 1)
+            power[np.diff(np.log(fewer))[merged] > math.log(CURVE_WIDEST)] = CURVE_UNSURE
+            change = both[:, merged] / np.maximum(wider**power - 1, ROUNDED)
+            largest = np.where(wider > 1, np.maximum(largest, change), largest)
+        return largest
 
     @property
     def _order(self) -> int:
@@ -909,9 +973,13 @@ class AdhesiveCurve(EquilibriumCurve):
         return {"delta": largest[0], "P": largest[1]}
 
     @property
+    def smooth(self) -> bool:
+        """Whether the points do not scatter, so that errors between them fall with their spacing."""
+        return not isinstance(self.slopes.error, Unknown) and self.slopes.error <= UNSEEN
+
+    @property
     def thinning(self) -> float:
-        smooth = not isinstance(self.slopes.error, Unknown) and self.slopes.error <= UNSEEN
-        return 2.0**self._order if smooth else 1.0
+        return 2.0**self._order if self.smooth else 1.0
 
     def _at(self, places: Array) -> tuple[Array, Array]:
         here, root_w = self.nonadhesive.parts(places), math.sqrt(self.w)
@@ -932,8 +1000,18 @@ class AdhesiveCurve(EquilibriumCurve):
     def _place(self, x: Array) -> Array:
         return self.series.a0 + np.exp(x)
 
+    @cached_property
+    def _joints(self) -> Array:
+        knots, ends = self.nonadhesive.knots.a, self.a[[0, -1]]
+        joints = np.union1d(ends, knots[(knots > ends[0]) & (knots < ends[1])])
+        x = np.log(joints - self.series.a0)
+        counts = np.ceil(np.diff(x) / CURVE_WORKED).astype(int)
+        inner = [np.linspace(lo, hi, n + 1)[1:-1] for lo, hi, n in zip(x[:-1], x[1:], counts, strict=True)]
+        return np.union1d(joints, self._place(np.concatenate(inner)))
+
     def path(self, low: float, high: float) -> tuple[Array, Array]:
-        edges = np.log(np.concatenate([[low], self.a[(self.a > low) & (self.a < high)], [high]]))
+        joints = self._joints
+        edges = np.log(np.concatenate([[low], joints[(joints > low) & (joints < high)], [high]]))
         x, weights = composite_gauss(edges)
         a = np.clip(np.exp(x), low, high)
         return a, weights * a

@@ -1223,7 +1223,8 @@ def stable_radius(curve: EquilibriumCurve, load: float) -> float:
 # Errors of the energies of a cycle: of the energy lost, and of the work of separation.
 
 LEFT = 3.0  # of what doubling elements changes, over (ratio - 1); tuned on random bodies of `make point-bounds`
-TABULATED = 1e-10  # theory: share of an energy that cubics between the tabulated functions leave (``curve.py``)
+# theory: share of an energy, the nonadhesive one among them, that cubics between the tabulated functions leave
+TABULATED = 1e-10
 Change = Callable[[EquilibriumCurve], EquilibriumCurve]  # to another curve of the same body
 
 
@@ -1265,7 +1266,8 @@ def _error(
     energy: Estimate, curve: EquilibriumCurve, again: Callable[[Change], Estimate], by_points: Estimate
 ) -> Estimate:
     """The half-width of an ``energy`` [J] that ``again`` finds on other curves: what leaving out every second point
-    changes, and what larger elements do, else what the errors of the points make of it, ``by_points``."""
+    changes, and what larger elements do, else what the errors of the points make of it, ``by_points``, which tell those
+    between the points of a smooth curve, too."""
     if isinstance(energy, Unknown):
         return energy
     thinned = [_tried(again, lambda one, half=half: one.halves[half]) for half in (0, 1)]  # type: ignore[misc]
@@ -1276,7 +1278,8 @@ def _error(
     of_points = by_points if by_mesh is None else by_mesh
     if isinstance(of_points, Unknown):
         return of_points
-    return max(between) / curve.thinning + of_points + TABULATED * abs(energy)
+    among_them = isinstance(curve, AdhesiveCurve) and curve.smooth and by_mesh is None
+    return (0.0 if among_them else max(between) / curve.thinning) + of_points + TABULATED * abs(energy)
 
 
 def _by_mesh(energy: float, curve: EquilibriumCurve, again: Callable[[Change], Estimate]) -> float | None:
@@ -1309,8 +1312,8 @@ def _tried(again: Callable[[Change], Estimate], change: Change) -> Estimate:
 
 
 def _by_points(retraction: Path, parts: Sequence[tuple[float, float, float]]) -> Estimate:
-    """What the errors of the points make of the work [J] on ``parts`` of a curve, each from one place to another [m]
-    and counted by a factor, and where contact is lost."""
+    """What the errors of the points, and of a smooth curve those between them, make of the work [J] on ``parts`` of a
+    curve, each from one place to another [m] and counted by a factor, and where contact is lost."""
     contact = retraction.contact
     curve, k = contact.recede.curve, contact.stiffness
     if not curve.errors:
@@ -1321,6 +1324,18 @@ def _by_points(retraction: Path, parts: Sequence[tuple[float, float, float]]) ->
             places, weights = curve.path(low, high)
             e, (ddelta, dP) = curve.error_at(places), curve.rates(places)
             total += factor * float(np.sum(weights * (e["P"] * np.abs(ddelta) + e["delta"] * np.abs(dP))))
+            if isinstance(curve, AdhesiveCurve):
+                between = curve.work_between(low, high) if curve.smooth else 0.0
+                if isinstance(between, Unknown):
+                    return between
+                delta_H, P_H, *_ = curve.nonadhesive.parts(np.array([low, high]))
+                total += factor * (between + TABULATED * float(P_H[1] * (delta_H[1] - delta_H[0])))
     last = np.array(retraction.last)
     e = curve.error_at(last)
-    return total + abs(float(curve.at(last)[1])) * float(position(e["delta"], e["P"], k))
+    off = float(position(e["delta"], e["P"], k))
+    if isinstance(curve, AdhesiveCurve) and curve.smooth:  # 0 where pull-off is solved
+        here = curve.interpolation_at(last)
+        if isinstance(here, Unknown):
+            return here
+        off += float(position(here["delta"], here["P"], k))
+    return total + abs(float(curve.at(last)[1])) * off

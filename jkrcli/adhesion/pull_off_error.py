@@ -27,7 +27,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..base.errors import InputError, Unknown
-from ..base.numerics import SAME, UNSEEN, Array
+from ..base.numerics import SAME, Array
 from ..bodies.indenters import Indenter
 from .curve import (
     CURVE_ORDER,
@@ -146,18 +146,22 @@ def _distance(other: Equilibrium, point: Equilibrium) -> Array:
 
 
 def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, covariance: Array) -> Array | Unknown:
-    """First-order propagation of the joint ``covariance`` of the columns and of their rates."""
+    """Propagation of the joint ``covariance`` of the columns and of their rates, to second order in the place."""
     slopes, a = curve.slopes, np.array(point.a)
     delta, P, delta_rate, P_rate = _gradients(curve, a)
     along = np.clip(a * (1 + np.array([-1e-3, 1e-3])), curve.a[0], curve.a[-1])
-    F, controlled = position(delta_rate, P_rate, stiffness), position(*curve.rates(along), stiffness)
-    rise = float(controlled[1] - controlled[0])
-    if rise == 0:
+    F, along_rates = position(delta_rate, P_rate, stiffness), np.stack(curve.rates(along))
+    bends = np.diff(along_rates)[:, 0] / float(along[1] - along[0])  # of delta [1/m] and P [N/m^2]
+    bend = float(position(bends[0], bends[1], stiffness))
+    if bend == 0:
         return Unknown("unknown: the curve is flat there")
-    place = -F * float(along[1] - along[0]) / rise
+    place = -F / bend
     rates = [float(rate) for rate in curve.rates(a)]
     total = delta + rates[0] * place, P + rates[1] * place
-    return np.array([slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for g in total])
+    first = np.array([slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for g in total])
+    # what is stationary there changes to second order
+    moved = slopes.quantile**2 * max(float(place @ covariance @ place), 0.0)
+    return first + np.abs(bends) * moved / 2
 
 
 def gradients_at(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array]:
@@ -186,9 +190,8 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     belongs to one energy smooths it away, but not what neighbouring rows share. Smoothing splines do not see what rows
     share: their point is also compared with that of the slopes "integral"."""
     slopes = curve.slopes
-    smooth = not isinstance(slopes.error, Unknown) and slopes.error <= UNSEEN
     others = [
-        (other, 2**CURVE_ORDER if smooth else 1)
+        (other, 2**CURVE_ORDER if curve.smooth else 1)
         for other in (_pull_off(half, curve, stiffness) for half in _apart(curve).halves)
         if not isinstance(other, Unknown)
     ]
@@ -203,7 +206,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     if not others:
         return Unknown("not estimated: without every second row the point lies outside the solution")
     moved: Array = np.max([_distance(other, point) / factor for other, factor in others], axis=0)
-    return moved + _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else moved
+    return moved + _scatter(curve, point, stiffness) if slopes.method == "exact" and not curve.smooth else moved
 
 
 def _scatter(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:

@@ -749,6 +749,7 @@ class Fields(Result):
             "P_series_N": self.P,
             "difference": abs(state.P - self.P) / state.lines["surface"].size,
             "elements": len(state.grid.cells),
+            "interpolation_error": dict(state.interpolation_error),
             "lines": {
                 name: {"depth_m": line.depth, "load_N": line.load, "imbalance": state.imbalance[name],
                        "error": state.error[name]}
@@ -761,7 +762,10 @@ class Fields(Result):
         return [
             f"{format_state(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
             f"  load         of the solution {show(self.P, 'load')}: differs by {summary['difference']:.0e} of the "
-            f"contact forces; {summary['elements']} elements",
+            f"contact forces; {summary['elements']} quadratic triangles",
+            f"  fields       interpolation error within {state.interpolation_error['displacement']:.0e} of the largest "
+            f"displacement, {state.interpolation_error['von_mises']:.0e} of the largest von Mises stress (r < 3 a, "
+            "a/20 off the edge)",
             *(
                 f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e})"
                 f"; mean error of the tractions {line['error']:.0e}"
@@ -775,13 +779,17 @@ class Fields(Result):
         return contact_zone_figure(self.state, self.curve.problem.indenter, self.curve.w, self.component)
 
     def write_vtu(self, target: Path, mark: str = "") -> None:
-        """Displacement and stresses at all nodes for ParaView, with ``mark`` behind it."""
+        """Displacement and stresses at the nodes of quadratic triangles for ParaView, with the errors of what is
+        interpolated in each of these, and ``mark`` behind it."""
         from ..methods.fem.mesh import write_vtu
 
-        state = self.state
-        stress = zip(("rr", "tt", "zz", "rz"), state.stress, strict=True)
+        state, names = self.state, [f"sigma_{name}" for name in ("rr", "tt", "zz", "rz")]
         data = {"displacement_m": np.column_stack([state.displacement, np.zeros(len(state.displacement))])}
-        data |= {f"sigma_{name}_Pa": values for name, values in stress}
-        write_vtu(state.grid, target, data | {"von_mises_Pa": state.mises})
+        data |= {f"{name}_Pa": values for name, values in zip(names, state.stress, strict=True)}
+        data |= {"von_mises_Pa": state.mises}
+        errors = {"displacement_err_m": np.hypot(*state.errors["displacement"].T)}
+        errors |= {f"{name}_err_Pa": values for name, values in zip(names, state.errors["stress"].T, strict=True)}
+        errors |= {"von_mises_err_Pa": state.errors["mises"]}
+        write_vtu(state.grid, target, data, errors, state.middles)
         with target.open("a") as file:
             file.write(mark)

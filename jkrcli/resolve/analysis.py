@@ -787,14 +787,14 @@ def _inside(a: float) -> Array:
 def _meshed(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """Pressure at the nodes inside, displacement and gap at the vertices from the edge out to 3 a, by finite elements;
     where the surfaces stick, shear too, outwards positive."""
-    from ..methods.fem.fields import contact_state
+    from ..methods.fem.fields import STATE_ORDER, contact_state
 
     curve = analyse(solution, [w])[0].curve
     delta, _ = (float(value) for value in curve.at(np.array(a)))
     state = contact_state(fem_of(cast(Case, solution.record.case).model), solution.problem, a, delta)
     points, line = state.grid.points, state.lines["surface"]
     beyond = np.flatnonzero((np.abs(points[:, 1]) <= 1e-12 * a) & (a <= points[:, 0]) & (points[:, 0] <= 3 * a))
-    beyond = beyond[np.argsort(points[beyond, 0], kind="stable")]
+    beyond = beyond[np.argsort(points[beyond, 0], kind="stable")][::STATE_ORDER]  # the elements' vertices
     inside = line.r < a * (1 - ROUNDED)
     r, none = np.concatenate([line.r[inside], points[beyond, 0]]), np.zeros(beyond.size)
     f, lower = solution.problem.indenter.f(r), -state.displacement[beyond, 1]

@@ -195,12 +195,11 @@ class ElasticSystem:
         """The basis on the cells of a layer."""
         return _restricted(self.basis, self.grid, layer, self.basis.elem)
 
-    def at_corners(self, layer: int) -> skfem.Basis:
-        """The basis on the cells of a layer at their vertices (cells, 3 or 4)."""
-        corners = self.basis.mesh.elem.refdom.p
-        points = (corners, np.full(corners.shape[1], 1.0))  # the weights are not used
+    def at_places(self, layer: int, places: Array) -> skfem.Basis:
+        """The basis on the cells of a layer at the same ``places`` (2, n) of the reference cell in each."""
         numbers = np.flatnonzero(self.grid.materials == layer)
-        return skfem.Basis(self.basis.mesh, self.basis.elem, elements=numbers, quadrature=points)
+        rule = (places, np.ones(places.shape[1]))  # the weights are not used
+        return skfem.Basis(self.basis.mesh, self.basis.elem, elements=numbers, quadrature=rule)
 
     def side_load(self, traction: Callable[[Array, Array], Array]) -> Array:
         """Consistent nodal loads [N], shape (nodes,), of one component of a ``traction(r, z)`` [Pa] on the side."""

@@ -26,15 +26,19 @@ from .mesh import Grid, finest_spacing, pressure_layers, scaled_layout, truncate
 from .model import Discretisation, Model
 
 # --------------------------------------------------------------------------------------------------
-# Stresses of a solution: at the vertices, and tractions along the lines of a body.
+# Stresses of a solution: at the nodes, and tractions along the lines of a body.
 #
-# At a vertex: the mean of the cells around it, layer by layer; on a line the tractions are those of the line.
+# Every cell is written as quadratic triangles through the nodes of its elements. At a node: the mean of the cells
+# around it, layer by layer; on a line the tractions are those of the line. The error of what is written: what the
+# elements have between the nodes, and beside them in each cell, less what is interpolated from the nodes.
 #
 # On a line: the tractions that balance the nodal forces which the elements on one side of it exert, int t v dA = int
 # sigma : eps(v) dV for every shape function v of the line. They are in equilibrium whatever the mesh.
 
 # What the error of tractions is concluded from.
 TRACTION_CAUTION = 4.0  # times what one order less changes; tuned on the bodies of test_fields.py, by `make test-all`
+# On what elements and the interpolation differ by around a triangle:
+FIELD_CAUTION = 2.0  # tuned on the bodies of test_fields.py, by `make test-all`
 
 
 COMPONENTS = ("rr", "tt", "zz", "rz")
@@ -80,14 +84,11 @@ class Stress:
     solution: Array
     cut: float
 
-    def at_vertices(self, layer: int) -> tuple[Array, Array]:
-        """Vertex numbers of a layer (n,) and the stresses (4, n) there [Pa]: rr, tt, zz, rz."""
-        grid, cells = self.system.grid, self.system.basis.mesh.t.T
-        used, corners = np.unique(cells[grid.materials == layer], return_inverse=True)
-        values = self._at_points(self.system.at_corners(layer), layer).reshape(len(COMPONENTS), -1)
-        means = np.array([np.bincount(corners.ravel(), row) for row in values]) / np.bincount(corners.ravel())
-        means[3, grid.points[used, 0] == 0] = 0.0  # there is no shear on the axis
-        return used, means
+    def at_places(self, layer: int, places: Array) -> tuple[Array, Array]:
+        """u_r, u_z [m] (2, cells, n) and rr, tt, zz, rz [Pa] (4, ...) at the ``places`` in each cell of a layer."""
+        basis = self.system.at_places(layer, places)
+        u = np.array([np.asarray(basis.interpolate(part)) for part in self.system.components(self.solution)])
+        return u, self._at_points(basis, layer).reshape(len(COMPONENTS), *u.shape[1:])
 
     def interface(self, above: int) -> TractionLine:
         """Tractions between the layers ``above`` and ``above`` + 1."""
@@ -163,6 +164,7 @@ STATE_SPACING = 0.2  # element size over the distance from the edge; tuned on ge
 STATE_STUCK = 0.1  # the same of surfaces that stick, which must be grown on it; choice: as exact there
 STATE_GROWTH = 0.2  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
 STATE_FINEST = 1e-5  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
+STATE_AWAY = 0.05  # radii from the edge, where stresses are infinite, beyond which fields are; choice: as in pictures
 STATE_NEAR = 3.0  # radii within which tractions are judged; choice: what the error stands for
 
 
@@ -170,24 +172,46 @@ STATE_NEAR = 3.0  # radii within which tractions are judged; choice: what the er
 class ContactState:
     """The body in contact of radius ``a`` [m] at displacement ``delta`` [m] and load ``P`` [N].
 
-    ``grid``: its vertices, those of interfaces once for each layer; ``displacement`` (n, 2): u_r, u_z [m];
-    ``stress`` (4, n): rr, tt, zz, rz [Pa], tension positive; ``lines``: tractions by name, "surface" first, then
-    "interface 1" ... and "base" where the specimen ends there.
+    ``grid``: triangles through the nodes, those of interfaces once for each layer; ``middles`` (m, 3): the nodes amid
+    their sides 01, 12, 20, which make them quadratic; ``displacement`` (n, 2): u_r, u_z [m]; ``stress`` (4, n): rr, tt,
+    zz, rz [Pa], tension positive; ``errors`` (m, ...) of what is interpolated in each triangle: "displacement" (m, 2),
+    "stress" (m, 4) and "mises" (m,), NaN at the edge of the contact; ``lines``: tractions by name, "surface" first,
+    then "interface 1" ... and "base" where the specimen ends there.
     """
 
     a: float
     delta: float
     P: float
     grid: Grid
+    middles: Array
     displacement: Array
     stress: Array
+    errors: dict[str, Array]
     lines: dict[str, TractionLine]
 
     @cached_property
     def mises(self) -> Array:
         """Von Mises' equivalent stress [Pa], (n,)."""
-        rr, tt, zz, rz = self.stress
-        return np.sqrt(((rr - tt) ** 2 + (tt - zz) ** 2 + (zz - rr) ** 2) / 2 + 3 * rz**2)
+        return von_mises(self.stress)
+
+    @cached_property
+    def quadratic(self) -> Array:
+        """Nodes of the triangles (m, 6): vertices, then the middles of the sides 01, 12, 20."""
+        return np.column_stack([self.grid.cells, self.middles])
+
+    @cached_property
+    def interpolation_error(self) -> dict[str, float]:
+        """Largest error of displacements and of von Mises' stress within three contact radii, further from the edge
+        than a twentieth of one, relative to their largest values there."""
+        corners = self.grid.points[self.grid.cells]
+        near = np.hypot(*np.moveaxis(corners, 2, 0)).max(axis=1) <= STATE_NEAR * self.a
+        near &= np.hypot(corners[..., 0] - self.a, corners[..., 1]).min(axis=1) >= STATE_AWAY * self.a
+        nodes = self.quadratic[near]
+        displacement = self.errors["displacement"][near].max() / np.abs(self.displacement[nodes]).max()
+        return {
+            "displacement": float(displacement),
+            "von_mises": float(self.errors["mises"][near].max() / self.mises[nodes].max()),
+        }
 
     @cached_property
     def imbalance(self) -> dict[str, float]:
@@ -239,30 +263,148 @@ def contact_state(
     return _state(model, a, delta, p, problem.E_star / problem.specimen.surface.E_star)
 
 
+def von_mises(stress: Array) -> Array:
+    """Von Mises' equivalent of the stresses (4, ...): rr, tt, zz, rz."""
+    rr, tt, zz, rz = stress
+    return np.sqrt(((rr - tt) ** 2 + (tt - zz) ** 2 + (zz - rr) ** 2) / 2 + 3 * rz**2)
+
+
 def _state(model: Model, a: float, delta: float, p: Array, share: float) -> ContactState:
     system, body, P = model.system, model.body, float(p[model.surface.normal].sum())
-    solution = model.field(p)
-    stress, vertices = Stress(system, solution, _cut(model)), system.basis.nodal_dofs[0]
-    u = np.column_stack([part[vertices] for part in system.components(solution)])
-    u[:, 1] -= model.missing * P if body.completed else 0.0
-    layers = range(len(body.materials))
-    used, values = zip(*(stress.at_vertices(layer) for layer in layers), strict=True)
-    lines = {"surface": stress.surface(a)} | {f"interface {i + 1}": stress.interface(i) for i in layers[:-1]}
+    stress = Stress(system, model.field(p), _cut(model))
+    lines = {"surface": stress.surface(a)}
+    lines |= {f"interface {i + 1}": stress.interface(i) for i in range(len(body.materials) - 1)}
     if not body.cut_below:
         lines["base"] = stress.base()
-    # The grid with the vertices of interfaces once for each layer, used: those of each
-    cells = np.empty_like(system.grid.cells)
-    start = 0
-    for layer, numbers in enumerate(used):
-        inside = system.grid.materials == layer
-        cells[inside] = start + np.searchsorted(numbers, system.grid.cells[inside])
-        start += numbers.size
-    split = Grid(system.grid.points[np.concatenate(used)], cells, system.grid.materials, {})
-    grid, stresses = split, np.concatenate(values, axis=1)
+    points, numbers = _nodes(system.basis.mesh)
+    parts, start = [], 0
+    for layer in range(len(body.materials)):
+        part = _written(stress, layer, points, numbers[system.grid.materials == layer], lines, a)
+        parts.append(replace(part, triangles=part.triangles + start))
+        start += len(part.points)
+    missing = model.missing * P if body.completed else 0.0
+    displacement = np.concatenate([part.u for part in parts]) - np.array([0.0, missing])
+    triangles = np.concatenate([part.triangles for part in parts])
+    layers = np.repeat(np.arange(len(parts)), [len(part.triangles) for part in parts])
+    grid = Grid(np.concatenate([part.points for part in parts]), triangles[:, :3], layers, {})
+    errors = {name: np.concatenate([part.errors[name] for part in parts]) for name in parts[0].errors}
+    errors["displacement"] = share * errors["displacement"]
+    stresses = np.concatenate([part.stress for part in parts], axis=1)
+    return ContactState(a, delta, P, grid, triangles[:, 3:], share * displacement, stresses, errors, lines)
+
+
+# The places of a cell: a lattice with the elements' nodes, and one twice as fine, between them.
+_PLACES = {
+    n: np.array([(i, j) for j in range(n + 1) for i in range(n + 1 - j)]) for n in (STATE_ORDER, 2 * STATE_ORDER)
+}
+
+
+def _nodes(mesh: Any) -> tuple[Array, Array]:
+    """Positions (n, 2) [m] of the lattice of nodes on a mesh, and their numbers in each cell (cells, places): vertices
+    first, then those on sides, from the lower vertex on, then those inside."""
+    n, (i, j) = STATE_ORDER, _PLACES[STATE_ORDER].T
+    weights = np.column_stack([n - i - j, i, j])
+    p, t, t2f, facets = mesh.p, mesh.t, mesh.t2f, mesh.facets
+    lower, upper = p[:, facets[0], None], p[:, facets[1], None]
+    on_sides = lower + (upper - lower) * np.arange(1, n) / n
+    inside = np.flatnonzero((weights > 0).all(axis=1))
+    centres = np.einsum("dkc,qk->dcq", p[:, t], weights[inside] / n)
+    points = np.concatenate([p, on_sides.reshape(2, -1), centres.reshape(2, -1)], axis=1).T
+    numbers = np.empty((t.shape[1], len(weights)), dtype=np.int64)
+    numbers[:, inside] = points.shape[0] - centres[0].size + np.arange(centres[0].size).reshape(-1, inside.size)
+    for q, weight in enumerate(weights):
+        ends = np.flatnonzero(weight)
+        if ends.size == 1:
+            numbers[:, q] = t[ends[0]]
+        elif ends.size == 2:
+            facet = t2f[[(0, 1), (1, 2), (0, 2)].index((ends[0], ends[1]))]
+            steps = np.where(t[ends[1]] == facets[1][facet], weight[ends[1]], weight[ends[0]])
+            numbers[:, q] = p.shape[1] + facet * (n - 1) + steps - 1
+    return points, numbers
+
+
+def _triangles(n: int) -> Array:
+    """Vertices (m, 3, 2) of the triangles on the lattice of order ``n`` with a place amid each side."""
+    corners = []
+    for i, j in _PLACES[n][(_PLACES[n] % 2 == 0).all(axis=1)]:
+        if i + j < n:
+            corners.append([(i, j), (i + 2, j), (i, j + 2)])
+        if i + j < n - 2:
+            corners.append([(i + 2, j + 2), (i, j + 2), (i + 2, j)])
+    return np.array(corners)
+
+
+def _quadratic(x: Array, y: Array) -> Array:
+    """Shape functions of a quadratic triangle, (places, 6): vertices, then the middles of the sides 01, 12, 20."""
+    z = 1 - x - y
+    return np.column_stack([z * (2 * z - 1), x * (2 * x - 1), y * (2 * y - 1), 4 * z * x, 4 * x * y, 4 * y * z])
+
+
+@dataclass(frozen=True, eq=False)
+class _Written:
+    """What is written of a layer: ``points`` (n, 2), ``triangles`` (m, 6), ``u`` (n, 2), ``stress`` (4, n), and
+    ``errors`` by triangle."""
+
+    points: Array
+    triangles: Array
+    u: Array
+    stress: Array
+    errors: dict[str, Array]
+
+
+def _written(
+    stress: Stress, layer: int, points: Array, numbers: Array, lines: dict[str, TractionLine], a: float
+) -> _Written:
+    """A layer as quadratic triangles through the nodes, by their ``numbers`` (cells, places) among the ``points``."""
+    n = STATE_ORDER
+    used, own = np.unique(numbers, return_inverse=True)
+    own = own.reshape(numbers.shape)
+    u, values = stress.at_places(layer, _PLACES[2 * n].T / (2 * n))
+    fine = {(int(i), int(j)): k for k, (i, j) in enumerate(_PLACES[2 * n])}
+    at_nodes = [fine[2 * int(i), 2 * int(j)] for i, j in _PLACES[n]]
+
+    # Means of the cells around each node; displacements are the same in all
+    count = np.bincount(own.ravel())
+    mean_u, means = (
+        np.array([np.bincount(own.ravel(), row[:, at_nodes].ravel()) for row in field]) / count for field in (u, values)
+    )
+    places = points[used]
+    means[3, places[:, 0] == 0] = 0.0  # there is no shear on the axis
     for line in lines.values():  # tractions are the same on both sides
-        on = np.isclose(grid.points[:, 1], -line.depth, rtol=ROUNDED, atol=0) & (grid.points[:, 0] <= line.r[-1])
-        stresses[2:, on] = [np.interp(grid.points[on, 0], line.r, traction) for traction in (line.zz, line.rz)]
-    return ContactState(a, delta, P, grid, share * u[np.concatenate(used)], stresses, lines)
+        on = np.isclose(places[:, 1], -line.depth, rtol=ROUNDED, atol=0) & (places[:, 0] <= line.r[-1])
+        means[2:, on] = [np.interp(places[on, 0], line.r, traction) for traction in (line.zz, line.rz)]
+
+    # Of each triangle the lattice of all its places in between: vertices, middles, and the nine others
+    coarse = {(int(i), int(j)): k for k, (i, j) in enumerate(_PLACES[n])}
+    inner = _PLACES[n] / n
+    shapes = _quadratic(*inner.T)
+    mean_mises, mises = von_mises(means), von_mises(values)
+    fields = {"displacement": (u, mean_u), "stress": (values, means), "mises": (mises[None], mean_mises[None])}
+    triangles: list[Array] = []
+    errors: dict[str, list[Array]] = {name: [] for name in fields}
+    for corners in _triangles(n):
+        ring = np.concatenate([corners, (corners + np.roll(corners, -1, axis=0)) // 2])
+        nodes = own[:, [coarse[int(i), int(j)] for i, j in ring]]
+        first, *others = 2 * corners
+        between = first + inner @ np.array([other - first for other in others])
+        at = [fine[int(i), int(j)] for i, j in np.rint(between)]
+        triangles.append(nodes)
+        for name, (field, nodal) in fields.items():
+            errors[name].append(np.abs(field[..., at] - nodal[..., nodes] @ shapes.T).max(axis=-1))
+    of_triangles = np.concatenate(triangles)
+    sides = np.diff(places[of_triangles[:, :3]], axis=1)
+    clockwise = sides[:, 0, 0] * sides[:, 1, 1] < sides[:, 0, 1] * sides[:, 1, 0]
+    of_triangles[clockwise] = of_triangles[clockwise][:, [0, 2, 1, 5, 4, 3]]
+    at_edge = (np.abs(places[of_triangles] - np.array([a, 0.0])) <= ROUNDED * a).all(axis=2).any(axis=1)
+    found = {}
+    for name, (_, nodal) in fields.items():
+        error = np.concatenate([part.T for part in errors[name]])
+        error[at_edge] = 0.0 if name == "displacement" else np.nan  # stresses are infinite there
+        around = np.zeros(nodal.T.shape)  # the largest of the triangles around each node
+        np.fmax.at(around, of_triangles, error[:, None])
+        size = stress.cut * np.abs(nodal[:, of_triangles]).max(axis=2).T
+        found[name] = FIELD_CAUTION * around[of_triangles].max(axis=1) + size + 0 * error
+    return _Written(places, of_triangles, mean_u.T, means, found | {"mises": found["mises"][:, 0]})
 
 
 def _cut(model: Model) -> float:

@@ -686,15 +686,25 @@ def write_msh(grid: Grid, path: Path) -> None:
             path.write_bytes(written.read_bytes())
 
 
-def write_vtu(grid: Grid, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
-    """Write the mesh in VTK's format .vtu with layer and quality of each cell; ``point_data``: values at vertices."""
+def write_vtu(
+    grid: Grid,
+    path: Path,
+    point_data: Mapping[str, Array] | None = None,
+    cell_data: Mapping[str, Array] | None = None,
+    middles: Array | None = None,
+) -> None:
+    """Write the mesh in VTK's format .vtu with layer and quality of each cell; ``point_data``: values at points,
+    ``cell_data``: of cells; ``middles`` (m, 3): points amid the sides 01, 12, 20, which make triangles quadratic."""
     require("meshio")
     import meshio
 
     points = np.column_stack([grid.points, np.zeros(len(grid.points))])
-    kind = "triangle" if grid.element == "triangle" else "quad"
-    cell_data = {"layer": [np.asarray(grid.materials)], "quality": [grid.quality()]}
-    mesh = meshio.Mesh(points, [(kind, np.asarray(grid.cells))], point_data=dict(point_data or {}), cell_data=cell_data)
+    kind, cells = "triangle" if grid.element == "triangle" else "quad", np.asarray(grid.cells)
+    if middles is not None:
+        kind, cells = "triangle6", np.column_stack([cells, middles])
+    of_cells = {"layer": grid.materials, "quality": grid.quality()} | dict(cell_data or {})
+    data = {name: [np.asarray(values)] for name, values in of_cells.items()}
+    mesh = meshio.Mesh(points, [(kind, cells)], point_data=dict(point_data or {}), cell_data=data)
     mesh.write(str(path), file_format="vtu")
 
 

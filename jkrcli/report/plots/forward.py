@@ -239,8 +239,9 @@ def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, fac
     norm = BoundaryNorm(levels, colors.N, extend=extend)
     moved = (grid.points + factor * state.displacement) / length
     near = _within(grid.points, state.a)[grid.cells].any(axis=1)
+    quarters = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]  # of a quadratic triangle
     for layer in np.unique(grid.materials[near]):
-        cells = grid.cells[near & (grid.materials == layer)]
+        cells = state.quadratic[near & (grid.materials == layer)][:, quarters].reshape(-1, 3)
         for side in (1, -1):
             body = Triangulation(side * moved[:, 0], moved[:, 1], cells)
             drawn = axes.tricontourf(body, values / stress, levels=levels, cmap=colors, norm=norm, extend=extend)

@@ -53,7 +53,7 @@ HEADS = {  # how a file begins, and what then stands near its head
     b"\x89PNG": b"Software\0jkr ",
     b"<?xml": b"<dc:title>jkr ",
     b"{": b'"format": "jkr-',
-    b"/* Written by jkr: ": b"#ifndef JKR_CONTACT_H",
+    b"/* Written by jkr: ": b"#ifndef JKR_",
     b'"""Written by jkr ': b", a fit model for nanite and PyJibe.",
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes

@@ -51,8 +51,7 @@ def test_transform_writes_beside_jkr_and_adds_a_column(tip: Path) -> None:
     assert by_stress["pull_off"]["load"]["P_N"] == pytest.approx(by_range["pull_off"]["load"]["P_N"], rel=1e-12)
     assert by_stress["pull_off"]["load"]["c_m"] > by_stress["pull_off"]["load"]["a_m"]
     found, plain = read_curve(Path("tip-w0.05-range5e-10.csv")), read_curve(Path("tip-w0.05.csv"))
-    assert [*found][: len(plain)] == [*plain]
-    assert list(found)[-1] == "c_m"
+    assert [*found] == [*list(plain)[:-1], "c_m", "level"]
     touching = found["a_m"] > 0
     rows = np.searchsorted(found["a_m"][touching], plain["a_m"] * (1 - 1e-12))
     np.testing.assert_allclose(found["delta_H_m"][touching][rows], plain["delta_H_m"], rtol=1e-7)

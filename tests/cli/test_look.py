@@ -123,7 +123,7 @@ def test_no_row_is_dropped_silently(jkr: Callable[..., Outcome], tmp_path: Path)
     assert "401 rows of displacement, load; approach 1, retract 400" in done.out
     assert "no approach: 1 of its rows, at least 20 are needed" in done.out
     path.write_text("\n".join(["delta_um,P_nN", *rows]) + "\n")
-    assert "400 rows of displacement, load; retract 400\n" in jkr("look", str(path), "--no-plots").out
+    assert "400 rows of displacement, load; retract 400; " in jkr("look", str(path), "--no-plots").out
     path.write_text("\n".join(["delta_um,P_nN", rows[1], *rows]) + "\n")
     assert "401 rows of displacement, load; retract 400, 1 of neither" in jkr("look", str(path), "--no-plots").out
 

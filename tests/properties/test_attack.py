@@ -464,12 +464,15 @@ def test_a_fixed_work_beyond_sense_is_refused(jkr, series: Path) -> None:
 
 def test_an_imported_displacement_beyond_sense_is_refused(jkr, series: Path) -> None:
     """It ended in a traceback."""
-    rows = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 30))
-    Path("i.csv").write_text("a_m,delta_m,P_N\n" + rows)
-    done = jkr("import", "i.csv", "--case", "s.toml", "-o", "i.h5", "--factor", "delta=1e300")
-    assert (done.code, done.err) == (
-        2, "jkr: error: i.csv: displacement must be at most 1e+30 in SI units: is its unit right?\n"
-    )  # fmt: skip
+    words = "import", "i.csv", "--case", "s.toml", "-o", "i.h5"
+    for exponent, factor, message in (
+        (291, "1", "i.csv: line 2: displacement must be up to 1e+30, got 1e+291"),
+        (-9, "1e300", "--factor delta: must lie between 1e-12 and 1e+12, of either sign, got 1e+300"),
+    ):
+        rows = "".join(f"{i}e-6,{i**2}e{exponent},{i**3}e-9\n" for i in range(1, 30))
+        Path("i.csv").write_text("a_m,delta_m,P_N\n" + rows)
+        done = jkr(*words, "--factor", f"delta={factor}")
+        assert (done.code, done.err) == (2, f"jkr: error: {message}\n")
 
 
 def test_a_cycle_without_adhesion_has_no_loop_to_enlarge(jkr, series: Path) -> None:

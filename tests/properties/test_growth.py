@@ -186,7 +186,7 @@ count = {}
     [
         (250_000, 2, "x.toml: is larger than 2 MiB"),
         (2_000, 2, "make 12,000 columns, at most 10,000 are written; use fewer"),
-        (1_000, 20_000, "20,000 cases of 6,023 columns, 120,460,000 cells, at most 100,000,000 are written"),
+        (1_000, 20_000, "20,000 cases of 6,024 columns, 120,480,000 cells, at most 100,000,000 are written"),
     ],
 )
 def test_tables_of_sweeps_too_large_to_write_are_refused(jkr, radii: int, cases: int, said: str) -> None:

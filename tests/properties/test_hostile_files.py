@@ -17,6 +17,7 @@ import vendors
 from conftest import Outcome
 from fuzzing import address_space, bounded, outcome
 from hostile import harm_hdf5, harm_jpk, harm_zip
+from matplotlib.figure import Figure
 from series_files import edit
 
 from jkrcli.base import hdf5
@@ -379,7 +380,7 @@ def test_an_archive_of_very_many_members_is_read(tmp_path: Path, monkeypatch: py
 
 def test_curves_of_long_names_are_fitted_and_drawn(jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A name of 300 letters failed after all work."""
-    monkeypatch.setattr("jkrcli.report.plots.inverse.fit_figure", lambda item: None)  # its files are named before
+    monkeypatch.setattr("jkrcli.report.plots.inverse.fit_figure", lambda item: Figure())  # its files are named before
     a = np.linspace(2e-5, 9e-5, 40)
     P = 4e6 / 0.91 * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05e6 / 0.91)
     rows = "".join(f"{x},{y}\n" for x, y in zip(a.tolist(), P.tolist(), strict=True)).encode()

@@ -17,7 +17,8 @@ def test_every_slip_is_one_line_that_stands_once_and_its_tests_exist() -> None:
     assert len({(slip.file, slip.what) for slip in slips()}) == len(slips()) >= 40
     for slip in slips():
         _, text = slip.made(ROOT)
-        ast.parse(text)
+        if slip.file.endswith(".py"):
+            ast.parse(text)
         assert slip.old != slip.new
         assert "\n" not in slip.old + slip.new
         for test in slip.tests:

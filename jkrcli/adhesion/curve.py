@@ -870,7 +870,10 @@ class AdhesiveCurve(EquilibriumCurve):
         theirs.
         """
         z = np.log(self.nonadhesive.knots.a - self.series.a0)
-        a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), CURVE_LOOKED_AT)).ravel()
+        wide = np.diff(z) > math.log(CURVE_WIDEST)
+        if wide.all():
+            return self._too_wide
+        a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), CURVE_LOOKED_AT))[~wide].ravel()
         a = a[~self.beyond(a)]  # points around pull-off may be solved beyond the last row
         errors = self.interpolation_at(a)
         if isinstance(errors, Unknown):
@@ -878,7 +881,16 @@ class AdhesiveCurve(EquilibriumCurve):
         values = dict(zip(("delta", "P"), self.at(a), strict=True))
         lowest = {"delta": self.delta.min(), "P": self.P.min()}
         units = {name: np.maximum(np.abs(value), abs(lowest[name])) for name, value in values.items()}
-        return float(max(np.max(errors[name] / units[name]) for name in units))
+        largest = float(max(np.max(errors[name] / units[name]) for name in units))
+        if wide.any():
+            end = show(float(self.nonadhesive.knots.a[1:][wide][-1]), "length", 4)
+            return Unknown(f"{self._too_wide.reason} (up to a = {end}), {largest:.1e} elsewhere")
+        return largest
+
+    @property
+    def _too_wide(self) -> Unknown:
+        beyond = " beyond the flat end" if self.series.a0 > 0 else ""
+        return Unknown(f"unknown where neighbouring radii{beyond} differ by more than a factor of {CURVE_WIDEST:g}")
 
     def interpolation_at(self, a: Array) -> dict[str, Array] | Unknown:
         """Errors of "delta" [m] and "P" [N] between the points, at radii within the series; 0 at the points.
@@ -901,7 +913,7 @@ class AdhesiveCurve(EquilibriumCurve):
         if self.nonadhesive.knots.a.size < CURVE_FEWEST:
             return Unknown(f"unknown: fewer than {CURVE_FEWEST} points")
         if gap > math.log(CURVE_WIDEST):
-            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {CURVE_WIDEST:g}")
+            return self._too_wide
         return None
 
     def work_between(self, low: float, high: float) -> Estimate:

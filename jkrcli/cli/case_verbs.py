@@ -111,11 +111,15 @@ reading_options = options.as_one(
                  help='Contact point, subtracted: delta="1.2 um"; a length without a key is delta.'),
     click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
                  help="auto: a displacement or load that is negative in compression is turned."),
-    click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,
-                 help="Meaning of a contact area: area of the indenter's surface (Eq. A3), or pi a^2."),
+    click.option("--area", type=click.Choice(["auto", "surface", "projected"]), default="auto", show_default=True,
+                 help="Meaning of a contact area: area of the indenter's surface (Eq. A3), or pi a^2. auto: pi a^2 "
+                 "where the exact solution of these bodies says so."),
     *SEPARATED,
     click.option("--compare/--no-compare", default=True, show_default=True,
                  help="With the exact solution of these bodies: where the edge is between nodes, and the shape."),
+    click.option("--nodes", type=options.FileType(),
+                 help="Radii of all nodes of the mesh at the contact, a table of one column, where contact radii are "
+                 "those of nodes. Default: the series tells them."),
     click.option("--sort", is_flag=True, help="Order the rows by displacement first."),
 )  # fmt: skip
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import click
 
@@ -197,7 +197,9 @@ def series_file(path: Path) -> Path:
     if existing is not None:
         note(f"{path}: {target} holds its solution already (method {existing.method})")
         if _adhesion(existing.record) != _adhesion(record_of(case)):
-            write_solution(target, replace(existing, record=record_of(case)), existing.record.command_line)
+            loading = cast(Case, existing.record.case).model.loading  # of an import that of its table
+            record = record_of(replace(case, model=case.model.model_copy(update={"loading": loading})))
+            write_solution(target, replace(existing, record=record), existing.record.command_line)
         return target
 
     choice, solution = solve(case, announce=note)
@@ -213,18 +215,20 @@ def _adhesion(record: Record) -> tuple[object, ...]:
 
 
 def _solved(target: Path, case: Case) -> Solution | None:
-    """What ``target`` holds where that is a series of the same body, loading and method by this release."""
+    """What ``target`` holds where that is a series of the same body, loading and method by this release, or one of the
+    same body that was imported."""
     try:
         solution = read_solution(target, with_pressure=True) if target.exists() else None
     except InputError:
         return None
     if solution is None or not isinstance(solution.record.case, Case):
         return None
-    apart = {"title", "adhesion"} | other_tables(solution.method)
+    imported = solution.record.command_line.startswith(IMPORTED)
+    apart = {"title", "adhesion"} | other_tables(solution.method) | ({"loading", "method"} if imported else set())
     there, wanted = (one.model.model_dump(exclude=apart) for one in (solution.record.case, case))
-    if there == wanted and solution.record.versions.get("jkr") == __version__:
+    if there == wanted and (imported or solution.record.versions.get("jkr") == __version__):
         return solution
-    if solution.record.command_line.startswith(IMPORTED):
+    if imported:
         raise InputError(f"{target}: is an imported solution of another case: name it itself, or move it away")
     return None
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..base.errors import InputError, Unknown, counted
-from ..base.numerics import Array
+from ..base.numerics import Array, cubic_spline
 from ..base.units import LARGEST_SI
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
+NODE_OFF = 0.2  # choice: of an element, by which radii may miss nodes: they are rounded, or those of an area
 UNKNOWN = Unknown("unknown: imported data")
 NAMES = VOCABULARIES["computed"]
 
@@ -39,8 +40,10 @@ class SeriesReading:
     ``factors``: on top of the units (P = 180 for CalculiX, which prints the force on its wedge of 2 degrees).
     ``zero``: displacement [m] and load [N] at first touch, after the sign, subtracted. ``sign``: "auto" turns a
     displacement or load that is negative throughout, "as-is" leaves them. ``sort``: order the rows by displacement.
-    ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), or its "projected" area pi a^2. ``compare``:
-    whether the exact solution of the bodies, where there is one, tells where the edge is between nodes, and the shape.
+    ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), its "projected" area pi a^2, or "auto": the
+    surface unless the exact solution of the bodies says that it is the projected one. ``compare``: whether the exact
+    solution of the bodies, where there is one, tells where the edge is between nodes, the shape, and what an area is.
+    ``nodes``: a table of the radii of all nodes of the mesh at the contact, where the contact radii are those of nodes.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -49,8 +52,9 @@ class SeriesReading:
     zero: Mapping[str, float] = field(default_factory=dict)
     sign: Literal["auto", "as-is"] = "auto"
     sort: bool = False
-    area: Literal["surface", "projected"] = "surface"
+    area: Literal["auto", "surface", "projected"] = "auto"
     compare: bool = True
+    nodes: Path | None = None
     separator: str | None = None
     decimal: str | None = None
 
@@ -96,8 +100,11 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     if wrong and not noisy:
         raise InputError(wrong)
     if "area" in values:
-        values["a"] = _radii(path, values.pop("area"), lines, indenter, reading.area)
+        values["a"], meaning = _radii(path, values, lines, problem, reading)
+        reading = replace(reading, area=meaning)
     raw = RawSeries(values["a"], values["delta"], values["P"], lines)
+    if reading.nodes is not None:
+        raw = _on_nodes(path, raw, reading.nodes, reading.units.get("a"))
     if noisy:
         beside, series, words = _by_fit(path, raw, problem, reading.compare)
         raw = beside.raw
@@ -113,7 +120,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     if doubts:
         said = doubts[0].removeprefix("the loads are ") if said in doubts[0] else f"{said}; {doubts[0]}"
     facts = _facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"}
-    facts |= {"loads": said, "radii": beside.of_nodes or "those of the rows"}
+    rows = "those of the rows" if "a" in chosen else f"of the contact area ({reading.area}: --area)"
+    facts |= {"loads": said, "radii": beside.of_nodes or rows}
     if loads is not None:
         facts |= {"loads_factor": loads.factor, "loads_factor_error": loads.error * loads.factor}
     return Solution(
@@ -146,7 +154,7 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
     touched = int(np.argmax(raw.a > indenter.a0))
     first = touched + near_first_touch(hidden[touched:])
     used = ~hidden & (np.arange(hidden.size) >= first)
-    kept = RawSeries(*(column[used] for column in (raw.a, raw.delta, raw.P, raw.rows)))
+    kept = raw.only(used)
     _check_kept(path, kept, int(np.sum(~used)), indenter)
     S0 = None if indenter.a0 > 0 else 0.0
     beside = compared(problem, kept, compare)
@@ -218,9 +226,34 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
                              "contact with this indenter begins")  # fmt: skip
 
 
+def _on_nodes(path: Path, raw: RawSeries, file: Path, unit: str | None) -> RawSeries:
+    """The rows with their radii at the nodes of the mesh, whose radii the ``file`` holds, and the elements outside
+    these; InputError where a radius is that of no node."""
+    table = read_table(file, least=1)
+    if table.values.shape[1] != 1:
+        raise InputError(f"{file}: must hold one column, radii of nodes, got {table.values.shape[1]}")
+    nodes = NAMES.in_si(table, "a", 0, None if table.names and split_name(table.names[0])[1] else unit)
+    nodes = np.unique(nodes)
+    if nodes.size < LEAST_ROWS or nodes[0] < 0:
+        got = f"{nodes.size} different ones" if nodes[0] >= 0 else f"{nodes[0]:.6g} m"
+        raise InputError(f"{file}: must hold at least {LEAST_ROWS} radii of nodes, none below 0, got {got}")
+    middles = (nodes[1:] + nodes[:-1]) / 2
+    nearest = np.searchsorted(middles, raw.a)
+    element = np.diff(nodes)[np.minimum(nearest, nodes.size - 2)]
+    off = np.abs(raw.a - nodes[nearest]) > NODE_OFF * element
+    if (wrong := off & (raw.a > 0)).any():
+        i = int(np.argmax(wrong))
+        raise InputError(
+            f"{path}: line {raw.rows[i]}: contact radius {raw.a[i]:.6g} m is that of no node in {file}, of which the "
+            f"nearest has {nodes[nearest[i]]:.6g} m: is the unit right, and are these the nodes of this mesh?"
+        )
+    return replace(raw, a=np.where(raw.a > 0, nodes[nearest], raw.a), element=element)
+
+
 def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, dropped: int) -> dict[str, Any]:
     return {
         "compared": "yes" if reading.compare else "no",
+        "nodes": "from the series" if reading.nodes is None else reading.nodes.name,
         "source": table.path.name,
         "columns": table.listed(chosen),
         "factors": ", ".join(f"{key} = {value:g}" for key, value in reading.factors.items()) or "none",
@@ -234,17 +267,62 @@ def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, 
 
 
 # ---------------------------------------------------------------------- contact area
-def _radii(path: Path, area: Array, lines: Array, indenter: Indenter, kind: str) -> Array:
-    """Contact radii [m] from contact areas [m^2]; InputError with the line where the indenter has no such area."""
-    if kind == "projected":
-        return np.sqrt(np.maximum(area, 0) / math.pi)
+# When an area is the projected one, by the radii that the bodies have at the displacements of the rows.
+AREA_APART = 1e-3  # choice: of radii, below which both meanings are the same
+AREA_FEWEST = 8  # choice: rows
+AREA_LOADS = 0.02  # choice: of loads at equal displacement, up to which the bodies are the right ones
+AREA_NEAR = 0.25  # choice: of the difference of both meanings, four standard errors and more on either side
+
+
+def _radii(
+    path: Path, values: dict[str, Array], lines: Array, problem: Problem, reading: SeriesReading
+) -> tuple[Array, Literal["surface", "projected"]]:
+    """Contact radii [m] from the contact areas [m^2] of the ``values``, and what the areas are; InputError with the
+    line where the indenter has no such area."""
+    indenter, area = problem.indenter, values.pop("area")
+    projected = np.sqrt(np.maximum(area, 0) / math.pi)
+    if reading.area == "projected":
+        return projected, "projected"
     ends = math.isfinite(indenter.r_max)
     limit = float(surface_area(np.array(indenter.r_max * (1 - 1e-12)), indenter)) if ends else math.inf
     beyond = area > limit
     if beyond.any():
         raise InputError(f"{path}: line {lines[beyond][0]}: contact area {area[beyond][0]:.6g} m^2 is larger than the "
                          f"indenter's surface, {limit:.6g} m^2; is the unit right?")  # fmt: skip
-    return radius_from_area(np.maximum(area, 0), indenter)
+    surface = radius_from_area(np.maximum(area, 0), indenter)
+    if reading.area == "auto" and reading.compare and _is_projected(problem, projected, surface, values):
+        return projected, "projected"
+    return surface, "surface"
+
+
+def _is_projected(problem: Problem, projected: Array, surface: Array, values: Mapping[str, Array]) -> bool:
+    """Whether the radii are the bodies' own at the displacements of the rows if the areas are ``projected``, and not if
+    they are those of the ``surface``; nothing is told by bodies that have other loads at these displacements.
+
+    ln(a/a_surface) = share ln(a_projected/a_surface) + lag/a: a mesh reports radii that lag by part of an element.
+    """
+    from ..resolve.resolve import own_solution
+
+    delta, P = values["delta"], values["P"]
+    rows = (projected > problem.indenter.a0) & (projected < problem.indenter.r_max) & (delta > 0) & (P > 0)
+    if rows.sum() < AREA_FEWEST or np.log(projected[rows] / surface[rows]).max() < AREA_APART:
+        return False
+    own = own_solution(problem, projected[rows])
+    if own is None:
+        return False
+    rows &= (delta > own.delta[0]) & (delta <= own.delta[-1])
+    if rows.sum() < AREA_FEWEST:
+        return False
+    a, x = surface[rows], np.log(delta[rows])
+    log_a, log_P = cubic_spline(np.log(own.delta), np.log(np.stack([own.a - own.a0, own.P], axis=1)))(x).T
+    if np.median(np.abs(log_P - np.log(P[rows]))) > AREA_LOADS:
+        return False
+
+    columns = np.stack([np.log(projected[rows] / a), a[-1] / a], axis=1)
+    gap = np.log((own.a0 + np.exp(log_a)) / a)
+    (share, lag), *_ = np.linalg.lstsq(columns, gap, rcond=None)
+    variance = np.sum((gap - columns @ [share, lag]) ** 2) / (gap.size - 2) * np.linalg.inv(columns.T @ columns)[0, 0]
+    return bool(abs(share - 1) < AREA_NEAR and 4 * math.sqrt(variance) < AREA_NEAR)
 
 
 def surface_area(a: Array, indenter: Indenter) -> Array:

@@ -493,8 +493,9 @@ def _of_curve(result: Analysis) -> Iterator[str]:
     yield from _comparison(result)
     budget, slopes = result.budget, result.curve.slopes
     parts = f"(solution {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
-    between = f"interpolation error up to {_estimate(result.curve.interpolation_error)}"
-    yield f"curve: {accuracy(budget.total)} {parts}; {between}"
+    largest = result.curve.interpolation_error
+    upto = "" if isinstance(largest, Unknown) else "up to "
+    yield f"curve: {accuracy(budget.total)} {parts}; interpolation error {upto}{_estimate(largest)}"
     below = result.solution.facts.get("rows_below", 0)
     more = f", {below} of them at smaller radii, for pull-off" if below else ""
     yield (

@@ -26,7 +26,8 @@ from ..adhesion.curve import (
 from ..adhesion.device_path import Stability, behaviours, stable_radius
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range, RangeRequest
 from ..adhesion.pull_off_error import Errors, pull_off_error
-from ..adhesion.slopes import RULES, Ahead, Slopes, exact, slopes, smoothed
+from ..adhesion.slopes import RULES, Slopes, exact, slopes, smoothed
+from ..adhesion.slopes.nodes import Ahead
 from ..adhesion.validity import (
     Strains,
     Validity,

@@ -127,9 +127,10 @@ class Dialect:
         return mark is not None and line.rstrip(" \r\n").endswith(mark)
 
     def divides(self, line: str) -> bool:
-        """Whether the separator stands in a line; quick, for the many lines of which another one is right."""
+        """Whether the separator stands in a line, or a number may stand alone; quick, for the many lines of which
+        another one is right."""
         mark = SEPARATORS[self.separator]
-        return mark in line if mark is not None else len(line.split(None, 1)) > 1
+        return mark in line if mark is not None else len(line.split(None, 1)) >= min(self.least, 2)
 
     def numbers(self, line: str, width: int = 0, gaps: bool = False) -> list[float] | None:
         """The numbers of a line, or None where one of its cells is none; nan for an empty cell.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -248,7 +249,10 @@ def test_interpolation_error_of_power_laws_is_round_off_and_unknown_for_few_poin
     assert curve(half_space(30), 0.0).interpolation_error < 1e-13
     assert curve(half_space(4)).interpolation_error == Unknown("unknown: fewer than 5 points")
     wide = sphere_curve(np.geomspace(2e-9, 2e-5, 8)).interpolation_error
-    assert wide == Unknown("unknown: neighbouring radii differ by more than a factor of 2.7")
+    assert wide == Unknown("unknown where neighbouring radii differ by more than a factor of 2.7")
+    some = sphere_curve(np.append(2e-7, np.linspace(2e-6, 2.2e-5, 60))).interpolation_error
+    assert isinstance(some, Unknown)
+    assert re.fullmatch(r"unknown where .* of 2\.7 \(up to a = 2 um\), \d\.\de-\d\d elsewhere", some.reason)
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,10 @@ from quantised import node_based, quantised_study
 from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes import node_radii, slopes, smoothed
+from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.adhesion.slopes.integral import LogSplineModel, Shape, correlation_length, integral
 from jkrcli.adhesion.slopes.loocv import loocv
+from jkrcli.adhesion.slopes.nodes import node_radii
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.formulas import hertz, power_law, rounded_flat, thin_incompressible_layer, thin_layer

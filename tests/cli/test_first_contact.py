@@ -76,6 +76,20 @@ def test_an_imported_series_of_another_case_is_never_replaced(jkr: Callable) -> 
     )
 
 
+def test_an_imported_series_is_the_solution_of_its_case(jkr: Callable) -> None:
+    """Whatever loading the case has: the table has its own."""
+    rows = [f"{a},{a**2 / 3e-3},{1e4 * a**3}" for a in (2e-4, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4)]
+    Path("table.csv").write_text("\n".join(["a_m,delta_m,P_N", *rows]))
+    with_w('"50 mJ/m^2"')
+    assert jkr("import", "table.csv", "--case", "my.toml", "-o", "my.h5").code == 0
+    loading = store.read_solution("my.h5").problem.loading
+    with_w('"20 mJ/m^2"')
+    again = jkr("pull-off", "my.toml", "--json")
+    assert again.code == 0, again.err
+    assert json.loads(again.out)["results"][0]["w_J_per_m2"] == 0.02
+    assert store.read_solution("my.h5").problem.loading == loading
+
+
 def test_a_state_without_w_is_said_to_be_without_adhesion(jkr: Callable) -> None:
     Path("my.toml").write_text(BARE)
     jkr("run", "my.toml", "-q")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -162,6 +163,47 @@ def test_a_tabulated_sphere_has_the_sphere_s_area() -> None:
     table = TableProfile(tuple(r), tuple(1 - np.sqrt(1 - r**2)))
     a = np.array([0.05, 0.2, 0.4])
     np.testing.assert_allclose(surface_area(a, table), surface_area(a, Sphere(1.0)), rtol=2e-7)  # 2e-8 measured
+
+
+def flat_rows(mark: float, lag: float = 0.0) -> tuple[Problem, str]:
+    """A flat end with a parabolic edge on a half-space, in closed form, and its table: contact areas that are pi a^2
+    (``mark`` 0), or those of the surface (1), of radii that lag by a part of elements of 1/60 of the last."""
+    b, R, E_star, a = 1.0, 0.5, 2.0, np.linspace(1.0, 1.35, 72)[1:]
+    angle, root = np.arccos(b / a), np.sqrt(a**2 - b**2)
+    delta, P = (
+        a / R * (root - b * angle),
+        2 * E_star / R * (a**2 * root - root**3 / 3 - b * (a**2 * angle + b * root) / 2),
+    )
+    problem = Problem(RoundedFlat(b, R), Specimen((), HalfSpace(Elastic(2.0 * 0.75, 0.5))), Loading("depth", 1.0, 2))
+    reported = a - lag / 60 * np.random.default_rng(1).uniform(0, 1, a.size)
+    reported = np.maximum.accumulate(np.maximum(reported, 1.0001))
+    area = np.pi * reported**2 if not mark else surface_area(reported, problem.indenter)
+    return problem, "delta_m,P_N,area_m2\n" + rows(delta, P, area)
+
+
+@pytest.mark.parametrize(("mark", "meaning"), [(0, "projected"), (1, "surface")])
+def test_bodies_say_what_a_contact_area_is(tmp_path: Path, mark: float, meaning: str) -> None:
+    problem, text = flat_rows(mark)
+    (tmp_path / "t.csv").write_text(text)
+    read = read_series(tmp_path / "t.csv", problem, SeriesReading())
+    assert read.warnings == ()
+    assert read.series.a[-1] == pytest.approx(1.35, rel=1e-12)
+    assert f"({meaning}: --area)" in read.facts["radii"]
+    assert read.facts["loads_factor"] == pytest.approx(1.0, abs=1e-6)
+    assert read.facts["loads_factor_error"] < 1.01e-4
+
+
+def test_radii_that_lag_are_no_projected_areas(tmp_path: Path) -> None:
+    problem, text = flat_rows(1, lag=1.0)
+    (tmp_path / "t.csv").write_text(text)
+    assert "surface" in read_series(tmp_path / "t.csv", problem, SeriesReading(sort=True)).facts["radius_from"]
+
+
+def test_an_area_that_is_misread_is_named_where_loads_agree(tmp_path: Path) -> None:
+    problem, text = flat_rows(0)
+    (tmp_path / "t.csv").write_text(text)
+    (warning,) = read_series(tmp_path / "t.csv", problem, SeriesReading(area="surface")).warnings
+    assert re.search(r"contact radii are off those of these bodies by -1\.\d%, where loads agree: .*--area", warning)
 
 
 @given(

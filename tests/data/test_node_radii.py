@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, compliance, many, node_series
 
-from jkrcli.adhesion.slopes import node_radii
+from jkrcli.adhesion.slopes.nodes import node_radii
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen

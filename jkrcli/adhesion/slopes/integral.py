@@ -27,15 +27,13 @@ from ...base.errors import Estimate, InputError, Refusal, Unknown
 from ...base.numerics import HALF_WIDTH, LEVEL, MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
 from ...series import RawSeries, Series
 from . import (
-    AS_THEY_ARE,
     ERROR_AT_DISPLACEMENT,
     ERROR_COMMON,
-    Ahead,
     Slopes,
     covariance_from_errors,
-    node_radii,
     shift_error,
 )
+from .nodes import AS_THEY_ARE, Ahead, node_radii
 
 # --------------------------------------------------------------------------------------------------
 # A smooth nonadhesive series given by log g and log s as B-splines in the log of the radius.

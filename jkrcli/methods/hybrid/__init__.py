@@ -9,12 +9,12 @@ from ...base.errors import JkrError, Refusal
 from ...base.numerics import MOST_SOLVES, NO_CLAIM, ROUNDED, Array
 from ...base.process import StageClock
 from ...base.units import show
-from ...bodies.problem import AnyTransverse, Graded, HalfSpace, Problem, TransverselyIsotropic
+from ...bodies.problem import AnyTransverse, Elastic, Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, KeptKernel, Solution
 from ..integral.density import disc_warnings, refuse_shrinking
 from ..integral.fredholm import FLOPS_PER_SECOND, search, series_of
-from ..layered.solver import expected_radius
-from ..protocol import Forecast, HybridOptions, without_coating, without_tension
+from ..layered.solver import Layered, expected_radius
+from ..protocol import AUTO_PATIENCE, Forecast, HybridOptions, without_coating, without_tension
 from ..radii import check_radius
 from . import kernel
 from .kernel import AdaptiveKernel
@@ -37,7 +37,8 @@ class Hybrid(HybridOptions):
 
     Valid for stacks of isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or a half-space, wide
     or cylinders with free, roller or clamped sides; layers below the uppermost may be graded or transversely isotropic,
-    in cylinders the uppermost graded too. Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``.
+    in cylinders the uppermost graded too. Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``,
+    which solves wide stacks of isotropic layers where elements would take long; a warning of the solution says so.
     ``tolerance``: relative error of delta, P, S and S' at every radius, estimated from coarser elements, fewer
     parameters and a nearer cut. ``known``: a solution with its kernel, which is not computed anew for other radii on
     the same bodies, as far as it reaches.
@@ -56,14 +57,22 @@ class Hybrid(HybridOptions):
         try:
             if loading.to == "radius":
                 check_radius(problem.indenter, loading.maximum)
-            levels = body.levels(_expected_radius(problem, body))
-            body.guard(levels, kernel.HYBRID_LOWEST + kernel.STEP * int(body.expected_steps(levels)))
+            if self._too_long(problem) is None:
+                levels = body.levels(_expected_radius(problem, body))
+                body.guard(levels, kernel.HYBRID_LOWEST + kernel.STEP * int(body.expected_steps(levels)))
         except JkrError as error:
             return str(error).removeprefix("hybrid: ")
         return None
 
     def forecast(self, problem: Problem) -> Forecast:
         """Cost of the levels up to the one that the tolerance is expected to need, of the search, and of the solves."""
+        if self._kept(problem) is None and self._too_long(problem):
+            forecast = self._layered.forecast(problem)
+            return replace(forecast, note=f"{forecast.note}, by method layered")
+        return self._of_elements(problem)
+
+    def _of_elements(self, problem: Problem) -> Forecast:
+        """Cost by elements, whatever it is."""
         body = self._body(problem)
         nodes = 2 * problem.loading.points  # at least
         equation = nodes**3 / 3 / FLOPS_PER_SECOND
@@ -82,11 +91,32 @@ class Hybrid(HybridOptions):
         note = f"about {float(f'{last.unknowns:.2g}'):.0f} unknowns"
         return Forecast(seconds + equation, memory, body.attainable, note)
 
+    @property
+    def _layered(self) -> Layered:
+        return Layered(self.tolerance)
+
+    def _too_long(self, problem: Problem) -> str | None:
+        """Why elements would take so long on a wide stack of isotropic layers that ``layered`` solves it; else None."""
+        specimen = problem.specimen
+        if specimen.radius is not None or not all(isinstance(m, Elastic) for m in specimen.materials):
+            return None
+        try:
+            forecast = self._of_elements(problem)
+        except Refusal:  # lines of so many elements that they are not made
+            return "could not be made"
+        if forecast.seconds <= AUTO_PATIENCE and forecast.memory_mib <= kernel.HYBRID_MOST_MIB:
+            return None
+        return f"would take {kernel.cost_words(forecast.seconds, forecast.memory_mib)}"
+
     def __call__(self, problem: Problem) -> Solution:
         """Solve; errors: Refusal outside the validity or the tolerance, SolveError."""
         if reason := self.refusal(problem):
             raise Refusal(reason)
         with threadpool_limits(limits=1):  # the matrices are small
+            if self._kept(problem) is None and (long := self._too_long(problem)):
+                solution = self._layered(problem)
+                told = f"hybrid: elements {long}; solved by method layered, exact for layers without sides"
+                return replace(solution, warnings=(told, *solution.warnings))
             return self._solution(problem)
 
     def _solution(self, problem: Problem) -> Solution:

@@ -323,6 +323,11 @@ class LineElements:
         ]
         return np.concatenate([self.edges[:1], *inner])
 
+    @property
+    def nodes_of_parts(self) -> Array:
+        """How many nodes lie on every edge and inside every interval, by turns."""
+        return np.append(np.column_stack([np.ones_like(self.degrees), self.degrees - 1]).ravel(), 1)
+
     @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Gauss points and weights, interval by interval."""
@@ -341,6 +346,13 @@ class LineElements:
         """Shape functions of one degree less at the Gauss points, continuous at inner edge i where ``joined[i]``."""
         return self._collocated(self.degrees - 1, joined)[0]
 
+    def inside(self, joined: Array) -> Array:
+        """Which pressure functions are zero at both ends of their interval."""
+        starts = _starts(self.degrees - 1, joined)
+        mask = np.ones(starts[-1], dtype=bool)
+        mask[starts[:-1]] = mask[starts[:-1] + self.degrees - 1] = False
+        return mask
+
     def at(self, x: Array, joined: Array) -> tuple[Array, Array, Array]:
         """Shape functions, derivatives, and those of the pressure at any increasing ``x`` off the edges."""
         owner = np.searchsorted(self.edges, x) - 1
@@ -354,9 +366,14 @@ class LineElements:
         return _assembled(owner, local, degrees, joined, np.diff(self.edges))
 
 
+def _starts(degrees: Array, joined: Array) -> Array:
+    """Number of the first function of every interval, and how many there are: neighbours share one where joined."""
+    return np.concatenate([[0], np.cumsum(degrees + 1 - np.append(joined, False))])
+
+
 def _assembled(owner: Array, local: Array, degrees: Array, joined: Array, widths: Array) -> tuple[Array, Array]:
     """Shape functions and derivatives at the places ``local`` in [-1, 1] of the intervals ``owner``."""
-    starts = np.concatenate([[0], np.cumsum(degrees + 1 - np.append(joined, False))])
+    starts = _starts(degrees, joined)
     values, slopes = np.zeros((2, local.size, starts[-1]))
     for i, degree in enumerate(degrees.tolist()):
         rows = np.flatnonzero(owner == i)
@@ -421,7 +438,10 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: boo
     ends = np.unique(list(stops))
     edges: list[Array] = [ends[:1]]
     for lo, hi in itertools.pairwise(ends):
-        x = lo + (hi - lo) * SAMPLES
+        # from the shorter of the sizes at both ends on: of a far cut they are 1e-7 of the distance
+        smallest = min(float(size(np.array([end]))[0]) for end in (lo, hi)) / (hi - lo)
+        finer = np.geomspace(smallest, SAMPLES[1], 65)[:-1] if smallest < SAMPLES[1] else SAMPLES[:0]
+        x = lo + (hi - lo) * np.unique(np.concatenate([SAMPLES, finer, 1 - finer]))
         density = 1 / size(x)
         count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (density[1:] + density[:-1]) / 2)])
         if count[-1] > LINE_MOST:
@@ -463,11 +483,32 @@ def _graded(edges: Array, corners: list[tuple[float, int]], degree: int) -> Line
 # less, continuous in the layer (Taylor and Hood 1973). All integrals carry the weight 2 pi r.
 
 
-# When a factor pivots, and when a solve is repeated.
-# Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
-SOLVE_PIVOT = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
+# When a solve is repeated.
 # Relative residual of a solve that is not repeated for what is left: great contrasts and distances leave 1e-7.
 SOLVE_CLOSE = 1e-9  # theory: K errs by its square only
+
+
+def dissection(nz: int, nr: int) -> Array:
+    """Rank (2 nz + 1, 2 nr + 1) of the vertices, sides and insides of ``nz`` times ``nr`` elements in nested
+    dissection: the longer way is halved at a line of vertices and sides, which comes after both halves."""
+    ranks, count = np.zeros((2 * nz + 1, 2 * nr + 1), dtype=np.int64), itertools.count()
+
+    def number(start: tuple[int, int], stop: tuple[int, int]) -> None:
+        along = int(stop[1] // 2 - start[1] // 2 > stop[0] // 2 - start[0] // 2)  # more elements
+        middle = (start[along] + stop[along]) // 4 * 2
+        if middle <= start[along]:
+            ranks[start[0] : stop[0], start[1] : stop[1]] = next(count)
+            return
+        before, after = list(stop), list(start)
+        before[along], after[along] = middle, middle + 1
+        number(start, (before[0], before[1]))
+        number((after[0], after[1]), stop)
+        first, last = list(start), list(stop)
+        first[along], last[along] = middle, middle + 1
+        ranks[first[0] : last[0], first[1] : last[1]] = next(count)
+
+    number((0, 0), ranks.shape)
+    return ranks
 
 
 @dataclass(frozen=True, eq=False)
@@ -610,18 +651,32 @@ class Mesh:
         constrained = np.flatnonzero(self.constrained.ravel())
         return np.setdiff1d(np.arange(self.stiffness.shape[0]), constrained)
 
+    @cached_property
+    def order(self) -> Array:
+        """The ``free`` unknowns in the order of their elimination: nested dissection of the elements; pressures inside
+        an element after the displacements there, others after the last displacement that they couple to, so that no
+        pivot is zero."""
+        parts = [np.repeat(np.arange(2 * line.degrees.size + 1), line.nodes_of_parts) for line in (self.z, self.r)]
+        rank = dissection(self.z.degrees.size, self.r.degrees.size)[np.ix_(*parts)].ravel()
+        ranks = np.concatenate([rank, rank])
+        coupling = self.stiffness[ranks.size :, : ranks.size]
+        if coupling.shape[0]:
+            coupled, starts = ranks[coupling.indices], coupling.indptr[:-1]
+            inside = np.outer(self.z.inside(self.joined[1])[self.used], self.r.inside(self.joined[0])).ravel()
+            after = np.where(inside, np.minimum.reduceat(coupled, starts), np.maximum.reduceat(coupled, starts))
+            ranks = np.append(2 * ranks, 2 * after + 1)
+        return self.free[np.argsort(ranks[self.free], kind="stable")]
+
     def solve(self, loads: Array, prescribed: Array) -> Array:
         """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) elsewhere."""
         from scipy.sparse.linalg import splu
 
-        free, K = self.free, self.stiffness
+        free, K = self.order, self.stiffness
         known = prescribed.copy()
         known[free] = 0.0
         right = (loads - K @ known)[free]
         matrix = K[free][:, free].tocsc()
-        threshold = SOLVE_PIVOT if self.pressure[1].shape[1] else 0.0
-        options = {"SymmetricMode": True}
-        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
+        lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         known[free] = lu.solve(right)
         size, left = np.abs(right).max(), right - matrix @ known[free]
         if not np.abs(left).max() < SOLVE_CLOSE * size:

@@ -261,13 +261,14 @@ HYBRID_AGAIN = 2  # times that parameters are added, and that the cut is moved o
 HYBRID_STALLS = 1  # times that a step may bring next to nothing; choice: corners need one
 HYBRID_HOPELESS = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
 # Forecasts of the degree, in steps from the lowest:
-HYBRID_PER_DECADE = 0.5  # of moduli; tuned on bodies, by `make guards`: for forecasts
-HYBRID_PER_DECADE_WIDE = 0.6  # of contact radius over depth; tuned on bodies, by `make guards`: for forecasts
+HYBRID_PER_DECADE = 0.4  # of moduli; tuned on bodies, by `make guards`: for forecasts
+HYBRID_PER_DECADE_WIDE = 0.2  # of contact radius over depth; tuned on bodies, by `make guards`: for forecasts
 # more for nearly incompressible layers with sides; tuned on bodies, by `make guards`: for forecasts
-HYBRID_AT_SIDES = 1.0
+HYBRID_AT_SIDES = 0.5
 # Limits of one level:
 HYBRID_MOST_SECONDS = 60.0  # CPU time; choice: what a user waits for
 HYBRID_MOST_MIB = 4096.0  # choice: what a laptop has
+HYBRID_FAR = 10.0  # times them, beyond which costs are not told apart; choice: for messages
 
 
 ALL = np.ones(4)  # of delta, P, S, S' alike
@@ -505,8 +506,9 @@ class AdaptiveKernel:
         if cost.seconds > HYBRID_MOST_SECONDS or cost.memory_mib > HYBRID_MOST_MIB:
             raise Refusal(
                 f"hybrid: contact radii up to {show(unit, 'length')} need elements of degree {degree} with about "
-                f"{cost.unknowns} unknowns for {levels.count} right-hand sides, {duration(cost.seconds)} and "
-                f"{cost.memory_mib:.0f} MiB (limits {HYBRID_MOST_SECONDS:g} s, {HYBRID_MOST_MIB:g} MiB): the contact "
+                f"{cost.unknowns} unknowns for {levels.count} right-hand sides, "
+                f"{cost_words(cost.seconds, cost.memory_mib)} "
+                f"(limits {HYBRID_MOST_SECONDS:g} s, {HYBRID_MOST_MIB:g} MiB): the contact "
                 f"is large against the nearest interface or side ({away} away); "
                 "use a smaller contact or a larger hybrid.tolerance, or use method "
                 f"{instead(self.indenter, self.specimen)}"
@@ -651,6 +653,13 @@ def _of_cut(region: Region) -> Array:
     if region.higher_order:
         return np.full(4, HYBRID_CANCELLED)
     return np.where([False, True, False, False], 1.0, region.next_order)
+
+
+def cost_words(seconds: float, memory_mib: float) -> str:
+    """Time and memory in words, up to some times the limits: what is far beyond them is not to be had, however far."""
+    far = HYBRID_FAR * HYBRID_MOST_SECONDS, HYBRID_FAR * HYBRID_MOST_MIB
+    time = duration(seconds) if seconds <= far[0] else f"more than {duration(far[0])}"
+    return f"{time} and {memory_mib:.0f} MiB" if memory_mib <= far[1] else f"{time} and more than {far[1]:.0f} MiB"
 
 
 def instead(indenter: Indenter, specimen: Specimen) -> str:

@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from finite_bodies import FINITE, cylinder, stack
+from scipy.sparse.linalg import splu
 from stopwatch import seconds_of, takes_less_than
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.hybrid import Hybrid, kernel
-from jkrcli.methods.hybrid.correction import Region, correction
+from jkrcli.methods.hybrid.correction import Mesh, Region, correction, dissection, lines
 from jkrcli.methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement
 from jkrcli.methods.layered.solver import Layered
 
@@ -141,3 +142,63 @@ def test_a_contact_of_a_billion_thicknesses_is_refused_without_its_elements() ->
     reason = Hybrid().refusal(problem)
     assert reason is not None
     assert "use a smaller contact" in reason
+
+
+# Incompressible layers of great contrast on something soft: its far field reaches over 10^7 contact radii.
+GREAT_CONTRAST = stack((4e6, 0.5, 6.0), (5e4, 0.0, 11.0), (3.5e9, 0.5, 2.3), base=HalfSpace(Elastic(2.2e4, 0.5)))
+
+
+def test_lines_to_a_far_cut_are_as_short_as_their_growth_allows() -> None:
+    """Sizes grow by 2 to 4.5 from interval to interval: 26 of them along r before, 17 of one length."""
+    levels = AdaptiveKernel(PARABOLOID, GREAT_CONTRAST, 1e-5).levels(1.0)
+    r, z = lines(levels.region, 6)
+    assert levels.region.width > 1e7
+    assert r.degrees.size <= 13
+    assert z.degrees.size <= 15
+    lengths = np.diff(r.edges)[:-1]
+    assert (lengths[1:] / lengths[:-1] > 2).all()
+
+
+def test_pressures_in_great_contrasts_are_eliminated_without_pivots() -> None:
+    """Entries of the factor per entry of the matrix: 1.8; by pivots, which its zeros asked for, 16."""
+    levels = AdaptiveKernel(PARABOLOID, GREAT_CONTRAST, 1e-5).levels(1.0)
+    mesh = Mesh(levels.region, *lines(levels.region, 6))
+    matrix = mesh.stiffness[mesh.order][:, mesh.order].tocsc()
+    lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    assert (lu.perm_r == np.arange(mesh.order.size)).all()
+    assert lu.L.nnz + lu.U.nnz < 3 * matrix.nnz
+    np.testing.assert_array_equal(np.sort(mesh.order), mesh.free)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (6, 1), (5, 8)])
+def test_no_two_halves_of_a_dissection_touch(shape: tuple[int, int]) -> None:
+    """Vertices, sides and insides of one element that come before its last part are all of one leaf or line."""
+    ranks = dissection(*shape)
+    for i in range(shape[0]):
+        for j in range(shape[1]):
+            of_element = ranks[2 * i : 2 * i + 3, 2 * j : 2 * j + 3]
+            assert of_element[1, 1] == of_element.min()  # an inside goes first
+    insides = ranks[1::2, 1::2]
+    assert np.unique(insides).size == insides.size
+
+
+def test_wide_layers_that_would_take_elements_long_are_solved_by_layered() -> None:
+    """Whose numbers they get, and are told so; others keep their elements."""
+    thin = Problem(PARABOLOID, stack((1.0, 0.3, 1.0), (2.0, 0.4, 1.0), (1.0, 0.3, 1.0)), Loading("radius", 60.0, 5))
+    assert Hybrid().refusal(thin) is None
+    assert Hybrid().forecast(thin).seconds < 1.0
+    assert Hybrid().forecast(thin).note.endswith("by method layered")
+    found, exact = Hybrid()(thin), Layered(1e-5)(thin)
+    assert found.method == "layered"
+    np.testing.assert_array_equal(found.series.S, exact.series.S)
+    assert "hybrid: elements would take" in found.warnings[0]
+    assert "solved by method layered, exact for layers without sides" in found.warnings[0]
+    assert Hybrid(1e-3)(_problem("two layers")).method == "hybrid"
+
+
+def test_what_is_not_to_be_had_is_forecast_in_bounds() -> None:
+    """A top layer of a two-thousandth of the contact in a cylinder: terabytes were told."""
+    specimen = Specimen((Layer(Elastic(1.0, 0.3), 5e-4), Layer(Elastic(1.0, 0.5), 1.0)), Rigid(), 2.0, "free")
+    reason = Hybrid().refusal(Problem(PARABOLOID, specimen, Loading("radius", 1.0)))
+    assert reason is not None
+    assert "more than 10 min and more than 40960 MiB (limits 60 s, 4096 MiB)" in reason

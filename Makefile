@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help study setup run test test-all test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help study setup run test test-all test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study mesh-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -164,6 +164,9 @@ point-bounds: $(READY) #: whether stated errors of pull-off points by fem bound 
 
 node-study: $(READY) #: whether bands of imported series with contact radii of nodes hold, on 400 drawn series (five minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.nodes -o $(RESULTS)/nodes
+
+mesh-study: $(READY) #: the same on meshes with elements of any sizes, on 600 drawn series (five minutes)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.meshes --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/meshes
 
 guards: $(READY) #: forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards

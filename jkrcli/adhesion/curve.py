@@ -181,6 +181,7 @@ class Nonadhesive:
     which what lies between passes through too. ``together``: whether what lies between belongs to one energy, or each
     function is interpolated for itself. ``unexplained``: factors of the profile and of all moduli that would make the
     functions those of the bodies that the series is said to be of, where nothing explains that they are not.
+    ``reference``: the functions of these bodies, by their exact solution, where the series is another one.
     """
 
     series: Series
@@ -189,6 +190,7 @@ class Nonadhesive:
     further: Nonadhesive | None = None
     together: bool = True
     unexplained: tuple[float, float] = (1.0, 1.0)
+    reference: Nonadhesive | None = None
 
     def __post_init__(self) -> None:
         bad = ~((self.slopes.dS > 0) & (self.slopes.S > 0))
@@ -209,8 +211,9 @@ class Nonadhesive:
         """The functions of the same bodies with all moduli multiplied by ``factor``."""
         if factor == 1:
             return self
-        further = None if self.further is None else self.further.scaled(factor)
-        return replace(self, series=self.series.scaled(factor), slopes=self.slopes.scaled(factor), further=further)
+        further, reference = (None if one is None else one.scaled(factor) for one in (self.further, self.reference))
+        series, slopes = self.series.scaled(factor), self.slopes.scaled(factor)
+        return replace(self, series=series, slopes=slopes, further=further, reference=reference)
 
     def under_profile(self, factor: float) -> Nonadhesive:
         """The functions of the same bodies under an indenter whose profile is ``factor`` times as high: delta_H and P_H
@@ -248,7 +251,7 @@ class Nonadhesive:
         profile, moduli = self.unexplained
         if profile == moduli == 1:
             return None
-        return replace(self.under_profile(profile).scaled(moduli), unexplained=(1.0, 1.0))
+        return replace(self.under_profile(profile).scaled(moduli), unexplained=(1.0, 1.0), reference=None)
 
     @cached_property
     def points(self) -> Parts:

@@ -27,7 +27,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..base.errors import InputError, Unknown
-from ..base.numerics import SAME, Array
+from ..base.numerics import ROUNDED, SAME, Array
 from ..bodies.indenters import Indenter
 from .curve import (
     CURVE_ORDER,
@@ -65,7 +65,17 @@ Errors = Mapping[str, float]
 
 def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
-    [N/m] (0: load, inf: displacement), or why they are unknown."""
+    [N/m] (0: load, inf: displacement), or why they are unknown; no less than what the exact solution of the bodies is
+    off."""
+    own = error_of_rows(curve, point, stiffness)
+    if isinstance(own, Unknown):
+        return own
+    off = from_reference(curve, point, stiffness)
+    return {name: max(error, float(least)) for (name, error), least in zip(own.items(), off, strict=True)}
+
+
+def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
+    """The same by the series alone, and what its rows leave unexplained of the bodies."""
     if curve.w == 0:
         return Unknown(f"unknown: {NO_ADHESION}")
     if not curve.errors:
@@ -91,6 +101,14 @@ def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float)
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
 
 
+def from_reference(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """How far delta and P of the ``point``, (2,), lie from those of the exact solution of the bodies, where the curve
+    is another one and there is such: no smaller error is stated, since it is not known which of the two is wrong."""
+    other = _reference(curve)
+    found = NO_ADHESION if other is None else _pull_off(other, curve, stiffness)
+    return np.zeros(2) if isinstance(found, Unknown) else _distance(found, point) * (1 + ROUNDED)
+
+
 def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
     """How far delta and P of the ``point`` move with all radii, by what is unknown of them together, (2,)."""
     moved = []
@@ -102,6 +120,13 @@ def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> A
         return curve.shift_error_at(np.array(point.a))
     largest: Array = np.max([np.zeros(2), *moved], axis=0)
     return largest
+
+
+@lru_cache(maxsize=2)
+def _reference(curve: AdhesiveCurve) -> AdhesiveCurve | None:
+    """The exact solution's curve of the bodies."""
+    body = curve.nonadhesive.reference
+    return None if body is None else AdhesiveCurve(body, curve.w)
 
 
 @lru_cache(maxsize=2)

@@ -101,9 +101,13 @@ class Loads:
         if not self.fits:
             layers = problem.specimen.layers
             what = f"the thickness {show(layers[0].thickness, 'length')}, R" if layers else "R"
+            alone = not off and self.error < AHEAD_SAME  # loads at equal displacement do not feel the radii
             parts.append(
-                f"contact radii, displacements and loads are not those of these bodies: are {what} and the units right?"
-            )
+                f"the loads are {self.words}, contact radii are not: is their unit right, and are they those of nodes "
+                "(import --nodes)?" if alone
+                else f"contact radii, displacements and loads are not those of these bodies: are {what} and the units "
+                "right?"
+            )  # fmt: skip
         elif abs(math.log(self.stretch)) > math.log(AHEAD_LOADS):
             fitting = "" if R is None else f" (R = {show(R / self.stretch, 'length')} fits)"
             there = (

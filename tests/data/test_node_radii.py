@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, compliance, many, node_series
 
+from jkrcli.adhesion.pull_off_error import error_of_rows
 from jkrcli.adhesion.slopes.nodes import node_radii
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
@@ -179,8 +180,8 @@ def test_rows_of_twenty_series_that_are_doubled_raise_no_error_of_a_point(tmp_pa
 
 
 def doubled(body: NodeBody, rows: int, spacing: str, po: float, compare: bool, path: Path) -> np.ndarray:
-    """Stated errors of displacement and load at the pull-off points that there are, with twice the rows over those with
-    ``rows``, the fit's own error last; every row solved by itself, as what a spline between some leaves is noise."""
+    """Errors by the rows of displacement and load at the pull-off points that there are, with twice the rows over those
+    with ``rows``, the fit's own error last; every row solved by itself, what a spline between some leaves is noise."""
     w, stated = body.work(po * body.a_max), []
     for number in (rows, 2 * rows):
         even = np.arange(1, number + 1) / number
@@ -190,8 +191,11 @@ def doubled(body: NodeBody, rows: int, spacing: str, po: float, compare: bool, p
         units = np.array([[LENGTH], [LENGTH], [MODULUS * LENGTH**2]])
         given = NodeSeries(body, 0, number, 0.0, "", False, 0.0, w * MODULUS * LENGTH, columns * units)
         result = analyse(read(given, path, compare), [given.w])[0]
-        points = (result.pull_off_errors.get(control) for control in ("load", "displacement"))
-        errors = [[np.nan] * 2 if half is None or isinstance(half, Unknown) else [*half.values()] for half in points]
+        errors = []
+        for control, stiffness in (("load", 0.0), ("displacement", np.inf)):
+            point = result.pull_off[control]
+            half = point if isinstance(point, Unknown) else error_of_rows(result.curve, point, stiffness)
+            errors.append([np.nan] * 2 if isinstance(half, Unknown) else [*half.values()])
         stated.append(np.append(errors, result.curve.slopes.error))
     ratio = stated[1] / stated[0]
     return ratio[np.isfinite(ratio)]

@@ -138,7 +138,9 @@ def energy_consistent_interpolant(rows: Rows) -> Logs:
     missed = gain - np.bincount(first, gained)
     humps = np.where(np.abs(missed) > BETWEEN_ROUNDING * rows.P[1:], missed / np.bincount(first, by_hump), 0.0)
     gains = gained + humps[first] * by_hump
-    gains *= (gain / np.bincount(first, gains))[first]  # round-off
+    if not ((total := np.bincount(first, gains)) > 0).all():
+        return plain  # rows so near to each other that no load is gained between them
+    gains *= (gain / total)[first]  # round-off
     P = rows.P[0] + np.append(0.0, np.cumsum(gains))
 
     # delta_H, S and S' at the places, with their slopes.

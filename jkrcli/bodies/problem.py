@@ -761,6 +761,11 @@ class Indenter(ABC):
         return 1.0
 
     @property
+    def error_name(self) -> str:
+        """What the largest part of a stated error is likely to be."""
+        return "numerical error"
+
+    @property
     def remark(self) -> str:
         """What stands for the tip, where that is a convention that results depend on; else empty."""
         return ""

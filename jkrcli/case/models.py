@@ -376,7 +376,7 @@ AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseHalfSpaceTable)
 # --------------------------------------------------------------------------------------------------
 # The indenter table of a case file: one model per registered shape, made from its keys.
 
-CALLED = {"r": ("r", "radius"), "f": ("f", "z", "height")}  # columns of a profile
+CALLED = {"r": ("r", "radius", "x", "position"), "f": ("f", "z", "height")}  # columns of a profile
 MOST_PROFILE_BYTES = 4 << 20  # choice: of a profile's file, a hundred thousand points are read in a second
 
 

@@ -89,8 +89,9 @@ class Solved(SeriesFile):
         }
 
     def words(self) -> list[str]:
+        error = accuracy(self.solution.budget.total, self.solution.problem.indenter.error_name)
         return [
-            f"{self._reached} in {counted(len(self.solution.series), 'point')}; {accuracy(self.solution.budget.total)}",
+            f"{self._reached} in {counted(len(self.solution.series), 'point')}; {error}",
             f"  body      {self.solution.problem.words}",
             f"  method    {self.choice.name}: {self.choice.reason}",
             f"  written   {self.file} ({self.seconds:.2f} s CPU)",

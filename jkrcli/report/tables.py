@@ -185,22 +185,22 @@ def digits(value: float, change: Strains, known_to: float = 0.0) -> int:
     return 4 if error == 0 else min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 2), 4)
 
 
-def accuracy(error: Estimate) -> str:
-    """A relative numerical error in words: where it is small, a power of ten above it."""
+def accuracy(error: Estimate, name: str = "numerical error") -> str:
+    """A relative error called ``name`` in words: where it is small, a power of ten above it."""
     if isinstance(error, Unknown):
-        return f"numerical error {error}"
+        return f"{name} {error}"
     if error >= 1e-4:
-        return f"numerical error {float(f'{100 * error:.2g}'):g} %"
-    return f"numerical error below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")
+        return f"{name} {float(f'{100 * error:.2g}'):g} %"
+    return f"{name} below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")
 
 
-def error_words(error: Estimate, change: Strains) -> str:
-    """The relative numerical ``error``, and the model's: what large strains ``change``, far larger or not."""
+def error_words(error: Estimate, change: Strains, name: str = "numerical error") -> str:
+    """The relative ``error`` called ``name``, and the model's: what large strains ``change``, far larger or not."""
     if change is None:
-        return f"{accuracy(error)} ({AT_LEVEL} confidence)"
+        return f"{accuracy(error, name)} ({AT_LEVEL} confidence)"
     size = strain_size(change)
     seen = isinstance(error, Unknown) or error > SEEN * size
-    numerical = f"{accuracy(error)} ({AT_LEVEL} confidence)" if seen else "numerical error far smaller"
+    numerical = f"{accuracy(error, name)} ({AT_LEVEL} confidence)" if seen else f"{name} far smaller"
     return f"{strain_words(change)} (model), {numerical}"
 
 
@@ -246,15 +246,15 @@ def format_pull_off(
     else:
         beside = ""
     lines = [f"{verdict} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
-    change = max(changes.values(), key=strain_size, default=None)
+    change, name = max(changes.values(), key=strain_size, default=None), result.problem.indenter.error_name
     if noticed and len(errors) > 1:
         each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
         model = "" if change is None else f"{strain_words(change)} (model), "
-        return [*lines, f"  pull-off: {model}numerical error {each} ({AT_LEVEL} confidence)"]
+        return [*lines, f"  pull-off: {model}{name} {each} ({AT_LEVEL} confidence)"]
     if errors:
-        return [*lines, f"  pull-off: {error_words(max(errors.values()), change)}"]
+        return [*lines, f"  pull-off: {error_words(max(errors.values()), change, name)}"]
     unknown = dict.fromkeys(half.reason for _, half in there.values() if isinstance(half, Unknown))
-    return lines + ([f"  pull-off: numerical error {'; '.join(unknown)}"] if unknown else [])
+    return lines + ([f"  pull-off: {name} {'; '.join(unknown)}"] if unknown else [])
 
 
 def _strains_at(result: Analysis, point: Equilibrium | Unknown) -> Strains:
@@ -493,9 +493,9 @@ def _of_curve(result: Analysis) -> Iterator[str]:
     yield from _comparison(result)
     budget, slopes = result.budget, result.curve.slopes
     parts = f"(solution {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
-    largest = result.curve.interpolation_error
+    largest, name = result.curve.interpolation_error, result.problem.indenter.error_name
     upto = "" if isinstance(largest, Unknown) else "up to "
-    yield f"curve: {accuracy(budget.total)} {parts}; interpolation error {upto}{_estimate(largest)}"
+    yield f"curve: {accuracy(budget.total, name)} {parts}; interpolation error {upto}{_estimate(largest)}"
     below = result.solution.facts.get("rows_below", 0)
     more = f", {below} of them at smaller radii, for pull-off" if below else ""
     yield (

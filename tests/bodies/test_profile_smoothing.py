@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from jkrcli import (
     pull_off,
     solve,
 )
+from jkrcli.base.numerics import HALF_WIDTH
 from jkrcli.bodies.indenters.table import scatter
 
 FLAT, R, E_STAR, NOISE = 60e-9, 500e-9, 10e6 / (1 - 0.45**2), 0.05e-9
@@ -104,7 +106,7 @@ def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: floa
 def test_a_worn_end_is_found_along_with_its_corner() -> None:
     """A corner alone, with what is curved before it, was not told from a smooth tip: errors were five times larger."""
     off, stated = misses(range(1000, 1003), 200, FLAT, 0.2e-9)
-    assert np.max(stated) < 5e-3
+    assert np.max(stated) < 6e-3  # 5e-3 at 90 %
     assert np.max(np.abs(off)) < 1
     tip = smoothed(*measured(1000, 200, noise=0.2e-9), noise=0.2e-9)
     assert tip.a0 == pytest.approx(FLAT, abs=2e-9)
@@ -131,6 +133,68 @@ def test_the_smooth_profile_is_convex_and_has_the_corner_of_the_worn_end() -> No
         assert np.max(np.abs(tip.f(x) - heights(x))) < 3 * NOISE
         assert tip.kinks[0] == pytest.approx(FLAT, abs=2e-9)
         assert tip.r_max == r[-1]
+
+
+# ---------------------------------------------------------------------- worn tips where corners are not told for sure
+SMALL_FLAT, SMALL_R, SMALL_E = 10e-9, 30e-9, 70e6
+
+
+def worn(seed: int, noise: float, whole: bool, axis: float = 0.0) -> TableProfile:
+    """Sixty points of a truncated paraboloid, or twice as many of both sides about an ``axis``."""
+    x = np.linspace(-30e-9, 30e-9, 121) if whole else np.linspace(0, 30e-9, 61)
+    f = np.maximum(0.0, ((x - axis) ** 2 - SMALL_FLAT**2) / (2 * SMALL_R))
+    return smoothed(x, f + noise * np.random.default_rng(seed).standard_normal(x.size), noise=noise)
+
+
+def worn_miss(tip: TableProfile) -> tuple[float, float]:
+    """Relative error of the pull-off force under load control on a half-space, and the one that is stated at 90 %."""
+    a = np.linspace(SMALL_FLAT, 30e-9, 100001)
+    s = np.sqrt(a**2 - SMALL_FLAT**2)
+    true = np.min(2 * SMALL_E / SMALL_R * (a**2 * s - s**3 / 3) - np.sqrt(8 * math.pi * SMALL_E * 0.05 * a**3))
+    body = Specimen((), HalfSpace(Elastic(0.75 * SMALL_E, 0.5)))
+    point = pull_off(solve(Problem(tip, body, Loading("radius", 29e-9, 40))), w=0.05).summary()["controls"][0][
+        "pull_off"
+    ]
+    return point["P_N"] / true - 1, point["P_err_N"] / abs(true) * NormalDist().inv_cdf(0.95) / HALF_WIDTH
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("whole", [False, True], ids=["half", "whole"])
+def test_worn_tips_are_within_their_errors_without_bias(whole: bool) -> None:
+    """The force was 4 % too small on average, 15 of 24 within the error: the corner was seen in a quarter of them."""
+    inside = []
+    for noise in (0.05e-9, 0.1e-9, 0.2e-9):
+        off, stated = np.array([worn_miss(worn(seed, noise, whole)) for seed in range(500, 520)]).T
+        inside.append(np.count_nonzero(np.abs(off) <= stated))
+        assert abs(np.mean(off)) < np.median(stated) / 3
+        assert inside[-1] >= 15
+    assert sum(inside) >= 49
+
+
+def test_both_sides_of_a_profile_are_one_about_their_axis() -> None:
+    """They were refused for want of a column r; the apex of a scan is where the scan put it."""
+    tip = worn(1, 0.05e-9, True, axis=0.8e-9)
+    x = np.linspace(0, 29e-9, 200)
+    assert np.max(np.abs(tip.f(x) - np.maximum(0.0, (x**2 - SMALL_FLAT**2) / (2 * SMALL_R)))) < 0.1e-9
+    assert tip.r_max == pytest.approx(30.8e-9, abs=0.05e-9)
+    assert "error from the measured profile" in tip.error_name
+    r = np.linspace(0, 1e-7, 41)
+    both = smoothed(np.append(-r[:0:-1], r), np.append(heights(r, 0.0)[:0:-1], heights(r, 0.0)))  # designed
+    np.testing.assert_array_equal(both.abel(r), smoothed(r, heights(r, 0.0)).abel(r))
+    assert both.error_name == "numerical error"
+
+
+@pytest.mark.parametrize(
+    ("x", "f", "said"),
+    [
+        ((-2, -1, 0, 1, 2), (4.2, 1, 0, 1, 4), 'its two sides differ.*noise = "0.05 nm"'),
+        ((-4, -3, -2), (4, 2, 1), "must reach beyond r = 0"),
+        ((-1, 0, 1), (0, 1, 2), "is flat"),
+    ],
+)
+def test_a_whole_profile_that_is_none_is_refused(x: tuple[int, ...], f: tuple[float, ...], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        smoothed(np.array(x) * 1e-9, np.array(f) * 1e-9)
 
 
 def test_a_corner_near_the_axis_is_sought_beyond_it() -> None:
@@ -173,10 +237,11 @@ def test_a_tip_that_is_not_convex_beyond_its_noise_is_refused_with_a_remedy() ->
 
 def test_a_change_of_units_changes_nothing() -> None:
     r, f = measured(2)
-    tip, large = smoothed(r, f, noise=NOISE), smoothed(1e6 * r, 1e6 * f, noise=1e6 * NOISE)
+    unit = 2.0**20  # exact: places of corners that the points do not show follow round-off
+    tip, large = smoothed(r, f, noise=NOISE), smoothed(unit * r, unit * f, noise=unit * NOISE)
     x = np.linspace(70e-9, 290e-9, 12)
-    np.testing.assert_allclose(large.abel(1e6 * x), 1e6 * tip.abel(x), rtol=1e-6)
-    np.testing.assert_allclose(large.resolution(1e6 * x)[0], 1e6 * tip.resolution(x)[0], rtol=1e-4)
+    np.testing.assert_allclose(large.abel(unit * x), unit * tip.abel(x), rtol=1e-6)
+    np.testing.assert_allclose(large.resolution(unit * x)[0], unit * tip.resolution(x)[0], rtol=1e-4)
 
 
 # ---------------------------------------------------------------------- files
@@ -184,7 +249,8 @@ CASE = """[indenter]\nshape = "table"\nfile = "tip.csv"\n{}[specimen.half_space]
 [loading]\nradius = 1e-7\n"""
 HEADERS = {
     "r_m,f_m\n": (1.0, ","), "r (nm),f (nm)\n": (1e-9, ","), "# r [um]; f [um]\n": (1e-6, ";"),
-    "f (nm)\tr (nm)\n": (1e-9, "\t"), "Radius / nm, Height / nm\n": (1e-9, ","), "r,f\n": (1.0, ","),
+    "f (nm)\tr (nm)\n": (1e-9, "\t"), "Radius / nm, Height / nm\n": (1e-9, ","), "x (nm),z (nm)\n": (1e-9, ","),
+    "r,f\n": (1.0, ","),
 }  # fmt: skip
 
 
@@ -204,7 +270,7 @@ def test_a_profile_file_has_any_header_of_a_table(tmp_path: Path, header: str) -
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("x (nm),y (nm)\n0,0\n1,2\n2,5\n", 'no column "r": the header must name r and f'),
+        ("u (nm),f (nm)\n0,0\n1,2\n2,5\n", 'no column "r": the header must name r and f'),
         ("r (nm),f (nN)\n0,0\n1,2\n2,5\n", 'column 2 "f (nN)": must be a length'),
         ("r (nm),f (nm)\n0,0\n1,two\n2,5\n", "line 3"),
     ],

@@ -34,9 +34,10 @@ SMOOTHING_POINTS_PER_KNOT = 3  # choice: at least
 SMOOTHING_STRENGTHS = (-12.0, 2.0, 15)
 # of log10 lambda, where a corner is sought; choice: with the corner the rest may be far smoother than without it
 SMOOTHING_COARSE = (-11.0, 2.0, 5)
-SMOOTHING_CORNER = 12.0  # by which Cp must fall for a corner; choice: two unknowns, and forty places are tried
+SMOOTHING_STIFF = (2.0, 2.0, 1)  # theory: parabolas between corners
 SMOOTHING_FLAT = 4.0  # chi^2 by which a flat end may be worse; choice: two standard errors
 SMOOTHING_CORNERS = 2  # choice: most that are found
+SMOOTHING_AXIS = 20  # of a whole profile's length, how far its axis is sought; choice: scans are centred better
 SMOOTHING_PLACES = 40  # choice: at which a corner is sought first
 SMOOTHING_STEPS = 12  # theory: of the golden section, 1/300 of their distance
 SMOOTHING_FEWEST = 12  # choice: points from which their scatter is found
@@ -71,16 +72,46 @@ def scatter(r: Array, f: Array) -> float:
     return float(1.4826 * np.median(np.abs(off)))  # theory: of a normal distribution
 
 
+def folded(x: Array, f: Array, noise: float) -> tuple[Array, Array]:
+    """Distances [m] from the axis of a whole profile, increasing, and the heights [m] there.
+
+    The axis is where one smooth convex profile fits both sides best, sought about the vertex of a parabola.
+    """
+
+    def about(axis: float) -> tuple[Array, Array]:
+        order = np.argsort(np.abs(x - axis), kind="stable")
+        return np.abs(x - axis)[order], f[order]
+
+    def misfit(axis: float) -> float:
+        return replace(_Fit.of(*about(axis), noise, ()), strengths=SMOOTHING_COARSE).cp
+
+    quadratic, linear, _ = np.polyfit(x, f, 2)
+    middle, reach = (-linear / (2 * quadratic) if quadratic > 0 else 0.0), float(np.ptp(x)) / SMOOTHING_AXIS
+    low, high = max(middle - reach, float(x[0]) / 2), min(middle + reach, float(x[-1]) / 2)
+    ratio = (math.sqrt(5) - 1) / 2
+    for _ in range(2 * SMOOTHING_STEPS):
+        left, right = high - ratio * (high - low), low + ratio * (high - low)
+        low, high = (low, right) if misfit(left) < misfit(right) else (left, high)
+    return about((low + high) / 2)
+
+
 def smooth_convex(r: Array, f: Array, noise: float, bends: Array) -> SmoothProfile:
     """The smooth convex profile within the ``noise`` [m] of the points, with corners at ``bends`` [m] and where the
-    points show them; InputError where they depart from any convex one by more."""
+    points show them; InputError where they depart from any convex one by more.
+
+    Whether there is a corner the points seldom tell for sure: of the fits with and without that of the least score is
+    taken, and what the others differ by is part of what the noise leaves open, with the weights exp(-score/2)
+    (Buckland, Burnham and Augustin, Biometrics 53 (1997) 603).
+    """
     best = _Fit.of(r, f, noise, tuple(bends.tolist()))
+    fits = [best]
     for _ in range(SMOOTHING_CORNERS):
-        other = best.with_corner()
-        if other.cp > best.cp - SMOOTHING_CORNER:
+        fits += best.with_corner()
+        best, before = min(fits, key=lambda fit: fit.score), best
+        if best is before:
             break
-        best = other
-    best = best.with_flat_end()
+    fits = [fit.with_flat_end() for fit in fits]
+    best = min(fits, key=lambda fit: fit.score)
     residual = f - best.fitted
     rms, worst = float(np.sqrt(np.mean(residual**2))), int(np.argmax(np.abs(residual)))
     largest = float(np.abs(residual[worst]))
@@ -92,50 +123,62 @@ def smooth_convex(r: Array, f: Array, noise: float, bends: Array) -> SmoothProfi
             f'accept that profile with noise = "{show(max(rms, largest / 4), "length", 2)}"'
         )
     knots, pieces = best.profile
-    return SmoothProfile(knots, pieces, best.modes, noise, rms, largest, float(r[worst]))
+    weights = np.exp([(best.score - fit.score) / 2 for fit in fits])
+    modes = list[tuple[Array, Array]]()
+    for fit, weight in zip(fits, np.sqrt(weights / weights.sum()), strict=True):
+        both = np.union1d(knots, fit.profile[0])
+        modes += (
+            [(both, weight * (cut_at(both, *fit.profile) - cut_at(both, knots, pieces)))] if fit is not best else []
+        )
+        modes += [(places, weight * mode) for places, mode in fit.modes]
+    return SmoothProfile(knots, pieces, tuple(modes), noise, rms, largest, float(r[worst]))
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
     """A fit with given ``corners`` [-], in units of the largest radius and the noise; ``flat``: the profile up to the
-    first corner is. ``x`` (n,), ``y`` (n,): the points. ``coarse``: few lambdas are tried."""
+    first corner is. ``x`` (n,), ``y`` (n,): the points. ``strengths``: the lambdas that are tried."""
 
     x: Array
     y: Array
     unit: tuple[float, float]  # of lengths r and f [m]
     corners: tuple[float, ...]
     flat: bool = False
-    coarse: bool = False
+    strengths: tuple[float, float, int] = SMOOTHING_STRENGTHS
 
     @classmethod
     def of(cls, r: Array, f: Array, noise: float, bends: tuple[float, ...]) -> _Fit:
         length = float(r[-1])
         return cls(r / length, f / noise, (length, noise), tuple(bend / length for bend in bends))
 
-    def tried(self, corner: float, flat: bool) -> _Fit:
+    def tried(self, corner: float, flat: bool, strengths: tuple[float, float, int] = SMOOTHING_COARSE) -> _Fit:
         """The fit with a further corner, ``flat`` up to the first one; by few lambdas."""
-        return replace(self, corners=tuple(sorted((*self.corners, corner))), flat=flat, coarse=True)
+        return replace(self, corners=tuple(sorted((*self.corners, corner))), flat=flat, strengths=strengths)
 
-    def with_corner(self) -> _Fit:
-        """The fit with the best further corner: a point at the axis, or one in between by a golden section. A flat end
-        is tried along with the corner: it leaves fewer unknowns, so that the points show the two where they do not
-        show a corner alone."""
+    def with_corner(self) -> list[_Fit]:
+        """The best fits with a further corner: a point at the axis, and one in between without and with a flat end up
+        to it, which leaves fewer unknowns, so that the points show the two where they do not show a corner alone."""
         places = np.linspace(self.x[2], self.x[-3], min(SMOOTHING_PLACES, self.x.size))
         apart = float(places[1] - places[0])
         places = places[np.all(np.abs(places[:, None] - np.array([-1.0, *self.corners])) > apart, axis=1)]
         ends = (False,) if 0.0 in self.corners else (False, True)
-        tries = [self.tried(place, flat) for place in places.tolist() for flat in ends]
-        best = min(tries, key=lambda fit: fit.cp)
+        found = [self._best_corner(places, apart, flat, SMOOTHING_COARSE) for flat in ends]
+        # Beside what is stiff a corner is seen from further away
+        found += [] if 0.0 in self.corners else [self._best_corner(places, apart, True, SMOOTHING_STIFF)]
+        found += [] if 0.0 in self.corners else [self.tried(0.0, False)]
+        return [replace(fit, strengths=SMOOTHING_STRENGTHS) for fit in found]
+
+    def _best_corner(self, places: Array, apart: float, flat: bool, strengths: tuple[float, float, int]) -> _Fit:
+        """The fit with a further corner: the best of the ``places``, which are ``apart``, and by a golden section."""
+        best = min((self.tried(place, flat, strengths) for place in places.tolist()), key=lambda fit: fit.cp)
         (place,) = set(best.corners) - set(self.corners)
         low, high = max(place - apart, float(self.x[1])), min(place + apart, float(self.x[-2]))
         ratio = (math.sqrt(5) - 1) / 2
         for _ in range(SMOOTHING_STEPS):
             left, right = high - ratio * (high - low), low + ratio * (high - low)
-            closer = self.tried(left, best.flat).cp < self.tried(right, best.flat).cp
+            closer = self.tried(left, flat, strengths).cp < self.tried(right, flat, strengths).cp
             low, high = (low, right) if closer else (left, high)
-        last = [self.tried((low + high) / 2, best.flat)]
-        last += [] if 0.0 in self.corners else [self.tried(0.0, False)]
-        return replace(min([best, *last], key=lambda fit: fit.cp), coarse=False)
+        return min(best, self.tried((low + high) / 2, flat, strengths), key=lambda fit: fit.cp)
 
     def with_flat_end(self) -> _Fit:
         """The fit with a flat end up to the first corner, where the points allow one."""
@@ -221,7 +264,7 @@ class _Fit:
         q, reduced = np.linalg.qr(self.columns)
         target, rest = q.T @ self.y, float(np.sum((self.y - q @ (q.T @ self.y)) ** 2))
         found = []
-        for strength in np.logspace(*(SMOOTHING_COARSE if self.coarse else SMOOTHING_STRENGTHS)):
+        for strength in np.logspace(*self.strengths):
             stacked = np.concatenate([reduced, np.sqrt(strength) * self.penalty])
             goal = np.append(target, np.zeros(self.penalty.shape[0]))
             both = np.concatenate([stacked, -stacked[:, :1]], axis=1)  # the offset has either sign
@@ -239,6 +282,11 @@ class _Fit:
     @property
     def cp(self) -> float:
         return self.best[0]
+
+    @property
+    def score(self) -> float:
+        """Cp, the places of the corners as unknowns."""
+        return self.cp + 2 * sum(place > 0 for place in self.corners)
 
     @property
     def values(self) -> Array:
@@ -327,7 +375,8 @@ TABLE_FEW_FACTORS = (1.7, 1.0, 1.7)  # theory: of parabolas, less where a tip is
 @shape("table")
 @dataclass(frozen=True)
 class TableProfile(Indenter):
-    """A measured or designed profile given by points (``r``, ``f``) [m], convex, from (0, 0) outwards.
+    """A measured or designed profile given by points (``r``, ``f``) [m], convex, from (0, 0) outwards, or from a
+    negative ``r`` through the apex, which then need not be at r = 0: both sides of one profile about its axis.
 
     Between the points the profile is a cubic spline with continuous second derivative, even about the axis unless the
     points come to a tip there; it breaks at ``bends`` [m], radii of the table at which the user says that the slope
@@ -351,6 +400,10 @@ class TableProfile(Indenter):
     def __post_init__(self) -> None:
         read_fields(self)
         r, f = np.asarray(self.r, dtype=float), np.asarray(self.heights, dtype=float)
+        if r.ndim == 1 and r.shape == f.shape and r.size > 2 and r[0] < 0 < r[-1] and (r == -r[::-1]).all():
+            both = (f + f[::-1]) / 2
+            if (np.abs(f - both) <= ROUNDED * np.ptp(f)).all():  # a designed one: its right half tells all
+                r, f = (column[r >= 0] for column in (r, both))
         smooth = self._check(r, f)
         object.__setattr__(self, "smooth", smooth)
         if smooth is not None:
@@ -369,8 +422,9 @@ class TableProfile(Indenter):
         """What is smoothed of the points, None where they are taken as they are; InputError where they are no
         profile."""
         noise = self.noise
-        _check_table(r, f, noise is None)
-        wrong = [bend for bend in self.bends if bend not in r[1:-1]]
+        whole = bool(r.size and r[0] < 0)
+        _check_table(r, f, noise is None and not whole, whole)
+        wrong = [bend for bend in self.bends if bend not in (np.abs(r) if whole else r[1:-1])]
         if wrong or any(not b > a for a, b in itertools.pairwise(self.bends)):
             raise InputError(
                 f"profile table: bends must be radii of the table between its ends, increasing, got {list(self.bends)} "
@@ -382,15 +436,22 @@ class TableProfile(Indenter):
             chord = np.diff(f) / np.diff(r)
             dips = np.diff(chord) < -ROUNDED * max(float(np.max(np.abs(chord))), TINY)
             dip = 0 if chord[0] < 0 else int(np.argmax(dips)) + 1 if dips.any() else None
-            if dip is None:
+            if dip is None and not whole:
                 return None
             noise = scatter(r, f) if r.size >= SMOOTHING_FEWEST else 0.0
             if not noise > ROUNDED * np.ptp(f):
+                if whole:
+                    raise InputError(
+                        "profile table: its two sides differ, and the points do not tell their scatter: say it, "
+                        'noise = "0.05 nm", or give one side from the apex, r = 0, on'
+                    )
                 raise InputError(
                     f"profile table: must be convex, the slope falls at point {dip + 1} (r = {r[dip]:g} m); "
                     "JKR needs a contact disc that only grows: remove that point, or for measured points say how much "
                     'they scatter: noise = "0.05 nm"'
                 )
+        if whole:
+            r, f = folded(r, f, noise)
         return _smoothed(tuple(r.tolist()), tuple(f.tolist()), noise, self.bends)
 
     @property
@@ -400,7 +461,7 @@ class TableProfile(Indenter):
 
     @property
     def r_max(self) -> float:
-        return self.r[-1]
+        return float(self.knots[-1])
 
     @property
     def tip_radius(self) -> float | None:
@@ -430,6 +491,10 @@ class TableProfile(Indenter):
             f"by {show(smooth.rms, 'length', 2)} rms and {show(smooth.largest, 'length', 2)} at most, at r = "
             f"{show(smooth.at, 'length', 3)}"
         )
+
+    @property
+    def error_name(self) -> str:
+        return super().error_name if self.smooth is None else "error from the measured profile"
 
     @property
     def remark(self) -> str:
@@ -620,8 +685,8 @@ def _most(changes: Array, first: int, last: int) -> Array:
     return np.append(changes[:2, first : last + 1].max(axis=1), changes[2, last])
 
 
-def _check_table(r: Array, f: Array, exact: bool) -> None:
-    """Refuse what is no profile; ``exact``: heights without noise, of which the first is 0."""
+def _check_table(r: Array, f: Array, exact: bool, whole: bool) -> None:
+    """Refuse what is no profile; ``exact``: heights without noise, of which the first is 0; ``whole``: both sides."""
     if r.size > TABLE_POINTS:
         raise InputError(
             f"profile table: has {r.size:,} points, at most {TABLE_POINTS:,} are taken; leave out points that lie "
@@ -631,12 +696,14 @@ def _check_table(r: Array, f: Array, exact: bool) -> None:
         raise InputError(f"profile table: needs at least 3 points (r, f), got {r.size} and {f.size}")
     if not (np.isfinite(r).all() and np.isfinite(f).all()):
         raise InputError("profile table: holds a value that is not finite")
-    if r[0] != 0 or (exact and f[0] != 0):
+    if whole and r[-1] <= 0:
+        raise InputError(f"profile table: a whole profile must reach beyond r = 0, got {r[0]:g} to {r[-1]:g}")
+    if not whole and (r[0] != 0 or (exact and f[0] != 0)):
         raise InputError(f"profile table: must start at r = 0, f = 0, got ({r[0]:g}, {f[0]:g})")
     if (np.diff(r) <= 0).any():
         i = int(np.argmax(np.diff(r) <= 0)) + 1
         raise InputError(f"profile table: radii must increase, point {i + 1} has r = {r[i]:g} after {r[i - 1]:g}")
-    if f[-1] <= f[0]:
+    if (min(f[0], f[-1]) <= f.min() + ROUNDED * np.ptp(f)) if whole else f[-1] <= f[0]:
         raise InputError("profile table: is flat; a flat end needs a rounded edge")
 
 

@@ -32,6 +32,7 @@ DOORS = {
     "matplotlib": "report/plots",
     "meshio": "methods/fem/mesh.py",
     "plotly": "report/explorer/__init__.py",
+    "psutil": "base/process.py",
     "pydantic": "case",
     "skfem": "methods/fem/elasticity.py",
 }

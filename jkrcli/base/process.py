@@ -86,15 +86,18 @@ def _libraries(*loaded: bool) -> Any:
 # Memory: what this process may still take.
 
 SHARE = 0.8  # choice: of the free memory that is planned with; the rest is for what forecasts miss
-CGROUP = Path("/sys/fs/cgroup")
+CGROUP, MEMINFO = Path("/sys/fs/cgroup"), Path("/proc/meminfo")
 
 
 def free_memory() -> float:
     """MiB that this process may still use: the least of what machine, container and shell leave; inf if unknown."""
     left = []
-    with contextlib.suppress(OSError, ValueError, StopIteration):
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    try:
+        lines = MEMINFO.read_text(encoding="ascii").splitlines()
         left.append(next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) / 1024)
+    except (OSError, ValueError, StopIteration):
+        with contextlib.suppress(Exception):  # not on this system either; it asks the system itself, as it can
+            left.append(_available() / 2**20)
     with contextlib.suppress(OSError, ValueError):  # "max" where there is no limit
         most, used = (float((CGROUP / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
         left.append((most - used) / 2**20)
@@ -108,6 +111,16 @@ def free_memory() -> float:
     return min(left, default=math.inf)
 
 
+def _available() -> float:
+    """Bytes that are free by what the system's own calls say: slower to load than a file is read."""
+    import psutil
+
+    try:
+        return float(psutil.virtual_memory().available)
+    except OSError:  # which reads /proc on Linux
+        return float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+
+
 # --------------------------------------------------------------------------------------------------
 # CPU time per named stage of a run, and durations in words.
 
@@ -116,10 +129,25 @@ PATIENCE = 3.0  # choice: CPU seconds by its forecast, of a solution beside the 
 
 
 def duration(seconds: float) -> str:
-    """A duration in words: ``40 s``, ``12 min``, ``3.4 h``."""
+    """A duration in words: ``40 s``, ``12 min``, ``3.4 h``, ``12 days``, ``3.2 years``."""
     if seconds < 90:
         return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"
+    if seconds < 48 * 3600:
+        return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"
+    days = seconds / 86_400
+    return f"{days:.3g} days" if days < 730 else f"{_told(days / 365.25)} years"
+
+
+def memory_words(mib: float) -> str:
+    """Memory in words: ``12 MiB``, ``3.4 GiB``, ``596 TiB``."""
+    if mib < 1024:
+        return f"{mib:.0f} MiB"
+    return f"{mib / 2**10:.3g} GiB" if mib < 1000 * 2**10 else f"{_told(mib / 2**20)} TiB"
+
+
+def _told(number: float) -> str:
+    """Three digits; beyond a thousand that it is more."""
+    return f"{number:.3g}" if number < 999.5 else "more than 1,000"
 
 
 class StageClock:

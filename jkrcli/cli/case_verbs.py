@@ -221,11 +221,14 @@ def check(case: Path, as_json: bool) -> None:
     jkr check my.toml -v                    all neglected effects, all methods
     """
     from ..report.check import Check
-    from ..resolve.neglected import seconds_of_works
+    from ..resolve.neglected import seconds_of_effects
 
     loaded = load_case(case)
-    if words := long_look(loaded.model.problem()):
+    problem = loaded.model.problem()
+    if words := long_look(problem):
         note(words)
     works = loaded.model.adhesion.w
-    announce(f"check for {counted(len(works), 'work', 'works')} of adhesion", seconds_of_works(works))
+    layers = f"of {counted(len(problem.layers), 'layer')} " * (len(problem.layers) > 1)
+    what = f"check {layers}for {counted(len(works), 'work', 'works')} of adhesion"
+    announce(what, seconds_of_effects(problem, works))
     give(Check.of(case, loaded), as_json)

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast, runtime_c
 from ..base.arguments import read_fields
 from ..base.errors import InputError, Refusal, counted
 from ..base.numerics import NOTICEABLE
-from ..base.process import SHARE, SILENCE, duration, free_memory
+from ..base.process import SHARE, SILENCE, duration, free_memory, memory_words
 from ..base.units import Length, Ranged
 from ..bodies.problem import Problem
 from ..series import Solution
@@ -153,7 +153,8 @@ def check_cost(what: str, forecast: Forecast, limits: Limits, less: str = LESS) 
     ask for ``less``."""
     memory, hours = forecast.memory_mib / 1024, forecast.seconds / 3600
     most = free_memory() * SHARE / 1024 if limits.memory is None else limits.memory
-    needs = f"{what} would need about {memory:.3g} GiB of memory and {duration(forecast.seconds)} of CPU time"
+    size = memory_words(forecast.memory_mib) if memory >= 1 else f"{memory:.3g} GiB"
+    needs = f"{what} would need about {size} of memory and {duration(forecast.seconds)} of CPU time"
     remedy = f"use {less}, or raise the limit by"
     if not memory <= most:
         raise Refusal(
@@ -164,7 +165,8 @@ def check_cost(what: str, forecast: Forecast, limits: Limits, less: str = LESS) 
         raise Refusal(f"{needs}, the limit is {limits.hours:g} h: {remedy} --limit-time {_raised(hours)}")
     if forecast.seconds <= SILENCE and forecast.memory_mib < LARGE:
         return None
-    return needs.replace("would need", "needs")
+    unknown = "; how much memory is free is not known" if math.isinf(most) and limits.memory is None else ""
+    return needs.replace("would need", "needs") + unknown * (forecast.memory_mib >= LARGE)
 
 
 def _raised(value: float) -> str:

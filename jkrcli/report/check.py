@@ -18,7 +18,7 @@ from .. import __version__
 from ..adhesion.finite_range import unable
 from ..adhesion.validity import large_strains
 from ..base.errors import Refusal, Unknown, counted, installs
-from ..base.process import free_memory
+from ..base.process import free_memory, memory_words
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import Problem
@@ -93,7 +93,7 @@ class Check(Result):
             if option.forecast is not None:
                 note = f" ({option.forecast.note})" if option.forecast.note else ""
                 against = f"; {words}" if (words := option.objection) else ""
-                told = f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
+                told = f"about {option.cost}, {memory_words(option.forecast.memory_mib)}{note}{against}"
             options.append(f"            {option.name:<12} {told}")
         first = [one for one in self.left_out if not one.included and one.largest is not None][:LARGEST]
         rest = [one for one in self.left_out if one not in first]
@@ -169,7 +169,7 @@ def _table(rows: Sequence[NeglectedEffect], title: str) -> Iterator[str]:
 # --------------------------------------------------------------------------------------------------
 # What of jkr works on this machine: packages, the mesher's libraries, threads, memory, temporary files.
 
-REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "threadpoolctl")
+REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "threadpoolctl", "psutil")
 OPTIONAL = {  # package: extra, use
     "scikit-fem": ("fem", "finite elements"),
     "meshio": ("fem", "meshes and fields for ParaView"),

@@ -248,6 +248,8 @@ def analyse(
 COST_MIB = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
 COST_MIB_PER_ROW = 3e-3  # of curves; tuned on series of 1e6 rows, by `make bench`
 COST_TABLE_MIB_PER_ROW = 6e-3  # and of their tables; tuned on series of 1e6 rows, by `make bench`
+COST_MIB_PER_CURVE = 0.6  # and of each beyond the first; tuned on 300 works of 100 rows, by `make guards`
+COST_MIB_PER_ROW_OF_CURVE = 1e-3  # and of its rows; tuned on 60 works of 2,000 rows, by `make guards`
 COST_FIT = 0.2  # CPU seconds of slopes that are fitted; tuned on noisy series of 100 rows, by `make guards`
 COST_FIT_PER_ROW = 2e-5  # and per row; tuned on noisy series of 1e5 rows, by `make guards`
 COST_CURVE = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
@@ -273,7 +275,8 @@ def forecast(
         each += max(body.seconds(request.law(w)) for w in {min(works), max(works)})
     else:
         each += seconds_of_points(solution, devices)
-    return Forecast(fitted + len(works) * each, COST_MIB + mib * rows, 0.0)
+    mib = COST_MIB + mib * rows + (len(works) - 1) * (COST_MIB_PER_CURVE + COST_MIB_PER_ROW_OF_CURVE * rows)
+    return Forecast(fitted + len(works) * each, mib, 0.0)
 
 
 def seconds_of_page(solution: Solution) -> float:

@@ -40,6 +40,7 @@ from ..bodies.problem import (
 )
 from ..formulas import over_hertz, over_jkr
 from ..methods.layered.solver import Layered
+from ..methods.layered.spectrum import spectrum_seconds
 from ..methods.radii import DENSE
 from ..series import Series
 from .resolve import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, resolve_with, sticking_effect
@@ -59,6 +60,8 @@ LEFT_OUT_SLIGHTEST = 1e-7
 # it moves what S changes by, by half a per cent
 LEFT_OUT_SMALLEST = 0.02
 LEFT_OUT_PER_WORK = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
+# times as long as one spectrum take all that are solved; tuned on stacks of 500 and 1,000 layers, by `make guards`
+LEFT_OUT_SOLVED = 10
 LEFT_OUT_FEW = 20  # radii of that; tuned on bodies, by `make constants`: half move what S changes by, by 7 %
 
 
@@ -156,9 +159,11 @@ class NeglectedEffect:
                 "pull_off": pulls}  # fmt: skip
 
 
-def seconds_of_works(works: Sequence[float]) -> float:
-    """CPU seconds that the pull-off forces of so many ``works`` of adhesion take, of a body and its neighbours."""
-    return LEFT_OUT_PER_WORK * len(works)
+def seconds_of_effects(problem: Problem, works: Sequence[float]) -> float:
+    """CPU seconds that a body and its neighbours take, none where one alone would take too long, and the pull-off
+    forces of so many ``works`` of adhesion."""
+    each = spectrum_seconds(problem)
+    return LEFT_OUT_PER_WORK * len(works) + (LEFT_OUT_SOLVED * each if each < PATIENCE else 0.0)
 
 
 def neglected_effects(

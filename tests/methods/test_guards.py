@@ -117,7 +117,10 @@ def test_duration(seconds: float, words: str) -> None:
 def test_command_line_refuses_what_is_too_large(
     jkr: Callable, method: str, points: int, spacing: float, words: tuple[str, ...]
 ) -> None:
-    Path("x.toml").write_text(CASE.format(method=method, points=points, spacing=spacing), encoding="utf-8")
+    sides = (
+        'specimen.radius = "10 mm"\nspecimen.side = "free"\n' if method == "hybrid" else ""
+    )  # a wide layer is solved by layered
+    Path("x.toml").write_text(sides + CASE.format(method=method, points=points, spacing=spacing), encoding="utf-8")
     done = jkr(*words, "--limit-memory", "4")
     assert done.code == 2, done.err
     assert done.err.startswith("jkr: error: method ")
@@ -185,3 +188,61 @@ w = "50 mJ/m^2"
     assert "needs 9000 nodes for 100 radii (limit 4000)" in options["layered"]["refusal"]
     assert told["method"] == "fem"
     assert options["closed-form"]["forecast"]["error"] < 0.03  # of a smaller contact: it falls as h/a
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(2 * 86_400.0, "2 days"), (2.77e4 * 3600, "3.16 years"), (1e12, "more than 1,000 years"), (47 * 3600.0, "47 h")],
+)
+def test_long_durations_in_words(seconds: float, words: str) -> None:
+    assert duration(seconds) == words
+
+
+@pytest.mark.parametrize(
+    ("mib", "words"), [(12.3, "12 MiB"), (3482.0, "3.4 GiB"), (624_860_593.0, "596 TiB"), (1e13, "more than 1,000 TiB")]
+)
+def test_memory_in_words(mib: float, words: str) -> None:
+    assert process.memory_words(mib) == words
+
+
+def test_free_memory_is_known_without_a_file_of_the_system(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process, "CGROUP", tmp_path)
+    there = process.free_memory()
+    monkeypatch.setattr(process, "MEMINFO", tmp_path / "none")
+    assert process.free_memory() == pytest.approx(there, rel=0.3)
+    import psutil
+
+    def fails() -> None:
+        raise FileNotFoundError("/proc/meminfo")
+
+    monkeypatch.setattr(psutil, "virtual_memory", fails)  # as without /proc
+    assert 0 < process.free_memory() < math.inf
+    monkeypatch.setattr(process, "_available", fails)  # not even by calls of the system: it is said
+    assert process.free_memory() == math.inf
+    told = check_cost("x", Forecast(1.0, 4096.0, 0.0), Limits())
+    assert told is not None
+    assert told.endswith("how much memory is free is not known")
+
+
+def test_every_curve_counts_in_the_memory(jkr: Callable) -> None:
+    assert jkr("run", CASES / "halfspace.toml", "-o", "h.h5").code == 0
+    works = [word for i in range(2500) for word in ("--w", f"{1e-3 * (1 + i / 2500):.8f}")]
+    done = jkr("transform", "h.h5", *works, "--no-plots", "--limit-memory", "0.5", "-o", "o")
+    assert done.code == 2
+    assert "the limit is 0.5 GiB" in done.err
+    done = jkr("pull-off", "h.h5", *works, "--limit-memory", "0.5")
+    assert (done.code, "the limit is 0.5 GiB" in done.err) == (2, True)
+
+
+def test_check_of_many_layers_is_announced(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    from jkrcli.report.check import Check
+
+    layers = ", ".join(f'{{ thickness = "0.1 um", E = "{i % 5 + 1} MPa", nu = 0.3 }}' for i in range(1000))
+    Path("x.toml").write_text(
+        f'indenter = {{ shape = "paraboloid", radius = "1 mm" }}\nspecimen.layers = [{layers}]\n'
+        "specimen.half_space = { E = '10 MPa', nu = 0.3 }\nloading = { radius = 5e-5, points = 20 }\n"
+        "adhesion = { w = 0.05 }\n"
+    )
+    monkeypatch.setattr(Check, "of", lambda *_: (_ for _ in ()).throw(Refusal("looked at")))
+    done = jkr("check", "x.toml")
+    assert "jkr: check of 1,000 layers for 1 work of adhesion: about 10 s of CPU time" in done.err

@@ -586,7 +586,7 @@ SPECTRUM_FLOOR = 1e-12  # |g - 1| beyond k_max; tuned on reference bodies, by `m
 SPECTRUM_GRADED_FLOOR = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
 SPECTRUM_PHASE = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
 SPECTRUM_START = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
-SPECTRUM_LAYER_SECONDS = 5e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
+SPECTRUM_LAYER_SECONDS = 1e-3  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
 SPECTRUM_GRADED_SECONDS = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
 SPECTRUM_TRANSVERSE = 3.0  # choice: times as much where it is transversely isotropic, where 2.5 to 3.2 was measured
 SPECTRUM_HALVINGS = 60  # theory: the panel from k = 0 is then 2^-60 of k_max, below all that counts

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..base import numerics
 from ..base.errors import JkrError, SolveError
-from ..base.lockstep import Flow, answers, ask, beside, quiet, together
+from ..base.lockstep import Flow, alone, answers, ask, beside, quiet, together
 from ..base.numerics import HALF_WIDTH, LEVEL, MOST_SOLVES, MOST_STEPS, REMEMBERED, TINY, UNSEEN, Array
 from ..bodies.problem import GEL_TENSION
 from ..data.curve import APPROACH
@@ -28,6 +28,7 @@ from .alternatives import (
     ADHESION_ENDLESS,
     ALTERNATIVES,
     AMOUNT,
+    LITTLE,
     LONG,
     RANGE,
     TENSION,
@@ -1043,16 +1044,59 @@ def _new(record: FittedRecord, model: ChangedModel, start: tuple[float, ...]) ->
 
 
 def _in_full(record: FittedRecord, model: ChangedModel, x: Array, score: Score) -> AlternativeFit:
-    full = fit(model, x, near=True)
-    if (without := windowed(full)) is not full.model:
-        full = fit(without, full.x, near=True)
-    here = FittedRecord(record.body, reconverge(full))
+    here = FittedRecord(record.body, reconverge(to_the_end(model, x)))
     misfit, dof, loose = misfit_left(here, here.regular)
     chance = numerics.f_chance(dof, max(loose, 1), misfit / dof)
+    return AlternativeFit(score, here.fit, chance, fall_of(record, here))
+
+
+def to_the_end(model: ForceCurveModel, x: Array) -> ForceCurveFit:
+    """The fit from about there, without the rows about first touch."""
+    full = fit(model, x, near=True)
+    without = windowed(full)
+    return full if without is full.model else fit(without, full.x, near=True)
+
+
+def fall_of(record: FittedRecord, here: FittedRecord) -> float:
+    """How much lower chi^2 is ``here`` than without, on the rows of both that are off the folds."""
     noise = record.fit.spread.noise  # for all alternatives: misfit that is slow may pass for noise of the fit's own
     plain = misfit_of(record, common_rows(record, here), noise)
-    falls = plain - misfit_of(here, common_rows(here, record), noise)
-    return AlternativeFit(score, here.fit, chance, falls)
+    return plain - misfit_of(here, common_rows(here, record), noise)
+
+
+RANGE_LOWER = 4.0  # theory: chi^2 of one unknown at 95 %, by which a minimum with a longer range is to be lower
+RANGE_EVERY = 3  # choice: of the Tabor numbers of ``ADHESION_TABOR``, which stand closer than minima
+
+
+def with_range_of(
+    record: FittedRecord, fresh: ForceCurveModel, change: Perturbation, amount: float | None
+) -> ForceCurveFit:
+    """The fit with an ``amount`` of a range of adhesion that is known, or None, that is fitted with the rest: from that
+    without on, which it contains; SolveError where it leaves more than that one."""
+    if amount is not None:
+        model = ChangedModel.of(fresh, change, {AMOUNT: amount})
+        near = Linearised.of(record, off_folds(record))
+        end = alone(_followed(near, _with_amount(record, change, amount), still=FULL_ABOUT))
+        return to_the_end(model, _unknowns(record, model, record.fit.x if end is None else end[1]))
+    # JKR is a minimum of its own where the range is as long as the neck: from fits at a few that are known, too.
+    model = ChangedModel.of(fresh, change)
+    starts = [_roughly(record, fresh, change, 0.0)[1], np.append(_unknowns(record, model, record.fit.x), LITTLE)]
+    for (known,) in change.starts[::RANGE_EVERY]:
+        with contextlib.suppress(SolveError):
+            starts.append(np.append(with_range_of(record, fresh, change, known).x, known))
+    best, fall = None, -FULL_LEANING
+    for x in starts:
+        with contextlib.suppress(SolveError):
+            full = to_the_end(model, x)
+            falls = fall_of(record, FittedRecord(record.body, full))
+            if full.ended and falls > (fall if best is None else fall + RANGE_LOWER):
+                best, fall = full, falls
+    if best is not None:
+        return best
+    raise SolveError(
+        "the fit with a range of adhesion does not converge: none leaves as little as JKR, which it contains; leave "
+        "the range out, or fix it"
+    )
 
 
 def reconverge(full: ForceCurveFit) -> ForceCurveFit:

@@ -103,6 +103,8 @@ class Part:
 def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
     """A curve fitted alone, by its points or as a whole record."""
     ready = alone(preparing(body, curve, settings))
+    if settings.range is not None and isinstance(ready, ForceCurve):
+        raise InputError(f"{curve.where}: {settings.range.name} is fitted to raw force curves each for itself")
     if isinstance(ready, ForceCurve):
         whole = whole_fit(body, ready, settings)
         common = {"ln_s": "modulus", f"q:{whole.model.stretches[-1].kind}": "w"}

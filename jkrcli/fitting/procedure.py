@@ -489,6 +489,11 @@ def preparing(body: FittedBody, curve: Curve, settings: Settings) -> Flow[Prepar
     if (record := (yield from raw_force_curve(curve, settings))) is not None:
         if not beyond_the_record(settings):
             return record
+        if settings.range is not None:
+            raise InputError(
+                f"{settings.range.name} is fitted to whole force curves, without compliance, parameters of single "
+                "layers, known zeros, --branch, --noise, --start and --bound: leave these or it out"
+            )
         curve, settings = contact_rows(body, record, settings)
     requested = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -32,16 +33,28 @@ from ..data.curve import APPROACH, RETRACT, TURNED, Curve
 from ..data.segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from ..methods.radii import ROOM
 from .alternative_tests import (
+    SCORE_TIED,
     AlternativeFit,
     FittedAlternative,
     RecordAlternatives,
     Verdict,
     alternatives_of_records,
     bounds,
+    fall_of,
     fit_alternatives,
     relative_errors,
+    with_range_of,
 )
-from .alternatives import MEMORY, OF_ALTERNATIVES, FittedRecord, Known
+from .alternatives import (
+    AMOUNT,
+    MEMORY,
+    OF_ALTERNATIVES,
+    FittedRecord,
+    Known,
+    amount_of_range,
+    finite_range,
+    range_of,
+)
 from .checks import warnings_of
 from .force_curve import (
     FIT_ENOUGH,
@@ -60,9 +73,9 @@ from .force_curve import (
 from .forward_model import FittedBody
 from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
-from .result import Fit, later, without
+from .result import Fit, JKRBeside, later, without
 from .rows import noise_from_third_differences
-from .settings import AUTO, CALIBRATED, Settings
+from .settings import AUTO, CALIBRATED, RANGES, Settings
 
 # --------------------------------------------------------------------------------------------------
 # What a force curve would make of one more unknown: one step of Gauss and Newton from the end of its fit.
@@ -464,7 +477,7 @@ def _check_positions(curve: Curve, settings: Settings) -> None:
             raise InputError(f"{curve.where}: {name} needs a column of time, there is none: leave {name} out")
         if beyond_the_record(settings):
             raise InputError(
-                f"{curve.where}: {name} is fitted to whole force curves only, without range, stress, compliance, "
+                f"{curve.where}: {name} is fitted to whole force curves only, without compliance, "
                 f"parameters of single layers, --branch, --noise, --start and --bound: leave out these or {name}"
             )
 
@@ -491,10 +504,10 @@ def _as_read(record: ForceCurve, settings: Settings) -> bool:
 
 def beyond_the_record(settings: Settings) -> bool:
     """Whether the settings have an option that the model of a whole record does not know."""
-    named = any(p.name not in PARAMETERS or p.value is not None for p in settings.free)
+    named = any(p.name not in {*PARAMETERS, *RANGES} or p.value is not None for p in settings.free)
     bound = any(p.name != "modulus" and (p.low, p.high) != FREE for p in settings.free)
     fixed = any(p.name in ZEROS & settings.named and not p.free for p in settings.parameters)
-    return settings.range is not None or named or bound or fixed or settings.branch != "all" or bool(settings.noise)
+    return named or bound or fixed or settings.branch != "all" or bool(settings.noise)
 
 
 def usable(record: ForceCurve, kind: str) -> bool:
@@ -609,9 +622,11 @@ def rates_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, Array
 
 
 def as_fit(
-    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None
-) -> Fit:
-    """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
+    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None,
+    jkr: JKRBeside | None = None, ranged: Sequence[FittedValue] = (),
+) -> Fit:  # fmt: skip
+    """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines; of one with a
+    range of adhesion ``jkr`` beside it, and the range and tension that it is ``ranged`` by."""
     values = outcome_of(best, best.x, body)
     dof = max(best.off.size - best.x.size, 1)
     t = t_quantile(settings.level, max(round(best.spread.dof / best.spread.tau), 1))
@@ -622,7 +637,9 @@ def as_fit(
     estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
     if not best.ended:
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
-    free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
+    others = ("E_star", *RANGES)
+    estimates = (*estimates, *ranged)
+    free = tuple(item.name for item in estimates if item.free and item.name not in others and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     a, order = best.a, np.argsort(best.model.rows, kind="stable")
     rows = best.model.rows[order]
@@ -653,6 +670,7 @@ def as_fit(
         quality=quality,
         adhesion=_adhesion(record),
         directions=_directions(record, best, settings),
+        jkr=jkr,
     )
     at_bound = ["modulus"] * any(math.isclose(values["modulus"], end, rel_tol=SAME) for end in best.model.moduli)
     result = replace(result, warnings=tuple(f"{name}: {sentence}" for name, sentence in flags.items()))
@@ -836,6 +854,7 @@ RECORD_HALF = 0.5  # choice: of the range of the load, from the largest on, over
 # theory: of the device's stiffness, what its line lacks beside a contact fifty times stiffer; choice: also the excess
 # that an error of the deflection sensitivity may make
 RECORD_RIGID = 0.02
+RANGE_IN_LAYER = 0.1  # choice: of its thickness, a ring of attraction that is as on a half-space
 RECORD_DIFFERS = 0.01  # choice: of a modulus, a difference that is none
 # Where a search ends at rest in noise though the edge recedes: w of the retraction to begin anew with.
 RECORD_RECEDES = (1.05, 1.2, 1.6)  # tuned on curves of large noise, by `make dirt`: of what its last row holds
@@ -858,21 +877,24 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
     def of(*kinds: str) -> Flow[tuple[FittedBody, ForceCurveFit]]:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
-    def result_of(body: FittedBody, best: ForceCurveFit) -> Fit:
+    def result_of(body: FittedBody, best: ForceCurveFit, *ranged: Any) -> Fit:
         plain = replace(settings, confidence="covariance", uncertain={})
         if settings == plain:
-            return as_fit(body, record, curve, settings, best, pool)
+            return as_fit(body, record, curve, settings, best, pool, *ranged)
         try:
-            return as_fit(body, record, curve, settings, best, pool)
+            return as_fit(body, record, curve, settings, best, pool, *ranged)
         except Exception as error:
             inputs = ["uncertain inputs"] * bool(settings.uncertain)
             what = " and ".join([f"intervals by {settings.confidence}", *inputs])
-            return without(as_fit(body, record, curve, plain, best, pool), what, error)
+            return without(as_fit(body, record, curve, plain, best, pool, *ranged), what, error)
 
     whole, joint = yield from of(*kinds)
     if not joint.ended:
         return result_of(whole, joint)
     _refuse_undetermined(curve, joint)
+    if settings.range is not None:
+        fresh = _model(whole, record, settings, waves, kinds)
+        return _with_range(FittedRecord(whole, joint), fresh, settings, result_of)
     result = result_of(whole, joint)
     apart = partial(_of_directions, of, result_of, joint, result)
     result = yield from later(result, "each direction by its own modulus", apart)
@@ -882,6 +904,61 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
     fresh = _model(whole, record, settings, waves, kinds)
     best = partial(replace_by_best_alternative, plain, whole, joint, fresh, partial(result_of, whole))
     return (yield from later(plain, "fits of alternative models", best))
+
+
+def _with_range(jkr: FittedRecord, fresh: ForceCurveModel, settings: Settings, result_of: Callable[..., Fit]) -> Fit:
+    """The fit with the range of adhesion that the settings have, from that of ``jkr`` on, which it contains."""
+    law, change = settings.range, finite_range(jkr)
+    assert law is not None
+    if change is None:
+        raise InputError(f"adhesion of finite range needs w > 0, which JKR does not find here: leave {law.name} out")
+    change, fresh = replace(change, quantities=lambda values: {}), replace(fresh, family=jkr.model.family)
+    of_stress, known = law.name == "stress", float(law.value or 0.0)
+
+    def work_of(best: ForceCurveFit) -> float:
+        values = best.model.values(best.x)
+        return max(values[f"q:{best.model.stretches[-1].kind}"], 0.0) * math.exp(values["ln_s"]) or jkr.work
+
+    # The range with its ends: fitted, or known; of a known stress by the w that it leads to
+    t, w = t_quantile(settings.level, max(jkr.residuals.size - jkr.fit.x.size, 1)), work_of(jkr.fit)
+    if law.free:
+        best = with_range_of(jkr, fresh, change, None)
+        amount, error = best.value(AMOUNT), best.error(AMOUNT)
+        z0, low, high = (range_of(jkr, max(one, 0.0)) for one in (amount, amount - t * error, amount + t * error))
+        w = work_of(best)
+    else:
+        for _ in range(MOST_SOLVES):
+            z0 = low = high = w / known if of_stress else known
+            best = with_range_of(jkr, fresh, change, amount_of_range(jkr, z0))
+            before, w = w, work_of(best)
+            if not of_stress or abs(w / before - 1) < UNSEEN:
+                break
+
+    # Its ring of attraction is that of a half-space: pi E* z0^2/(4 w) wide, while that is narrow
+    E_star, layer = math.exp(best.model.values(best.x)["ln_s"]) * jkr.body.problem.E_star, jkr.body.problem.specimen
+    ring = math.pi * E_star * min(high, 1.0) ** 2 / (4 * w)
+    if ring > RANGE_IN_LAYER * layer.top_thickness:
+        raise InputError(
+            f"adhesion of finite range reaches up to {show(ring, 'length')} beyond the contact, more than "
+            f"{RANGE_IN_LAYER:.0%} of the layer, but is that of a half-space here: leave {law.name} out"
+        )
+    two_sided = law.free and low > 0 and math.isfinite(high)
+    relative = (high - low) / (2 * t * z0) if two_sided else None
+    ends = {"range": (low, high), "stress": (w / high, w / low if low else math.inf)}
+    ranged = [
+        FittedValue(name, value, law.free, kind, relative and relative * value,
+                    *((end if math.isfinite(end) else None) for end in ends[name] if law.free))
+        for name, value, kind in (("range", z0, "length"), ("stress", w / z0 if z0 else math.inf, "modulus"))
+        if math.isfinite(value)
+    ]  # fmt: skip
+    falls = fall_of(jkr, FittedRecord(jkr.body, best))
+    values = outcome_of(jkr.fit, jkr.fit.x, jkr.body)
+    beside_it = JKRBeside(jkr.E_star, work_of(jkr.fit), jkr.fit.sigma, best.sigma, falls / 2, values)
+    result = result_of(jkr.body, best, beside_it, ranged)
+    if falls > -SCORE_TIED:
+        return result
+    sentence = f"{REJECTED}: chi^2 is lower by {-falls:.0f} with adhesion of no range (JKR)"
+    return replace(result, flags=(*result.flags, REJECTED), warnings=(sentence, *result.warnings))
 
 
 def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:

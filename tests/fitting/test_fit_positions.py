@@ -143,13 +143,7 @@ def test_records_of_one_device_share_it() -> None:
         ("hysteresis", {}, {"segment": "retract"}, "needs approach and retraction together: leave --segment out"),
         ("creep", {"t": None}, {}, "needs a column of time, there is none: leave creep out"),
         ("creep", {"t": np.zeros(2 * ROWS)}, {}, "needs a column of time, there is none: leave creep out"),
-        ("creep", {}, {"branch": "compressive"}, "is fitted to whole force curves only, without range, .*"),
-        (
-            "hysteresis",
-            {},
-            {"free": ["hysteresis", "range"]},
-            "is fitted to whole force curves only, without range, .*",
-        ),
+        ("creep", {}, {"branch": "compressive"}, "is fitted to whole force curves only, without compliance, .*"),
     ],
 )
 def test_what_does_not_tell_an_error_of_positions_is_refused(

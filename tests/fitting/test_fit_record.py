@@ -386,7 +386,6 @@ def test_another_indenter_is_flagged_as_misfit() -> None:
         {"fix": [("compliance", "0")]},
         {"start": [("w", "1 mJ/m^2")]},
         {"free": ["E:base"]},
-        {"free": ["range"]},
     ],
 )
 def test_what_the_model_of_a_record_does_not_know_is_fitted_to_its_rows(asked: dict[str, object]) -> None:

@@ -119,7 +119,7 @@ reading_options = options.as_one(
                  help="With the exact solution of these bodies: where the edge is between nodes, and the shape."),
     click.option("--nodes", type=options.FileType(),
                  help="Radii of all nodes of the mesh at the contact, a table of one column, where contact radii are "
-                 "those of nodes. Default: the series tells them."),
+                 "those of the outermost node in contact. Default: the series tells them."),
     click.option("--sort", is_flag=True, help="Order the rows by displacement first."),
 )  # fmt: skip
 

@@ -321,7 +321,8 @@ def by_tip(nodes: NodeRadii, indenter: Indenter) -> Ahead:
     c = np.linspace(-1.2, 0.5, 171)
     low, high = AHEAD_KNOWN
     prior = np.zeros(c.size)
-    for share, node in zip((AHEAD_USUAL, *[(1 - AHEAD_USUAL) / 2] * 2), AHEAD_NODES, strict=True):
+    usual = AHEAD_USUAL if nodes.rows.element is None else 1.0  # a mesh is given with the nodes in contact
+    for share, node in zip((usual, *[(1 - usual) / 2] * 2), AHEAD_NODES, strict=True):
         inside = (c >= node + low - 1e-9) & (c <= node + high + 1e-9)
         prior[inside] += share / inside.sum()
     seen = _of_half_space(nodes, indenter)

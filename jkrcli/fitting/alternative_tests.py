@@ -1068,22 +1068,27 @@ RANGE_LOWER = 4.0  # theory: chi^2 of one unknown at 95 %, by which a minimum wi
 RANGE_EVERY = 3  # choice: of the Tabor numbers of ``ADHESION_TABOR``, which stand closer than minima
 
 
-def with_range_of(
-    record: FittedRecord, fresh: ForceCurveModel, change: Perturbation, amount: float | None
-) -> ForceCurveFit:
-    """The fit with an ``amount`` of a range of adhesion that is known, or None, that is fitted with the rest: from that
-    without on, which it contains; SolveError where it leaves more than that one."""
-    if amount is not None:
-        model = ChangedModel.of(fresh, change, {AMOUNT: amount})
-        near = Linearised.of(record, off_folds(record))
-        end = alone(_followed(near, _with_amount(record, change, amount), still=FULL_ABOUT))
-        return to_the_end(model, _unknowns(record, model, record.fit.x if end is None else end[1]))
+def with_range_of(record: FittedRecord, fresh: ForceCurveModel, change: Perturbation, amount: float) -> ForceCurveFit:
+    """The fit with an ``amount`` of a range of adhesion that is known."""
+    model = ChangedModel.of(fresh, change, {AMOUNT: amount})
+    near = Linearised.of(record, off_folds(record))
+    end = alone(_followed(near, _with_amount(record, change, amount), still=FULL_ABOUT))
+    return to_the_end(model, _unknowns(record, model, record.fit.x if end is None else end[1]))
+
+
+def with_free_range(
+    record: FittedRecord, fresh: ForceCurveModel, change: Perturbation
+) -> tuple[ForceCurveFit, list[ForceCurveFit]]:
+    """The fit with a range of adhesion that is fitted with the rest, from that without on, which it contains; and fits
+    with known ranges that the data do not tell from it. SolveError where it leaves more than that without."""
     # JKR is a minimum of its own where the range is as long as the neck: from fits at a few that are known, too.
     model = ChangedModel.of(fresh, change)
     starts = [_roughly(record, fresh, change, 0.0)[1], np.append(_unknowns(record, model, record.fit.x), LITTLE)]
+    near = list[ForceCurveFit]()
     for (known,) in change.starts[::RANGE_EVERY]:
         with contextlib.suppress(SolveError):
-            starts.append(np.append(with_range_of(record, fresh, change, known).x, known))
+            near.append(with_range_of(record, fresh, change, known))
+            starts.append(np.append(near[-1].x, known))
     best, fall = None, -FULL_LEANING
     for x in starts:
         with contextlib.suppress(SolveError):
@@ -1092,7 +1097,7 @@ def with_range_of(
             if full.ended and falls > (fall if best is None else fall + RANGE_LOWER):
                 best, fall = full, falls
     if best is not None:
-        return best
+        return best, [one for one in near if fall_of(record, FittedRecord(record.body, one)) > fall - RANGE_LOWER]
     raise SolveError(
         "the fit with a range of adhesion does not converge: none leaves as little as JKR, which it contains; leave "
         "the range out, or fix it"

@@ -43,6 +43,7 @@ from .alternative_tests import (
     fall_of,
     fit_alternatives,
     relative_errors,
+    with_free_range,
     with_range_of,
 )
 from .alternatives import (
@@ -921,8 +922,9 @@ def _with_range(jkr: FittedRecord, fresh: ForceCurveModel, settings: Settings, r
 
     # The range with its ends: fitted, or known; of a known stress by the w that it leads to
     t, w = t_quantile(settings.level, max(jkr.residuals.size - jkr.fit.x.size, 1)), work_of(jkr.fit)
+    near = list[ForceCurveFit]()
     if law.free:
-        best = with_range_of(jkr, fresh, change, None)
+        best, near = with_free_range(jkr, fresh, change)
         amount, error = best.value(AMOUNT), best.error(AMOUNT)
         z0, low, high = (range_of(jkr, max(one, 0.0)) for one in (amount, amount - t * error, amount + t * error))
         w = work_of(best)
@@ -955,6 +957,16 @@ def _with_range(jkr: FittedRecord, fresh: ForceCurveModel, settings: Settings, r
     values = outcome_of(jkr.fit, jkr.fit.x, jkr.body)
     beside_it = JKRBeside(jkr.E_star, work_of(jkr.fit), jkr.fit.sigma, best.sigma, falls / 2, values)
     result = result_of(jkr.body, best, beside_it, ranged)
+
+    # What fits with other ranges that the data do not tell from it make of E* and w
+    if near:
+        q = f"q:{best.model.stretches[-1].kind}"
+        logs = np.array([[v["ln_s"], math.log(max(v[q], TINY)) + v["ln_s"]] for v in (
+            fit.model.values(fit.x) for fit in (best, *near))])  # fmt: skip
+        moved = dict(zip(("E_star", "w"), np.max(np.abs(np.expm1(logs[1:] - logs[0])), axis=0).tolist(), strict=True))
+        estimates = (one.with_model("range", moved[one.name] * one.value) if moved.get(one.name) else one
+                     for one in result.estimates)  # fmt: skip
+        result = replace(result, estimates=tuple(estimates))
     if falls > -SCORE_TIED:
         return result
     sentence = f"{REJECTED}: chi^2 is lower by {-falls:.0f} with adhesion of no range (JKR)"

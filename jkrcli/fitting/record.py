@@ -947,9 +947,9 @@ def _with_range(jkr: FittedRecord, fresh: ForceCurveModel, settings: Settings, r
     two_sided = law.free and low > 0 and math.isfinite(high)
     relative = (high - low) / (2 * t * z0) if two_sided else None
     ends = {"range": (low, high), "stress": (w / high, w / low if low else math.inf)}
+    told = {name: [end if law.free and math.isfinite(end) else None for end in pair] for name, pair in ends.items()}
     ranged = [
-        FittedValue(name, value, law.free, kind, relative and relative * value,
-                    *((end if math.isfinite(end) else None) for end in ends[name] if law.free))
+        FittedValue(name, value, law.free, kind, relative and relative * value, told[name][0], told[name][1])
         for name, value, kind in (("range", z0, "length"), ("stress", w / z0 if z0 else math.inf, "modulus"))
         if math.isfinite(value)
     ]  # fmt: skip

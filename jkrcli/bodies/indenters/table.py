@@ -440,7 +440,7 @@ class TableProfile(Indenter):
                 return None
             noise = scatter(r, f) if r.size >= SMOOTHING_FEWEST else 0.0
             if not noise > ROUNDED * np.ptp(f):
-                if whole:
+                if whole or dip is None:
                     raise InputError(
                         "profile table: its two sides differ, and the points do not tell their scatter: say it, "
                         'noise = "0.05 nm", or give one side from the apex, r = 0, on'

@@ -721,9 +721,9 @@ class EquilibriumCurve(ABC):
         begin, end = self._works(low, places[first]), self._works(places[last], high)
         return float(begin.sum() + works[first:last].sum() + end.sum())
 
-    @property
+    @cached_property
     def _joints(self) -> Array:
-        """Places (n,), the ends among them, of pieces over which Gauss' rule is accurate."""
+        """Places (n,), the ends among them, of pieces over which Gauss' rule is accurate: those of the ``path``."""
         return np.unique(self.places)
 
     @cached_property

@@ -167,6 +167,11 @@ class FromRest(EquilibriumCurve):
     def contact_radii(self, places: Array) -> Array:
         return places
 
+    @cached_property
+    def _joints(self) -> Array:
+        joints = self.whole._joints
+        return np.append(joints[joints < self.rest.a], self.rest.a)
+
     def path(self, low: float, high: float) -> tuple[Array, Array]:
         return self.whole.path(low, high)
 

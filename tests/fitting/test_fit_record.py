@@ -572,7 +572,7 @@ def test_directions_of_different_moduli_stand_side_by_side() -> None:
 def test_calibration_is_told_as_a_part_of_its_own() -> None:
     """E* and w are as wrong as the stiffness that loads are made with; w goes with 1/R, on a half-space."""
     curve = cycled(1)
-    found = fit(BODY, curve, usual(uncertain={"stiffness": 0.1, "radius": 0.03 * R, "sensitivity": 0.02}))
+    found = fit(BODY, curve, usual(uncertain={"stiffness": "10%", "radius": 0.03 * R, "sensitivity": "2%"}))
     parts = {name: found.estimate(name).systematic for name in ("E_star", "w")}
     for name, by_radius in (("E_star", 0.5), ("w", 1.0)):
         told, value = parts[name], found.value(name)
@@ -602,7 +602,7 @@ def test_an_uncertain_input_without_effect_is_refused(
     stiffness: float | None, options: dict[str, object], said: str
 ) -> None:
     with pytest.raises(InputError, match=said):
-        fit(BODY, replace(cycled(1), stiffness=stiffness), usual(uncertain={"stiffness": 0.1}, **options))
+        fit(BODY, replace(cycled(1), stiffness=stiffness), usual(uncertain={"stiffness": "10%"}, **options))
 
 
 def test_the_noise_is_that_of_the_free_rows() -> None:

@@ -187,7 +187,7 @@ def test_what_no_row_tells_is_named_until_its_error_is_given() -> None:
     found = fit(BODY, curve, usual())
     for words in ("radius", "R^-1/2", "spring constant", "sensitivity", "--uncertain"):
         assert words in found.not_included
-    calibrated = fit(BODY, curve, usual(uncertain={"stiffness": 0.1, "sensitivity": 0.05}))
+    calibrated = fit(BODY, curve, usual(uncertain={"stiffness": "10%", "sensitivity": "5%"}))
     assert "radius" in calibrated.not_included
     assert "spring" not in calibrated.not_included
 

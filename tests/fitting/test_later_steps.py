@@ -34,7 +34,7 @@ BROKEN = {  # later steps of a raw record: where each stands, its name in words,
     "fitting.record.sentences": ("remarks on the fit", {}),
     "fitting.record.replace_by_best_alternative": ("fits of alternative models", {"model": "auto"}),
     "fitting.record.bootstrap": ("intervals by bootstrap", {"confidence": "bootstrap", "samples": 20}),
-    "fitting.record.changes_by": ("uncertain inputs", {"uncertain": {"stiffness": 0.05}}),
+    "fitting.record.changes_by": ("uncertain inputs", {"uncertain": {"stiffness": "5%"}}),
 }
 BROKEN_ROWS = {  # the same of rows of a table
     "fitting.procedure.alternatives_of": ("alternative models", {}),

@@ -69,7 +69,7 @@ def jkr_of_a_half_space(delta: float, E_star: float, radius: float, w: float) ->
 def curve_on_the_layer(E: float, w: float, radius: float, h: float, delta: np.ndarray) -> np.ndarray:
     """Loads on the stable branch, of a body solved for itself."""
     layer = jkr_package.Layer(jkr_package.Elastic(E, NU), h)
-    specimen = jkr_package.Specimen((layer,), jkr_package.Rigid("bonded"))
+    specimen = jkr_package.Specimen((layer,), jkr_package.Rigid())
     solution = jkr_package.solve(
         jkr_package.Problem(jkr_package.Paraboloid(radius), specimen, jkr_package.Loading("radius", 0.75 * h, 200))
     )

@@ -37,6 +37,6 @@ def test_without_slip_the_same_depth_takes_more_load() -> None:
 def test_what_takes_long_or_has_no_method_is_refused() -> None:
     with pytest.raises(jkr.Refusal, match="the coarse solution would take about"):
         resolve_with(ON_GEL, RADII, longest=0.0)
-    narrow = jkr.Specimen(GEL.layers, GEL.base, radius=1e-3)
+    narrow = jkr.Specimen(GEL.layers, GEL.base, radius=1e-3, side="free")
     with pytest.raises(jkr.Refusal, match="finite radius"):
         resolve_with(ON_GEL, RADII, specimen=narrow)

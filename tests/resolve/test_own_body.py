@@ -66,7 +66,7 @@ def test_a_flat_end(S0_known: bool) -> None:
 
 def test_bodies_without_an_exact_solution_have_none() -> None:
     problem = COATING.problem(15)
-    narrow = replace(problem, specimen=replace(problem.specimen, base=problem.specimen.base, radius=4e-6))
+    narrow = replace(problem, specimen=replace(problem.specimen, radius=4e-6, side="free"))
     assert own_solution(narrow, np.array([1e-6, 2e-6])) is None
 
 

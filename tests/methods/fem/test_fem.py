@@ -251,7 +251,9 @@ def test_an_elastic_indenter_acts_through_the_reduced_modulus():
             "nu = 0.5 needs second-order elements: set mesh.order = 2",
         ),
         (
-            Problem(Sphere(1.0), Specimen((Layer(Elastic(1, 0.3), 1.0),), Rigid(), 0.2), Loading("radius", 0.3)),
+            Problem(
+                Sphere(1.0), Specimen((Layer(Elastic(1, 0.3), 1.0),), Rigid(), 0.2, "free"), Loading("radius", 0.3)
+            ),
             {},
             "contact reaches the edge of the body or of the indenter's profile, 0.2 m, before the radius reaches 0.3: "
             "load less",
@@ -289,9 +291,9 @@ def test_a_too_small_forecast_is_mended(monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"spacing": 0.0}, "mesh.spacing: must be > 0 and < 0.5, got 0"),
+        ({"spacing": 0.0}, "mesh.spacing: must be > 0 and < 0.5, got 0.0"),
         ({"growth": 0.9}, "mesh.growth: must be > 0 and < 0.6, got 0.9"),
-        ({"depth": -1.0}, "mesh.depth: must be > 0, got -1"),
+        ({"depth": -1.0}, "mesh.depth: must be > 0, got -1.0 m"),
         ({"element_size": 1e-7}, 'mesh: element_size belongs to layout "zones"; the layout "scaled" takes spacing'),
     ],
 )

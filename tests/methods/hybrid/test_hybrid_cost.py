@@ -137,7 +137,7 @@ def test_levels_say_what_they_cost() -> None:
 
 def test_a_contact_of_a_billion_thicknesses_is_refused_without_its_elements() -> None:
     """Found by fuzzing: the lines alone would have taken 14 GiB."""
-    specimen = Specimen((Layer(Elastic(1e6, 0.4), 1e-9),), Rigid(), 10.0)
+    specimen = Specimen((Layer(Elastic(1e6, 0.4), 1e-9),), Rigid(), 10.0, "free")
     problem = Problem(Paraboloid(1e3), specimen, Loading("radius", 1.0))
     reason = Hybrid().refusal(problem)
     assert reason is not None

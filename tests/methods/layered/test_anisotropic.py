@@ -58,9 +58,9 @@ def test_stiffness_is_the_inverse_of_the_compliance(E_p, E_z, nu_p, share, G_z):
 @pytest.mark.parametrize(
     ("constants", "line"),
     [
-        ((0.0, 1.0, 0.3, 0.3, 1.0), "E_p: must be > 0 Pa, got 0"),
-        ((1.0, 1.0, 0.3, 0.3, -1.0), "G_z: must be > 0 Pa, got -1"),
-        ((1.0, 1.0, 1.0, 0.3, 1.0), "nu_p: must be > -1 and < 1, got 1"),
+        ((0.0, 1.0, 0.3, 0.3, 1.0), "E_p: must be > 0, got 0.0 Pa"),
+        ((1.0, 1.0, 0.3, 0.3, -1.0), "G_z: must be > 0, got -1.0 Pa"),
+        ((1.0, 1.0, 1.0, 0.3, 1.0), "nu_p: must be > -1 and < 1, got 1.0"),
         (
             (1.0, 1.0, 0.5, 0.5, 1.0),
             "nu_zp: must lie between -0.5 and 0.5 for a positive strain energy (2 nu_zp^2 E_p/E_z < 1 - nu_p), got 0.5",

@@ -99,15 +99,15 @@ def test_scaling_multiplies_every_modulus(law):
 @pytest.mark.parametrize(
     ("make", "line"),
     [
-        (lambda: Linear(0.0, 1.0, 1.0), "top: must be > 0 Pa, got 0"),
-        (lambda: Exponential(1.0, -2.0, 1.0), "bottom: must be > 0 Pa, got -2"),
-        (lambda: Power(1.0, 0.0, 1.0), "length: must be > 0 m, got 0"),
+        (lambda: Linear(0.0, 1.0, 1.0), "top: must be > 0, got 0.0 Pa"),
+        (lambda: Exponential(1.0, -2.0, 1.0), "bottom: must be > 0, got -2.0 Pa"),
+        (lambda: Power(1.0, 0.0, 1.0), "length: must be > 0, got 0.0 m"),
         (
             lambda: Tabulated((0.0, 1.0), (1.0, 2.0, 3.0)),
             "a table needs as many moduli as depths, at least two of each, got 3 and 2",
         ),
         (lambda: Tabulated((0.1, 1.0), (1.0, 2.0)), "depth: must start at 0 m and increase, got [0.1, 1.0]"),
-        (lambda: Tabulated((0.0, 1.0), (1.0, 0.0)), "E: every modulus must be > 0 Pa, got 0"),
+        (lambda: Tabulated((0.0, 1.0), (1.0, 0.0)), "moduli: entry 2 must be > 0, got 0.0 Pa"),
         (
             lambda: Layer(Graded(Linear(1.0, 2.0, 0.5), 0.3), 1.0),
             "the law of E ends at a depth of 0.5 m, above the bottom of the layer (thickness 1 m)",

@@ -147,7 +147,7 @@ def test_wrong_requests_are_explained(arguments: dict, message: str) -> None:
 
 def test_finite_specimens_are_refused() -> None:
     with pytest.raises(Refusal, match="finite radius"):
-        at(Specimen(INCOMPRESSIBLE.layers, Rigid(), radius=9.0), Sphere(20.0), 2.0)
+        at(Specimen(INCOMPRESSIBLE.layers, Rigid(), radius=9.0, side="free"), Sphere(20.0), 2.0)
 
 
 def test_default_samples_are_finite() -> None:

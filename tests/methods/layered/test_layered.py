@@ -338,7 +338,9 @@ def test_impossible_loadings_are_refused(indenter: object, loading: Loading, mes
 
 
 def test_finite_specimens_are_refused() -> None:
-    problem = Problem(Paraboloid(10.0), Specimen(bonded(0.3).layers, Rigid(), radius=5.0), Loading("radius", 1.0))
+    problem = Problem(
+        Paraboloid(10.0), Specimen(bonded(0.3).layers, Rigid(), radius=5.0, side="free"), Loading("radius", 1.0)
+    )
     assert "radius of 5 m" in (Layered().refusal(problem) or "")
     with pytest.raises(Refusal, match="use the method hybrid"):
         Layered()(problem)

@@ -97,6 +97,7 @@ TEXT_GAPS = 0.1  # choice: of the rows, that may lack a number
 TEXT_BLOCK = 10  # choice: rows without an empty line, behind which one row alone is none of them
 # theory: the numbers that loggers write where they read nothing, -999, -9999, ..., or positive ones
 NINES = np.array([sign * (10.0**digits - 1) for digits in range(3, 10) for sign in (-1, 1)])
+NINES_ROWS = 8  # choice: other numbers of a column, of fewer none is far off
 
 
 @dataclass(frozen=True)
@@ -325,7 +326,7 @@ def _missing(values: Array) -> dict[int, float]:
         column = values[np.isfinite(values[:, i]), i]
         for number in NINES[np.isin(NINES, column)]:
             others = column[column != number]
-            if others.size > 1 and np.min(np.abs(others - number)) > np.ptp(others):
+            if others.size >= NINES_ROWS and np.min(np.abs(others - number)) > np.ptp(others):
                 found[int(i)] = float(number)
     return found
 

@@ -10,8 +10,9 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, wait
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -167,11 +168,18 @@ def test_work_is_given_up_in_silence_however_the_threads_take_turns(monkeypatch:
 
     monkeypatch.setattr(ProcessPoolExecutor, "shutdown", late)
     monkeypatch.setattr(threading, "excepthook", failures.append)
-    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    with contextlib.suppress(KeyboardInterrupt), executor(2) as pool:
-        for _ in completed(pool, time.sleep, [0.0] + [10.0] * 40, "naps"):
-            signal.setitimer(signal.ITIMER_REAL, 0.1)  # while two tasks are in work and two wait for them
-    signal.signal(signal.SIGALRM, before)
+    monkeypatch.setattr("jkrcli.base.executors.POOL_AHEAD", 4)  # more than Python itself sends to its processes
+    first = iter([wait])
+
+    def interrupted(*arguments: Any, **named: Any) -> Any:
+        for turn in first:
+            return turn(*arguments, **named)
+        time.sleep(0.1)  # until two tasks are in work and others wait for them
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jkrcli.base.executors.wait_for", interrupted)
+    with pytest.raises(KeyboardInterrupt), executor(2) as pool:
+        list(completed(pool, time.sleep, [0.0] + [10.0] * 40, "naps"))
     assert not failures
 
 

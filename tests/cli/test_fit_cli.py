@@ -295,6 +295,7 @@ def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
         assert said in done.err
 
 
+@pytest.mark.slow
 def test_a_work_of_adhesion_ten_times_that_of_the_record_is_told_not_to_fit(jkr) -> None:
     """Its edge recedes wherever the series is, and an alternative that leads there is none; the fit is said to leave a
     misfit, and E* = 200 kPa stays inside what the model leaves open."""

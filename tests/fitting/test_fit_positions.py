@@ -89,6 +89,7 @@ def test_a_device_creeps_while_it_waits() -> None:
     assert not found.flags
 
 
+@pytest.mark.slow
 def test_the_alternative_in_full_is_what_is_fitted_on_request() -> None:
     curve = made(bowed(0.01))
     by_alternative, asked = fit(BODY, curve, usual(model="auto")), fit(BODY, curve, usual(free=["hysteresis"]))

@@ -317,6 +317,7 @@ def test_a_misfit_does_not_end_the_search_between_the_kinks_of_a_fold() -> None:
     assert "model rejected" in found.flags
 
 
+@pytest.mark.slow
 def test_misfit_that_passes_for_slow_noise_makes_no_model_better() -> None:
     """A layer read as a half-space: with moduli that change the residuals are slow, and by their own noise left 28 less
     of chi^2 than the layer, which leaves 32 less by one noise for both: w was a third too high, alone and unflagged."""
@@ -330,7 +331,7 @@ def test_misfit_that_passes_for_slow_noise_makes_no_model_better() -> None:
         assert item.value == pytest.approx(true, abs=3 * item.error)
 
 
-@pytest.mark.parametrize(("i", "noise"), [(5, 1.0), (63, 0.85)])
+@pytest.mark.parametrize(("i", "noise"), [pytest.param(5, 1.0, marks=pytest.mark.slow), (63, 0.85)])
 def test_a_range_with_two_valleys_is_found_in_full(i: int, noise: float) -> None:
     """Tabor's number 0.3: chi^2 has another valley at ranges five times shorter, where w is a sixth too high (5). One
     step takes less than nine of chi^2, and a surface tension 14, whose chance is less than half of what asks for it on

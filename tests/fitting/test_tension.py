@@ -58,6 +58,7 @@ def test_two_radii_tell_the_tension():
     assert not exact.warnings
 
 
+@pytest.mark.slow
 def test_a_slight_work_of_adhesion_is_told_as_a_limit():
     """w was searched by its amount, whose slope at 0 is none, in curves that ended before so slight a contact does: the
     interval was sixty times too wide, or w fourteen standard errors off."""

@@ -164,6 +164,7 @@ def weighed(eps: float, n: int = 600) -> tuple[float, float, float, float]:
     )
 
 
+@pytest.mark.slow
 def test_weight_of_a_half_space_against_its_integral_equation() -> None:
     eps, none = 1e-5, weighed(1e-12)
     S, dS, depth, P = (here / there for here, there in zip(weighed(eps), none, strict=True))

@@ -20,7 +20,7 @@ from ..base.numerics import HALF_WIDTH, LEVEL, MOST_CELLS, Array, half_width
 from ..base.process import one_thread
 from ..base.units import LARGEST_SI
 from ..bodies.problem import Problem
-from ..methods.protocol import Choice, Limits, Method, check_cost, choose_method, long_look, method_class
+from ..methods.protocol import METHODS, Choice, Limits, Method, check_cost, choose_method, long_look, method_class
 from ..series import (
     COLUMNS,
     CoarseSeries,
@@ -205,6 +205,7 @@ class _Reader:
 
     def solution(self, problem: Problem | None) -> Solution:
         attributes, record = self.root.attributes, Record(path=self.path)
+        name, solver = str(attributes.get("method", "unknown")), None
         if problem is not None and attributes.get("problem_key") != problem.key:
             raise InputError(f"{self.path}: is a solution of another problem")
         if problem is None:
@@ -217,13 +218,14 @@ class _Reader:
                     text = tomli_w.dumps(tree | {"indenter": keys | indenter})
             case = Case(parse_case(text.encode(), source).model, source, text)
             record, problem = record_of(case, self.path), case.model.problem()
+            solver = method_of(case.model, name) if name in METHODS else None
         series, raw = self.rows()
         warnings = tuple(map(str, self.words("warnings").values()))
         return Solution(
             problem,
             series,
             self.budget(),
-            str(attributes.get("method", "unknown")),
+            name,
             raw,
             self.pressure(),
             self.words("facts"),
@@ -232,6 +234,7 @@ class _Reader:
             replace(record, command_line=str(attributes.get("command_line", "")), versions=self.words("versions")),
             kernel=self.kernel(),
             touches=self.touches(series),
+            solver=solver,
         )
 
     def case(self) -> str:

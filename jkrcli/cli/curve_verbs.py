@@ -8,7 +8,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,12 +19,19 @@ from ..base.errors import InputError, counted
 from ..base.files import atomic, together, write_text
 from ..base.registry import Result
 from ..bodies.problem import relaxing
-from ..case.models import Case, fem_of
 from ..data.curve import Use
 from ..methods.protocol import Limits
 from ..report import forward, tables
 from ..report.result import PICTURES, Files, Output, Results
-from ..resolve.analysis import analyse, nonadhesive, profile_columns, radius_under, seconds_of_page, where_lost
+from ..resolve.analysis import (
+    analyse,
+    fem_behind,
+    nonadhesive,
+    profile_columns,
+    radius_under,
+    seconds_of_page,
+    where_lost,
+)
 from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
 from ..resolve.resolve import effect_on, sticking_warnings
 from ..series import Solution
@@ -305,9 +312,8 @@ def fields(file: Path, state: options.State, component: str | None, output: Outp
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from .case_verbs import MARKS
 
-    method = fem_of(cast(Case, solution.record.case).model)
     curve, component = analyse(solution, [w])[0], component or "zz"
-    result = forward.Fields.of(curve, method, a=state.radius, load=state.load, component=component)
+    result = forward.Fields.of(curve, fem_behind(solution), a=state.radius, load=state.load, component=component)
     figure = targets.draw(result.figure)
     with together():
         with atomic(targets[".vtu"]) as temporary:

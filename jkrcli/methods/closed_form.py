@@ -64,7 +64,8 @@ class ClosedForm:
             errors = {name: formula.error * values for name, values in zip(COLUMNS, (0 * a, *columns), strict=True)}
             series = Series(a, *columns, errors=errors, a0=indenter.a0, S0=S0)
         budget = ErrorBudget(discretisation=formula.error, truncation=0.0, radius=0.0)
-        return Solution(problem, series, budget, self.name, facts={"solution": formula.name}, timings=clock.seconds)
+        facts = {"solution": formula.name}
+        return Solution(problem, series, budget, self.name, facts=facts, timings=clock.seconds, solver=self)
 
 
 def _radii(problem: Problem, formula: Formula) -> Array:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
@@ -46,7 +46,7 @@ from ..base.process import PATIENCE
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI, show
 from ..bodies.problem import INCOMPRESSIBLE, Loading, Problem, relaxing
-from ..case.models import Case, fem_of, method_of
+from ..case.models import Case, fem_of
 from ..methods.integral.density import nonsmooth_part
 from ..methods.integral.finite_range import AttractedSurface, adhesive_surface, attracted_surface
 from ..methods.layered.solver import surface_profile
@@ -62,6 +62,9 @@ from .resolve import (
     own_solution,
     resolve_with,
 )
+
+if TYPE_CHECKING:
+    from ..methods.fem import FEM
 
 JKR: RangeRequest = RangeRequest()
 EXPLAINED = 0.1  # choice: of what a force is off, the part of the loads from which they are its cause
@@ -513,13 +516,20 @@ SOLVED_RIM = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 ti
 
 
 def method_behind(solution: Solution) -> Method | None:
-    """The method that made ``solution``, with the options of its case and the kernel that it has found."""
-    name, case = solution.method, solution.record.case
-    if name not in METHODS:
+    """The method that made ``solution``, as it was configured, with the kernel that it has found; None for series that
+    no method of this program made."""
+    if solution.method not in METHODS:
         return None
-    method: Any = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
+    method: Any = solution.solver or method_class(solution.method)()
     found: Method = method if solution.kernel is None else replace(method, known=solution)
     return found
+
+
+def fem_behind(solution: Solution) -> FEM:
+    """The finite elements for fields in the body of ``solution``: those that made it, or as its case says."""
+    case = solution.record.case
+    made: FEM = solution.solver if solution.method == "fem" else None
+    return made or (fem_of(case.model) if isinstance(case, Case) else method_class("fem")())
 
 
 def solver_of(solution: Solution) -> Further | None:
@@ -832,7 +842,7 @@ def _meshed(solution: Solution, a: float, w: float) -> dict[str, Array]:
 
     curve = analyse(solution, [w])[0].curve
     delta, _ = (float(value) for value in curve.at(np.array(a)))
-    state = contact_state(fem_of(cast(Case, solution.record.case).model), solution.problem, a, delta)
+    state = contact_state(fem_behind(solution), solution.problem, a, delta)
     points, line = state.grid.points, state.lines["surface"]
     beyond = np.flatnonzero((np.abs(points[:, 1]) <= 1e-12 * a) & (a <= points[:, 0]) & (points[:, 0] <= 3 * a))
     beyond = beyond[np.argsort(points[beyond, 0], kind="stable")][::STATE_ORDER]  # the elements' vertices

@@ -283,7 +283,8 @@ class Solution:
     ``raw``: the increments, where the method works in increments; ``facts``: plain numbers and words about mesh, solver
     and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers; ``companions``: where the
     method knows them; ``kernel``: where it took long to find and is small. ``touches``: of increments on nodes, the
-    series at the moments at which the edge of the contact reaches these, where the method knows them.
+    series at the moments at which the edge of the contact reaches these, where the method knows them. ``solver``: the
+    Method that made it, as it was configured, where that is known.
     """
 
     problem: Problem
@@ -299,6 +300,7 @@ class Solution:
     companions: Companions | None = None
     kernel: KeptKernel | None = None
     touches: Series | None = None
+    solver: Any = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         a = self.increments.a

@@ -273,11 +273,11 @@ class FEM(FEMOptions):
         """Solve; errors: Refusal (contact leaves the candidates, body not representable, tolerance not reached),
         SolveError."""
         if self.tolerance is None:
-            return self.solve(problem)[1]
+            return replace(self.solve(problem)[1], solver=self)
         self._refuse(problem)
         mesh.require(*self._packages)
         with one_thread():
-            return refine_to_tolerance(self, problem, StageClock())
+            return replace(refine_to_tolerance(self, problem, StageClock()), solver=self)
 
     def solve(self, problem: Problem) -> tuple[Run, Solution]:
         """Solve on the mesh of the given sizes; the run holds mesh, factor and contact problem."""

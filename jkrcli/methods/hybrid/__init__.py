@@ -142,7 +142,8 @@ class Hybrid(HybridOptions):
         budget = ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0)
         facts["nodes"] = result.panels.x.size
         told: dict[str, Any] = {"facts": facts, "timings": clock.seconds, "warnings": warnings}
-        return Solution(problem, series, budget, "hybrid", **told, companions=errors.companions, kernel=kept).widened()
+        known: dict[str, Any] = {"companions": errors.companions, "kernel": kept, "solver": replace(self, known=None)}
+        return Solution(problem, series, budget, "hybrid", **told, **known).widened()
 
     def _found(
         self, problem: Problem, body: AdaptiveKernel, clock: StageClock

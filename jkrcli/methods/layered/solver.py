@@ -104,7 +104,7 @@ class Layered(LayeredOptions):
             facts["a_over_h"] = float(panels.radii[-1]) / contact.specimen.layers[0].thickness
         if stacks(contact.specimen, contact.indenter.material):
             facts["a_over_scale"] = float(panels.radii[-1]) / contact.spectrum.scale
-        told: dict[str, Any] = {"facts": facts, "timings": clock.seconds, "warnings": warnings}
+        told: dict[str, Any] = {"facts": facts, "timings": clock.seconds, "warnings": warnings, "solver": self}
         return Solution(problem, series, budget, "layered", **told).widened()
 
 

@@ -1004,8 +1004,8 @@ def pull_off(
     InputError
         Where contact is not lost within the series, or the force is none of this body.
     """
-    from .fitting.pull_off import measured_work, refuse_idle, works_by_history
     from .resolve.analysis import where_lost
+    from .resolve.measured_work import measured_work, refuse_idle, works_by_history
 
     exactly_one("pull_off", w=w, load=load)
     refuse_idle(load, uncertain or {}, stress, length)

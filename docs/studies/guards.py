@@ -23,16 +23,9 @@ from jkrcli.bodies.problem import Problem
 from jkrcli.case.models import Case, parse_case
 from jkrcli.case.store import solve
 from jkrcli.cli import call as jkr
-from jkrcli.cli.inputs import (
-    PER_FILE,
-    TABLE_CYCLE_PER_POINT,
-    TABLE_CYCLE_PER_ROW,
-    TABLE_FIT_PER_ROW,
-    TABLE_PER_ROW,
-    TABLE_REFIT,
-    TABLE_REFIT_PER_ROW,
-    TABLE_WORK_PER_ROW,
-)
+from jkrcli.cli.cycle import TABLE_CYCLE_PER_POINT, TABLE_CYCLE_PER_ROW
+from jkrcli.cli.inputs import PER_FILE, TABLE_PER_ROW
+from jkrcli.cli.readings import TABLE_FIT_PER_ROW, TABLE_REFIT, TABLE_REFIT_PER_ROW, TABLE_WORK_PER_ROW
 from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.data.measured import each
 from jkrcli.many.maps import map_of

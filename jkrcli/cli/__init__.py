@@ -72,7 +72,8 @@ MODULES = {  # where each verb is
     verb: module
     for module, verbs in {
         "case_verbs": ("new", "check", "run", "import", "mesh"),
-        "curve_verbs": ("transform", "pull-off", "profile", "fields", "export", "explore", "look", "work"),
+        "curve_verbs": ("transform", "pull-off", "profile", "fields", "export"),
+        "measured_verbs": ("look", "work", "explore"),
         "cycle": ("cycle",),
         "fit": ("fit",),
         "study_verbs": ("compare", "sweep", "study", "bench", "show", "doctor", "completion"),

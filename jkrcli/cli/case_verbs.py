@@ -20,8 +20,9 @@ from ..methods.protocol import METHODS, Limits, long_look
 from ..report.result import Output
 from ..report.solved import Imported, Meshed, Solved
 from ..resolve.resolve import effect_facts, sticking_effect
+from ..tables import rows_of_text
 from . import options
-from .inputs import SEPARATED, Flags, begin_reading, body_options, case_of, named_flags, reading_of
+from .inputs import SEPARATED, Flags, begin_tables, body_options, case_of, named_flags, reading_of
 from .printing import announce, command_line, detail, give, note, say
 
 # --------------------------------------------------------------------------------------------------
@@ -143,7 +144,7 @@ def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading
     """
     target = output.file(Path(f"{table.stem}.h5"), [table, *([case] if case else [])], check_series_target)
     body = _case(case, flags)
-    begin_reading("import", [table])
+    begin_tables("import", rows_of_text(table))
     solution = read_series(table, body.model.problem(), reading)
     # The case with the loading that the table went through.
     went = solution.problem.loading

@@ -24,6 +24,7 @@ from ..report.result import PICTURES, Output
 from ..resolve.analysis import analyse, with_solved_points
 from ..resolve.histories import curves_from_rest, pull_off_in_limits, rest_of
 from ..series import Solution
+from ..tables import rows_of_text
 from . import inputs, options
 from .options import flag, typed
 from .printing import give
@@ -31,6 +32,10 @@ from .printing import give
 # --------------------------------------------------------------------------------------------------
 # ``jkr cycle`` over time: what the device does, while adhesion depends on the edge's speed or the body relaxes.
 
+# What a table of the instrument's positions costs.
+TABLE_CYCLE_PER_ROW = 0.012  # CPU seconds of `jkr cycle --program`; tuned on 100 and 1,000 rows, by `make guards`
+TABLE_CYCLE_MIB_PER_ROW = 0.05  # of memory; tuned on the same, by `make guards`
+TABLE_CYCLE_PER_POINT = 1.2e-5  # CPU seconds of what is written for each; tuned on the same, by `make guards`
 ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")  # what a program says by itself
 
 
@@ -258,9 +263,10 @@ def cycle(
             f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
         )
     if rates.program is not None:
-        per_row = inputs.TABLE_CYCLE_PER_ROW + inputs.TABLE_CYCLE_PER_POINT * points
-        inputs.begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
-                             per_row=per_row, mib_per_row=inputs.TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
+        per_row = TABLE_CYCLE_PER_ROW + TABLE_CYCLE_PER_POINT * points
+        inputs.begin_tables("cycle --program", rows_of_text(rates.program), limits,
+                            "fewer rows of the program, or fewer --points", per_row=per_row,
+                            mib_per_row=TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
     rest, known = rest_of(rest_load, rest_depth, flag), tuple[LoadingHistory, ...]()
     if in_limits:
         rests = rates.rate is None and not ranged

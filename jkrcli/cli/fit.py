@@ -52,22 +52,21 @@ from ..report.inverse import Fits, alternatives_table, plan_table
 from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import options
-from .inputs import (
+from .inputs import Flags, body_options
+from .options import Parallel, as_one, begin, flag, several, verb
+from .printing import give, note, progress, say, warn
+from .readings import (
     TABLE_CARRIED,
     TABLE_FIT_PER_CURVE,
     TABLE_FIT_PER_ROW,
     TABLE_PROFILED,
     TABLE_REFIT,
     TABLE_REFIT_PER_ROW,
-    Flags,
     begin_reading,
     body_and_measured,
-    body_options,
     fitted_body,
     reading_options,
 )
-from .options import Parallel, as_one, begin, flag, several, verb
-from .printing import give, note, progress, say, warn
 
 # --------------------------------------------------------------------------------------------------
 # Which options were given.

@@ -1,4 +1,4 @@
-"""A specimen from options instead of a case file: indenter, half-space or one layer; the body of a fit by either."""
+"""What verbs start from: a specimen from options instead of a case file, series files, tables."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import contextlib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 import click
 
@@ -20,9 +19,7 @@ from ..base.units import doubtful_modulus
 from ..bodies.indenters import Indenter
 from ..bodies.problem import relaxing
 from ..case.models import Case, load_case, other_tables, parse_case
-from ..case.store import NO_DIGEST, SERIES, read_solution, record_of, solve, write_solution
-from ..data.curve import Reading
-from ..data.tables import VOCABULARIES
+from ..case.store import NO_DIGEST, read_solution, record_of, solve, write_solution
 from ..methods.protocol import Forecast, Limits
 from ..series import Record, Solution
 from ..tables import SEPARATORS
@@ -31,10 +28,6 @@ from .options import as_one, begin
 from .options import flag as option
 from .printing import announce, command_line, note, warn
 
-if TYPE_CHECKING:
-    from ..fitting.forward_model import FittedBody
-
-SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the data may ask for more
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
 FLAGS = ("shape", "radius", "half_angle", "cap", "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
@@ -145,35 +138,6 @@ def number_or_text(text: str | None) -> float | str | None:
     with contextlib.suppress(ValueError, TypeError):
         return float(text)  # type: ignore[arg-type]
     return text
-
-
-def body_and_measured(
-    body_file: Path, measured: tuple[Path, ...], flags: Flags
-) -> tuple[Path | Flags, tuple[Path, ...]]:
-    """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
-    is_body = body_file.suffix == ".toml"
-    if body_file.suffix == ".h5" and body_file.is_file():  # a series, or a measured one
-        from ..base.hdf5 import format_of
-
-        is_body = format_of(body_file) == SERIES
-    by_case = not by_flags("fit", flags, [body_file] if is_body else [])
-    if by_case and not measured:
-        raise InputError("fit: needs --radius and --nu (specimen from options), or a case: jkr fit CASE MEASURED")
-    return (body_file, measured) if by_case else (flags, (body_file, *measured))
-
-
-def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody:
-    """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
-    from ..fitting.forward_model import body_of
-
-    if isinstance(source, Path):
-        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
-    of_flags = partial(case_of, "fit", source, "a case or solution file", "1 MPa")
-    radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
-    method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    radius = radius or 5e-6  # choice: [m], of a tip that has none
-    shallow = of_flags(loading={"radius": SHALLOW * radius}, method=method)
-    return replace(body_of(shallow, slopes, limits), moduli_known=source["modulus"] is not None)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -302,27 +266,10 @@ def begin_curves(
 
 
 # --------------------------------------------------------------------------------------------------
-# The options by which verbs read measured curves: one set for all of them.
+# Tables as the verbs read them.
 
-# What tables cost, and what verbs do with their rows.
 TABLE_PER_ROW = 3e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
 TABLE_MIB_PER_ROW = 7e-4  # of memory; tuned on the same, by `make guards`
-TABLE_CYCLE_PER_ROW = 0.012  # CPU seconds of `jkr cycle --program`; tuned on 100 and 1,000 rows, by `make guards`
-TABLE_CYCLE_MIB_PER_ROW = 0.05  # of memory; tuned on the same, by `make guards`
-TABLE_CYCLE_PER_POINT = 1.2e-5  # CPU seconds of what is written for each; tuned on the same, by `make guards`
-TABLE_FIT_PER_ROW = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
-TABLE_WORK_PER_ROW = 8e-6  # CPU seconds of `jkr work`; tuned on the same, by `make guards`
-TABLE_REFIT = 6e-3  # CPU seconds of a fit from near its end; tuned on 200 rows, by `make guards`
-TABLE_REFIT_PER_ROW = 5e-6  # and per row; tuned on 1e4 rows, by `make guards`
-TABLE_PROFILED = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
-TABLE_CARRIED = 6  # fits of an uncertain input; theory: two, of three times as many steps each
-TABLE_FIT_PER_CURVE = 0.025  # CPU seconds; choice: of 2,000 rows, for the number of processes
-
-
-NAMES = VOCABULARIES["measured"]
-MEASURED_KEYS = tuple(NAMES.quantities)
-
-
 SEPARATED = (
     click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: detected]."),
     click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: detected]."),
@@ -335,47 +282,11 @@ def reading_of(values: dict[str, Any]) -> dict[str, Any]:
     return values | {name: dict(values[name]) for name in pairs}
 
 
-reading_options = as_one(
-    "reading",
-    lambda flip, **values: Reading(flip=frozenset(flip), **reading_of(values)),
-    click.option("--column", "columns", multiple=True, type=options.KeyValueType(MEASURED_KEYS),
-                 help=f"Column name or number where the header does not name it; keys {', '.join(MEASURED_KEYS)}."),
-    click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
-                 help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
-                 "of a column, deflection=nm."),
-    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NAMES.numbers),
-                 help="Multiply a quantity by a factor, in addition to its unit, such as P=1000."),
-    click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
-                 help="Reverse the sign of a column, such as of loads that count adhesion positive."),
-    click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
-                 help='Known contact point or force offset, subtracted (after --flip): delta="1.2 um".'),
-    click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
-                 show_default=True, help="Contact point and force offset: fitted, as-is (those of the file), or "
-                 "estimate (from the approach before contact). auto and estimate fit them to raw force curves."),
-    click.option("--stiffness", type=options.STIFFNESS,
-                 help='Of the cantilever or machine, "0.2 N/m": a column of deflections times it is the load, and '
-                 'P/stiffness is subtracted from piezo positions. "rigid": nothing is subtracted.'),
-    click.option("--sensitivity", type=options.SENSITIVITY,
-                 help='Of a force microscope, "45 nm/V", where the file lacks it: deflection over volts.'),
-    click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
-                 help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
-    *SEPARATED,
-    click.option("--rows", type=options.ROWS, help="Only these rows of each curve, counted from 1, such as 100..900."),
-    click.option("--where", multiple=True, type=options.NAMED,
-                 help="Only rows with this segment, curve number or value of a column: segment=retract."),
-)  # fmt: skip
-
-
-def begin_reading(
-    verb: str, paths: Sequence[Path], limits: Limits = options.ANY, less: str = "fewer rows", *, per_row: float = 0.0,
-    mib_per_row: float = 0.0, per_file: float = 0.0,
+def begin_tables(
+    verb: str, rows: float, limits: Limits = options.ANY, less: str = "fewer rows", *, per_row: float = 0.0,
+    mib_per_row: float = 0.0, beside: float = 0.0,
 ) -> None:  # fmt: skip
-    """Say what it takes to read measured files, and to do what a ``verb`` does with each row and file [CPU s], where
-    that is much; Refusal beyond the ``limits``, with the advice to ask for ``less``."""
-    from ..data.afm_formats import estimate_rows
-    from ..data.measured import files_in
-
-    rows = sum(estimate_rows(file) for path in paths for file in (files_in(path) if path.is_dir() else [path]))
-    seconds = (TABLE_PER_ROW + per_row) * rows + per_file * len(paths)
-    cost = Forecast(seconds, (TABLE_MIB_PER_ROW + mib_per_row) * rows, 0.0)
+    """Say what it takes to read so many ``rows`` of tables and to do what a ``verb`` does with each, and ``beside``
+    [CPU s], where that is much; Refusal beyond the ``limits``, with the advice to ask for ``less``."""
+    cost = Forecast((TABLE_PER_ROW + per_row) * rows + beside, (TABLE_MIB_PER_ROW + mib_per_row) * rows, 0.0)
     options.begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)

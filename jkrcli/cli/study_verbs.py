@@ -26,8 +26,9 @@ from ..report.check import Machine
 from ..report.forward import Compared
 from ..report.result import PICTURES, Output
 from ..series import Solution
+from ..tables import rows_of_text
 from . import LateGroup, options
-from .inputs import announce_files, begin_reading, read_files, read_series, series_file
+from .inputs import announce_files, begin_tables, read_files, read_series, series_file
 from .printing import announce, answer, give, note, progress, warn
 
 # --------------------------------------------------------------------------------------------------
@@ -216,7 +217,7 @@ def compare(
         output.file(plot, [first, second])
     files = first, second
     if first.suffix == ".csv":
-        begin_reading("compare", files)
+        begin_tables("compare", sum(map(rows_of_text, files)))
     result = Compared.of(files, lambda: read_files("compare", files)[1], rtol, columns, overlap)
     give(result, output.json)
     if plot is not None:

@@ -16,11 +16,11 @@ import numpy as np
 
 from ..base import hdf5, process
 from ..base.errors import InputError, counted, first_line, installs
-from ..base.files import opened, packed, read_bytes
+from ..base.files import opened, read_bytes
 from ..base.numerics import LOOKED_AT, Array
 from ..base.process import check_size, check_text
 from ..base.units import LARGEST_SI
-from ..tables import unit_power
+from ..tables import BYTES_USUAL, PIECE, rows_among, rows_of_text, unit_power
 from . import instruments
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 from .instruments import toward
@@ -821,9 +821,6 @@ def _stiffness(curve: Curve, data: Any, reading: Reading) -> float | None:
 # --------------------------------------------------------------------------------------------------
 # How much measured files hold, estimated from their size and first lines before they are read.
 
-WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
-USUAL = 40.0  # choice: bytes of a row of files without lines, those of microscopes
-
 
 def estimate_rows(path: Path) -> float:
     """About how many rows the file at ``path`` holds, more of wide ones, which take as long.
@@ -836,23 +833,10 @@ def estimate_rows(path: Path) -> float:
         if path.suffix.lower() == ".zip":
             inside = instruments.tables(path)
             # each table costs as many rows beside its own as are looked at to see how it is written
-            heads = instruments.contents(path, inside, instruments.PIECE)
-            return sum(_rows(item.file_size, head) + LOOKED_AT for item, head in zip(inside, heads, strict=True))
+            heads = instruments.contents(path, inside, PIECE)
+            return sum(rows_among(item.file_size, head) + LOOKED_AT for item, head in zip(inside, heads, strict=True))
         if path.suffix.lower().startswith(".jpk"):
-            return sum(item.file_size for item in instruments.members(path)) / USUAL
-        if packed(path):
-            with path.open("rb") as file:
-                file.seek(-4, 2)
-                size = int.from_bytes(file.read(4), "little")  # RFC 1952: of what it unpacks to
-            with opened(path, "table") as file:
-                return _rows(size, file.read(instruments.PIECE))
-        with path.open("rb") as file:
-            return _rows(path.stat().st_size, file.read(instruments.PIECE))
+            return sum(item.file_size for item in instruments.members(path)) / BYTES_USUAL
+        return rows_of_text(path)
     except (InputError, OSError, ValueError):
         return 0.0
-
-
-def _rows(size: int, first: bytes) -> float:
-    """About how many rows stand in so many bytes, by those that come ``first``."""
-    rows = first.count(b"\n") / max(len(first), 1)  # per byte
-    return size * (max(rows, 1 / WIDE) if rows else 1 / USUAL)

@@ -19,7 +19,7 @@ from ..base.errors import InputError, first_line
 from ..base.files import opened
 from ..base.numerics import Array
 from ..base.process import check_size
-from ..tables import LONGEST, MOST_COLUMNS, WORDS, TextTable, split_name, unit_power
+from ..tables import LONGEST, MOST_COLUMNS, PIECE, WORDS, TextTable, split_name, unit_power
 from .curve import APPROACH, RETRACT
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}
@@ -169,7 +169,6 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
 # disk.
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
-PIECE = 1 << 16  # choice: bytes read at a time, and of a table to estimate the length of its rows
 LONGEST_END = (1 << 16) + 200  # theory: bytes of the records at the end, with the comment that may follow
 ENTRY = b"PK\1\2"  # how a member begins in the list of members
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit, bzip2 a million times as much

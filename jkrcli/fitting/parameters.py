@@ -4,10 +4,9 @@ them afterwards, and what a user writes of them.
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import math
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Literal, TypeAlias
@@ -375,24 +374,3 @@ class Nameable:
             named[own] = name
             values[own] = value / self.E_star if name == ALIAS else value
         return values
-
-
-def changes_by(
-    name: str, centre: float, sigma: float, here: Mapping[str, float], outcome: Callable[[float], Mapping[str, float]]
-) -> dict[str, float]:
-    """Change of everything in ``outcome`` by a change of the input ``name`` by ``sigma`` from its value ``centre``,
-    where it is ``here``.
-
-    The input is moved to both sides, where that is possible, the body solved anew and the data fitted again; InputError
-    where it is uncertain by all of its value or more, but for Poisson's ratios.
-    """
-    if sigma >= centre and not name.startswith("nu"):
-        raise InputError(f"the uncertainty of {name} is {sigma / centre:.3g} times its value: give less than the value")
-    ends = [(centre, here)]
-    for value in (centre - sigma, centre + sigma):
-        with contextlib.suppress(InputError):  # beyond what the quantity can be, as nu > 1/2
-            ends.append((value, outcome(value)))
-    if len(ends) == 1:
-        raise InputError(f"{name} cannot be {sigma:g} off its value {centre:g} to either side")
-    (one, low), (two, high) = ends[-2:]
-    return {key: (high[key] - low[key]) / (two - one) * sigma for key in here}

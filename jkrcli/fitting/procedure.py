@@ -19,7 +19,7 @@ from ..base.lockstep import Flow, alone, together
 from ..base.numerics import LOOKED_AT, UNSEEN, Array
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
-from ..bodies.problem import RADIUS, changed, checked_names
+from ..bodies.problem import RADIUS, changed, changes_by, checked_names
 from ..data.curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from ..data.segmentation import PERMANENT_SET as SET
 from ..data.segmentation import SUBTRACTED_TWICE, ForceCurve, segment_force_curve, with_zero_points
@@ -41,7 +41,7 @@ from .least_squares import (
     wider,
 )
 from .nuisance import fit_settled
-from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
+from .parameters import LOG, FittedValue, Parameter, dimension_of
 from .range_alternative import TableAlternatives, alternatives_of, missed_pull_off
 from .record import RESTS, beside, beyond_the_record, contact_rows, differ, raw_force_curve
 from .result import Fit, Further, JKRBeside, attempted, later, left_out, without

@@ -28,7 +28,7 @@ from ..base.numerics import (
     Array,
 )
 from ..base.units import show
-from ..bodies.problem import Problem
+from ..bodies.problem import Problem, changes_by
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
 from ..data.segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from ..methods.radii import ROOM
@@ -73,7 +73,7 @@ from .force_curve import (
 )
 from .forward_model import FittedBody
 from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
-from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
+from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, dimension_of
 from .result import Fit, JKRBeside, later, without
 from .rows import noise_from_third_differences
 from .settings import AUTO, CALIBRATED, RANGES, Settings

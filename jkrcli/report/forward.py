@@ -31,9 +31,9 @@ from .tables import Scales, accuracy, format_state, is_refined, quantities, read
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..fitting.pull_off import MeasuredWork
     from ..methods.fem import FEM
     from ..methods.fem.fields import ContactState
+    from ..resolve.measured_work import MeasuredWork
 
 
 @FIGURES.register(Analysis)
@@ -657,7 +657,7 @@ class Compared(Result):
         return lines
 
     def figure(self) -> Figure:
-        from .plots.studies import differences_figure
+        from .plots.forward import differences_figure
 
         return differences_figure(self.differences, self.rtol)
 

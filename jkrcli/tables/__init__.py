@@ -19,7 +19,7 @@ import numpy as np
 
 from ..base import process
 from ..base.errors import InputError, did_you_mean
-from ..base.files import read_bytes
+from ..base.files import opened, packed, read_bytes
 from ..base.numerics import AT_ONCE, LOOKED_AT, REMEMBERED, SHOWN, Array
 from ..base.process import check_text
 from ..base.units import UNITS
@@ -662,3 +662,38 @@ def _header_cells(line: str, dialect: Dialect, width: int) -> list[str]:
 
 def _is_unit(cell: str) -> bool:
     return cell.strip("[]()") in OTHER_UNITS or unit_power(cell.strip("[]()")) is not None
+
+
+# --------------------------------------------------------------------------------------------------
+# How many rows files hold, estimated from their sizes and first lines before they are read.
+
+PIECE = 1 << 16  # choice: bytes read at a time, and of a table to estimate the length of its rows
+# Bytes of a row from which on it costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
+BYTES_WIDE = 160.0
+BYTES_USUAL = 40.0  # choice: bytes of a row of files without lines, those of microscopes
+
+
+def rows_of_text(path: Path) -> float:
+    """About how many rows the text at ``path``, packed or not, holds, more of wide ones, which take as long.
+
+    0 where it cannot be read, which its reader says, and of pipes, which would be waited for.
+    """
+    try:
+        if not path.is_file():
+            return 0.0
+        if packed(path):
+            with path.open("rb") as file:
+                file.seek(-4, 2)
+                size = int.from_bytes(file.read(4), "little")  # RFC 1952: of what it unpacks to
+            with opened(path, "table") as file:
+                return rows_among(size, file.read(PIECE))
+        with path.open("rb") as file:
+            return rows_among(path.stat().st_size, file.read(PIECE))
+    except (InputError, OSError, ValueError):
+        return 0.0
+
+
+def rows_among(size: int, first: bytes) -> float:
+    """About how many rows stand in so many bytes, by those that come ``first``."""
+    rows = first.count(b"\n") / max(len(first), 1)  # per byte
+    return size * (max(rows, 1 / BYTES_WIDE) if rows else 1 / BYTES_USUAL)

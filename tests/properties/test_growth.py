@@ -17,7 +17,8 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.process import SILENCE
 from jkrcli.case.models import parse_case
 from jkrcli.cli import MOST_WORDS
-from jkrcli.cli.inputs import TABLE_PER_ROW, begin_reading
+from jkrcli.cli.inputs import TABLE_PER_ROW
+from jkrcli.cli.readings import begin_reading
 from jkrcli.data import foreign, instruments, measured
 from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.many.sweep import forecast

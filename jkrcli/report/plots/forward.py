@@ -19,9 +19,26 @@ from ...adhesion.device_path import GRIPPED, STABLE, UNSTABLE, Jump, branch
 from ...base.numerics import LEVEL, Array
 from ...base.units import scale, show
 from ...resolve.analysis import Analysis
+from ...series import Difference
 from .. import plots
 from ..tables import Scales
-from . import Axes, Box, Figure, axis_of, colors, drawing, ends, inset, pair, panelled, pretty, unit_of, zero_lines
+from . import (
+    COLORS,
+    NARROW,
+    Axes,
+    Box,
+    Figure,
+    axis_of,
+    colors,
+    drawing,
+    ends,
+    inset,
+    pair,
+    panelled,
+    pretty,
+    unit_of,
+    zero_lines,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -435,3 +452,25 @@ def history_figure(
             place.set(xlabel=x_label, ylabel=y_label)
         figure.suptitle(pretty(title))
         return figure
+
+
+# --------------------------------------------------------------------------------------------------
+# Figures of two results compared.
+
+
+def differences_figure(differences: Sequence[Difference], rtol: float) -> Figure:
+    """Relative differences over what they are compared at, in logs, with the limit."""
+    with panelled(NARROW, 3.2, legend=3) as (figure, [axes]):
+        for difference, color in zip(differences, itertools.cycle(COLORS), strict=False):
+            size = np.maximum(np.abs(difference.relative), 1e-17)
+            label = f"${_symbol(difference.column)}({_symbol(difference.over)})$"
+            axes.loglog(difference.x, size, ".-", color=color, ms=4, lw=0.8, label=label)
+        axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
+        names = dict.fromkeys(item.over for item in differences)
+        axes.set(xlabel=" or ".join(f"${_symbol(over)}$ (m)" for over in names), ylabel="relative difference")
+        return figure
+
+
+def _symbol(column: str) -> str:
+    """The symbol of a column: "delta_m" is \\delta, "dS" S'."""
+    return column.removesuffix("_m").replace("delta", r"\delta").replace("dS", "S'")

@@ -4,7 +4,6 @@ of the models.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,7 +12,6 @@ import numpy as np
 from matplotlib.patheffects import withStroke
 
 from ...base.numerics import Array
-from ...series import Difference
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks, panelled, zero_lines
 
 TYPE_CHECKING = False
@@ -266,21 +264,3 @@ def _line(axes: Axes, line: Line) -> None:
     every = max(1, len(line.x) // 30)  # at most so many markers on a line
     axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
               markevery=every)  # fmt: skip
-
-
-def differences_figure(differences: Sequence[Difference], rtol: float) -> Figure:
-    """Relative differences over what they are compared at, in logs, with the limit."""
-    with panelled(NARROW, 3.2, legend=3) as (figure, [axes]):
-        for difference, color in zip(differences, itertools.cycle(COLORS), strict=False):
-            size = np.maximum(np.abs(difference.relative), 1e-17)
-            label = f"${_symbol(difference.column)}({_symbol(difference.over)})$"
-            axes.loglog(difference.x, size, ".-", color=color, ms=4, lw=0.8, label=label)
-        axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
-        names = dict.fromkeys(item.over for item in differences)
-        axes.set(xlabel=" or ".join(f"${_symbol(over)}$ (m)" for over in names), ylabel="relative difference")
-        return figure
-
-
-def _symbol(column: str) -> str:
-    """The symbol of a column: "delta_m" is \\delta, "dS" S'."""
-    return column.removesuffix("_m").replace("delta", r"\delta").replace("dS", "S'")

@@ -13,11 +13,10 @@ from ..adhesion.validity import Strains
 from ..base.errors import Estimate, InputError, JkrError, Unknown
 from ..base.numerics import HALF_WIDTH, evenly
 from ..base.units import parse
-from ..bodies.problem import RADIUS, Loading, changed, checked_names, layer_names, nominal
-from ..resolve.analysis import Analysis, adhesive, method_behind, nonadhesive
-from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
+from ..bodies.problem import RADIUS, Loading, changed, changes_by, checked_names, layer_names, nominal
 from ..series import Solution
-from .parameters import changes_by
+from .analysis import Analysis, adhesive, method_behind, nonadhesive
+from .histories import checked_histories, solved_on, strains_after, with_history_solved
 
 FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
 DIMENSIONS = {FORCE: "load", TIP: "length", MODULI: "modulus", "h": "length", "nu": "number"}

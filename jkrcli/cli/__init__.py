@@ -76,7 +76,8 @@ MODULES = {  # where each verb is
         "measured_verbs": ("look", "work", "explore"),
         "cycle": ("cycle",),
         "fit": ("fit",),
-        "study_verbs": ("compare", "sweep", "study", "bench", "show", "doctor", "completion"),
+        "study_verbs": ("sweep", "study", "bench"),
+        "file_verbs": ("compare", "show", "doctor", "completion"),
     }.items()
     for verb in verbs
 }

@@ -1,6 +1,4 @@
-"""Verbs of many problems (``compare``, ``sweep``, ``study``, ``bench``), and of files and the installation (``show``,
-``doctor``, ``completion``).
-"""
+"""Verbs of many problems: ``study`` (maps and meshes), ``sweep`` and ``bench``."""
 
 from __future__ import annotations
 
@@ -9,7 +7,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import click
-from click.shell_completion import get_completion_class
 
 from ..base.errors import InputError
 from ..base.executors import executor
@@ -20,19 +17,12 @@ from ..many import sweep as running
 from ..many import sweep_plan as plans
 from ..many.studies import FEW, Bench
 from ..methods.protocol import METHODS, Limits
-from ..report import archive
-from ..report import archive as shown
-from ..report.check import Machine
-from ..report.forward import Compared
 from ..report.result import PICTURES, Output
-from ..series import Solution
-from ..tables import rows_of_text
 from . import LateGroup, options
-from .inputs import announce_files, begin_tables, read_files, read_series, series_file
-from .printing import announce, answer, give, note, progress, warn
+from .printing import announce, answer, give, note, progress
 
 # --------------------------------------------------------------------------------------------------
-# Verbs of many problems: ``study`` (maps and meshes), ``sweep``, ``compare``, ``bench``.
+# ``jkr study``: maps and meshes.
 
 STUDIES = {f"{name}-map": words for name, words in maps.MAPS.items()} | {
     "converge": "The same case on a sequence of meshes."
@@ -185,49 +175,6 @@ def _number(plan: plans.Plan, number: int, option: str) -> int:
 
 
 # --------------------------------------------------------------------------------------------------
-# ``jkr compare``: two results of the same problem.
-
-COLUMNS = ("P", "a", "S", "dS")
-
-
-@options.verb("first second")
-@click.option(
-    "--rtol", type=options.NumberRange(min=0), default=1e-3, show_default=True, help="Largest relative difference."
-)
-@click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
-@click.option("--overlap", type=options.NumberRange(0, 1), default=0.9, show_default=True, help="Least common range.")
-@click.option("--plot", type=click.Path(path_type=Path), help="Draw the differences (.png or .svg).")
-@options.output_options(force="Replace an existing plot that jkr did not write.", json="Print as JSON.")
-@click.pass_context
-def compare(
-    ctx: click.Context, first: Path, second: Path, rtol: float, columns: tuple[str, ...], overlap: float,
-    plot: Path | None, output: Output,
-) -> None:  # fmt: skip
-    """Compare two solution files (P and a at equal displacement, S and S' at equal radius), or two CSV curves.
-
-    Exit code 1 where a column that counts differs by more than --rtol (CSV curves: every shared column counts).
-
-    \b
-    jkr compare fem.h5 layered.h5 --rtol 1e-3
-    jkr compare today.h5 yesterday.h5 --rtol 1e-12 --column P --column a
-    """
-    if plot is not None:
-        if plot.suffix not in PICTURES:
-            raise InputError(f"--plot: must end in .png or .svg, got {plot}")
-        output.file(plot, [first, second])
-    files = first, second
-    if first.suffix == ".csv":
-        begin_tables("compare", sum(map(rows_of_text, files)))
-    result = Compared.of(files, lambda: read_files("compare", files)[1], rtol, columns, overlap)
-    give(result, output.json)
-    if plot is not None:
-        from ..report import plots
-
-        plots.save(result.figure(), [plot])
-    ctx.exit(0 if result.agree else 1)
-
-
-# --------------------------------------------------------------------------------------------------
 # ``jkr bench``: where the time of a run goes.
 
 
@@ -247,74 +194,3 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
     choice, solution = solve(loaded, method, limits, note)
     announce(f"bench of {repeat} runs", (repeat + min(repeat, FEW)) * sum(solution.timings.values()))
     give(Bench.of(case, loaded, choice.name, type(choice.method).__module__, repeat), as_json)
-
-
-# --------------------------------------------------------------------------------------------------
-# Verbs about files and the installation: ``show``, ``doctor``, ``completion``.
-
-
-@options.verb("files...")
-@click.option("--case", "case_only", is_flag=True, help="Print the resolved case alone: a case file that runs again.")
-@options.json_option
-def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
-    """Print what each solution FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
-
-    Archives of fits and tables of sweeps (.h5) are shown too, checked against the digest they were written under.
-
-    \b
-    jkr show data.h5
-    jkr show --case data.h5 > again.toml
-    """
-    announce_files("show", files)
-    items = list[Solution | dict[str, Any]]()
-    for path in files:
-        if case_only or not archive.is_archive(path):
-            items.append(read_series(series_file(path)))
-            continue
-        file = archive.read(path)
-        if not file.is_protected:
-            warn(f"{path}: {archive.DOUBT}")
-        items.append(archive.archive_summary(file))
-    if case_only and not as_json:
-        click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if isinstance(item, Solution)))
-        return
-    give(shown.Shown(items), as_json)
-
-
-# --------------------------------------------------------------------------------------------------
-# ``jkr doctor``: what of jkr works on this machine.
-
-
-@options.verb()
-@options.json_option
-def doctor(as_json: bool) -> int:
-    """Look at versions, the mesher's system libraries, optional parts, threads, memory and temporary files.
-
-    Exit code 0 where everything required works, 1 where something is missing; each line says what to type.
-
-    \b
-    jkr doctor
-    """
-    machine = Machine.examined()
-    give(machine, as_json)
-    return int(not machine.is_sound)
-
-
-# --------------------------------------------------------------------------------------------------
-# ``jkr completion``: the script that completes verbs, options and files in a shell.
-
-
-@options.verb()
-@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
-@click.pass_context
-def completion(ctx: click.Context, shell: str) -> None:
-    """Print the completion script of SHELL.
-
-    \b
-    jkr completion bash >> ~/.bashrc
-    jkr completion zsh >> ~/.zshrc
-    jkr completion fish > ~/.config/fish/completions/jkr.fish
-    """
-    kind = get_completion_class(shell)
-    assert kind is not None
-    click.echo(kind(ctx.find_root().command, {}, "jkr", "_JKR_COMPLETE").source())

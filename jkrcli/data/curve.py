@@ -10,12 +10,12 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
-from ..base.arguments import OneOf, PerName, read, read_fields, reader
+from ..base.arguments import OneOf, PerName, read, read_fields
 from ..base.errors import InputError
 from ..base.numerics import Array, numbers_of
-from ..base.units import LARGEST_FACTOR, AnyForce, AnyLength, Ranged, Sensitivity, Stiffness
+from ..base.units import AnyForce, AnyLength, Ranged, Sensitivity, Stiffness
 from ..tables import SEPARATORS
-from .tables import VOCABULARIES
+from .tables import VOCABULARIES, factors_of
 
 NAMES = VOCABULARIES["measured"]
 Use: TypeAlias = Literal["a,P", "a,delta", "delta,P"]  # columns from which w follows
@@ -154,18 +154,6 @@ class Curve:
 
 # With the stiffness of its device [N/m]; of a curve that the reading leaves out its name alone, the rest not read.
 AsRead: TypeAlias = tuple[Curve | InputError | str, float | None]
-
-
-def factors_of(factors: Mapping[str, float]) -> dict[str, float]:
-    """The ``factors`` of columns; InputError where one is larger or smaller than units may differ by."""
-    numbers = read("factors", reader(Mapping[str, float]), factors)
-    for key, number in numbers.items():
-        if not 1 / LARGEST_FACTOR <= abs(number) <= LARGEST_FACTOR:
-            raise InputError(
-                f"--factor {key}: must lie between {1 / LARGEST_FACTOR:g} and {LARGEST_FACTOR:g}, of either sign, got "
-                f"{factors[key]}"
-            )
-    return dict(numbers)
 
 
 def place(origin: Path, name: str) -> str:

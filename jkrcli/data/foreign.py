@@ -17,8 +17,7 @@ from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from ..tables import TextTable, read_table, some, split_name, unit_power
-from .curve import factors_of
-from .tables import VOCABULARIES, check_chosen, is_within_noise, near_first_touch, with_units
+from .tables import VOCABULARIES, check_chosen, factors_of, is_within_noise, near_first_touch, with_units
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -7,9 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..base.arguments import read, reader
 from ..base.errors import InputError
 from ..base.numerics import REMEMBERED, Array
-from ..base.units import LARGEST_SI
+from ..base.units import LARGEST_FACTOR, LARGEST_SI
 from ..tables import LONGEST, WORDS, TextTable, split_name, unit_power
 
 NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
@@ -136,6 +137,18 @@ def overruled(table: TextTable, index: int, unit: str) -> list[str]:
     if header_unit in ("", unit):
         return []
     return [f"{table.titled(index)} read in {unit} as specified, its header says {header_unit}"]
+
+
+def factors_of(factors: Mapping[str, float]) -> dict[str, float]:
+    """The ``factors`` of columns; InputError where one is larger or smaller than units may differ by."""
+    numbers = read("factors", reader(Mapping[str, float]), factors)
+    for key, number in numbers.items():
+        if not 1 / LARGEST_FACTOR <= abs(number) <= LARGEST_FACTOR:
+            raise InputError(
+                f"--factor {key}: must lie between {1 / LARGEST_FACTOR:g} and {LARGEST_FACTOR:g}, of either sign, got "
+                f"{factors[key]}"
+            )
+    return dict(numbers)
 
 
 def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:

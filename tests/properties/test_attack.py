@@ -409,7 +409,7 @@ def test_a_library_that_finds_no_room_is_out_of_memory(said: str, jkr, series: P
     def load(*_: object, **__: object) -> None:
         raise ImportError(said)
 
-    monkeypatch.setattr("jkrcli.cli.study_verbs.read_series", load)
+    monkeypatch.setattr("jkrcli.cli.file_verbs.read_series", load)
     done = jkr("show", series)
     assert (done.code, done.err.startswith("jkr: error: out of memory: ")) == (1, True)
 
@@ -418,7 +418,7 @@ def test_a_library_that_is_not_there_is_not(jkr, series: Path, monkeypatch) -> N
     def load(*_: object, **__: object) -> None:
         raise ImportError("no module")
 
-    monkeypatch.setattr("jkrcli.cli.study_verbs.read_series", load)
+    monkeypatch.setattr("jkrcli.cli.file_verbs.read_series", load)
     with pytest.raises(ImportError, match="no module"):
         jkr("show", series)
 

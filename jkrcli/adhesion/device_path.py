@@ -1231,9 +1231,11 @@ Change = Callable[[EquilibriumCurve], EquilibriumCurve]  # to another curve of t
 def energy_lost_error(whole: Cycle) -> Estimate:
     """Half-width of the energy lost per cycle [J], or why it is unknown."""
     advancing, receding, k = whole.contact.advancing, whole.contact.receding, whole.stiffness
-    low, high = whole.retraction.last, whole.approach.stretches[0].place
+    first = whole.approach.stretches[0].place
     above = 1 - math.sqrt(advancing.w / receding.w) if receding.w > 0 else 1.0  # of the errors, what does not cancel
-    parts = [(low, max(high, low), 1.0), (high, max(whole.turn, high), above)]
+    parts = list[tuple[float, float, float]]()
+    for piece in whole.retraction.stretches:  # between the jumps
+        parts += [(piece.end, min(piece.place, first), 1.0), (max(piece.end, first), piece.place, above)]
 
     def again(change: Change) -> Estimate:
         turn = None if whole.turn == advancing.places[-1] else whole.turn
@@ -1330,12 +1332,17 @@ def _by_points(retraction: Path, parts: Sequence[tuple[float, float, float]]) ->
                     return between
                 delta_H, P_H, *_ = curve.nonadhesive.parts(np.array([low, high]))
                 total += factor * (between + TABULATED * float(P_H[1] * (delta_H[1] - delta_H[0])))
-    last = np.array(retraction.last)
-    e = curve.error_at(last)
-    off = float(position(e["delta"], e["P"], k))
-    if isinstance(curve, AdhesiveCurve) and curve.smooth:  # 0 where pull-off is solved
-        here = curve.interpolation_at(last)
-        if isinstance(here, Unknown):
-            return here
-        off += float(position(here["delta"], here["P"], k))
-    return total + abs(float(curve.at(last)[1])) * off
+    # A jump comes too late by what the position errs by there: the loads before and after it differ over so long
+    for jump in retraction.jumps:
+        if jump.start.place > max(high for _, high, _ in parts):
+            continue
+        place = np.array(jump.start.place)
+        e = curve.error_at(place)
+        off = float(position(e["delta"], e["P"], k))
+        if isinstance(curve, AdhesiveCurve) and curve.smooth:  # 0 where pull-off is solved
+            here = curve.interpolation_at(place)
+            if isinstance(here, Unknown):
+                return here
+            off += float(position(here["delta"], here["P"], k))
+        total += abs(jump.start.P - (0.0 if jump.end is None else jump.end.P)) * off
+    return total

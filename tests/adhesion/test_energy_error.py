@@ -12,6 +12,7 @@ import pytest
 from maugis import finite_range_curve
 from scipy.integrate import quad
 from scipy.interpolate import PPoly, make_interp_spline
+from scipy.optimize import brentq
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import AdhesiveCurve, EquilibriumCurve
@@ -107,6 +108,33 @@ def splined(w: float, stiffness: float) -> dict[str, float]:
         x = np.linspace(lost, min(r for r in PPoly.from_spline(held).roots(extrapolate=False) if r > lost), 60)
         energies[name] = -float(sum(quad(lambda y: P(y) * D(y, 1), lo, hi)[0] for lo, hi in itertools.pairwise(x)))
     return energies
+
+
+FILM = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.5), 1e-6),), jkr.HalfSpace(jkr.Elastic(6e3, 0.3)))
+
+
+@pytest.mark.parametrize(("rows", "spacing"), [(14, "radius"), (25, "radius"), (25, "depth")])
+def test_energies_across_a_jump_to_smaller_contact_count_what_its_place_errs_by(
+    rows: int, spacing: jkr.Spacing
+) -> None:
+    """A stiff film on a soft half-space has two folds: up to 16 times beyond, as the upper one's place had no error."""
+    w, loading = 1.8e-4, jkr.Loading("radius", 13e-6, rows, spacing)
+    result = with_solved_points(jkr.transform(jkr.solve(jkr.Problem(SPHERE, FILM, loading), "layered"), w))
+    means = stability_under(result.curve, math.inf)
+    assert len(means.partial) == 1
+
+    a = np.geomspace(4e-7, 13e-6, 150)
+    series = Layered(1e-11)(jkr.Problem(SPHERE, FILM, jkr.Loading.given("radius", tuple(a.tolist())))).series
+    assert series.S is not None
+    assert series.dS is not None
+    t, x = np.sqrt(4 * math.pi * w * a / series.dS), np.log(a)
+    P, D = (make_interp_spline(x, y, 5) for y in (series.P - series.S * t, series.delta - t))
+    lower, crest, upper = PPoly.from_spline(D.derivative()).roots(extrapolate=False)
+    lands = brentq(lambda y: float(D(y) - D(upper)), lower, crest)
+    for name, held in (("energy_lost", D), ("separation", P)):
+        first = min(root for root in PPoly.from_spline(held).roots(extrapolate=False) if root > upper)
+        true = -sum(quad(lambda y: P(y) * D(y, 1), *ends, limit=200)[0] for ends in ((upper, first), (lower, lands)))
+        assert abs(getattr(means, name) - true) <= getattr(means, f"{name}_error") + 1e-8 * true
 
 
 def test_energies_of_finite_range_state_their_errors() -> None:

@@ -156,8 +156,8 @@ def split(lo: Array, hi: Array, pieces: Array) -> tuple[Array, Array]:
 def phase_allowed(order: int, error: Array | float) -> Array | float:
     """The phase k d [rad] that ``order`` Gauss nodes integrate with a relative ``error``: C (k d)^(2 order) of cos(kx)
     on a panel of the width d."""
-    C = math.exp(4 * math.lgamma(order + 1) - 3 * math.lgamma(2 * order + 1)) / (2 * order + 1)
-    return (error / C) ** (1 / (2 * order))
+    ln_C = 4 * math.lgamma(order + 1) - 3 * math.lgamma(2 * order + 1) - math.log(2 * order + 1)
+    return error ** (1 / (2 * order)) * math.exp(-ln_C / (2 * order))
 
 
 @dataclass(frozen=True)

@@ -285,7 +285,7 @@ class LayeredContact(IndenterOnLayers):
     def flops(self, radii: Array, plan: Quadrature) -> float:
         """Floating-point operations of one solve, about."""
         spectrum, each = self.spectrum, math.ceil(radii.size / plan.groups)
-        waves = 200 + 0.7 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
+        waves = 300 + 0.5 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
         waves += 0 if spectrum.tail is None else LAYERED_LOGARITHM
         group = (plan.nodes + each) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * each
         return float(plan.groups * group + (plan.groups - 1) * LAYERED_PER_GROUP)

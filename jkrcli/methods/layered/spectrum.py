@@ -585,6 +585,7 @@ SPECTRUM_NOISE = 1e-14  # theory: 50 times machine epsilon, the rounding of g - 
 SPECTRUM_FLOOR = 1e-12  # |g - 1| beyond k_max; tuned on reference bodies, by `make tuning`
 SPECTRUM_GRADED_FLOOR = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
 SPECTRUM_PHASE = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
+SPECTRUM_ORDERS = (1, 2, 4)  # choice: times as many nodes on a panel; more save another tenth
 SPECTRUM_START = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
 SPECTRUM_LAYER_SECONDS = 1e-3  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
 SPECTRUM_GRADED_SECONDS = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
@@ -740,11 +741,17 @@ class LayeredSpectrum:
 
     def nodes(self, reach: float, order: int) -> tuple[Array, Array, Array]:
         """Wave numbers and weights [1/m] of ``order`` Gauss nodes on every panel, cut for all x, t with x + t <=
-        ``reach`` [m], and the number of each one's panel."""
+        ``reach`` [m], and the number of each one's panel; over many wave lengths wider panels of more nodes, which are
+        fewer in all."""
         lo, hi, values = self.panels
-        size = np.max(np.abs(values), axis=1)
-        turn = reach / phase_allowed(order - 5, SPECTRUM_PHASE / np.clip(size, 1e-12, 1.0))
-        pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
+        allowed = SPECTRUM_PHASE / np.clip(np.max(np.abs(values), axis=1), 1e-12, 1.0)
+
+        def cut(order: int) -> Array:
+            turn = reach / phase_allowed(order - 5, allowed)
+            return np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
+
+        order = min((order * times for times in SPECTRUM_ORDERS), key=lambda order: order * int(cut(order).sum()))
+        pieces = cut(order)
         return *gauss(*split(lo, hi, pieces), *rule(order)), np.repeat(np.arange(lo.size), order * pieces)
 
     def kernel(self, reach: float, order: int = 24) -> CosineKernel:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen, contact_modulus
-from jkrcli.methods.layered.spectrum import deviation
+from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation
 
 ROUNDING = 1e-14  # relative: some forty operations in double precision
 NUS = [-0.9, 0.0, 0.3, 0.499, 0.5]
@@ -152,3 +152,16 @@ def test_change_of_units(stack: list[Layer], base: Rigid | HalfSpace) -> None:
     small = Specimen(tuple(Layer(x.material, 1e-9 * x.thickness) for x in stack), base).scaled(1e12)
     k = np.geomspace(1e-4, 1e2, 20)
     assert compliance_ratio(small, 1e9 * k) == pytest.approx(compliance_ratio(specimen, k), rel=1e-13)
+
+
+def test_over_many_wave_lengths_fewer_nodes_in_k_make_the_same_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stack whose top layer is a thousandth of the contact: panels of 24 nodes each took 1.5 times as many."""
+    layers = [Layer(Elastic(E, 0.4), h) for E, h in ((1e6, 1e-3), (5e6, 3e-3), (2e6, 1.0))]
+    spectrum = LayeredSpectrum(Specimen(tuple(layers), Rigid()))
+    x = np.linspace(0.1, 1.0, 12)
+    wide = spectrum.kernel(2.0)
+    monkeypatch.setattr("jkrcli.methods.layered.spectrum.SPECTRUM_ORDERS", (1,))
+    narrow = spectrum.kernel(2.0)
+    assert wide.k.size < 0.75 * narrow.k.size
+    K = narrow.square(x)
+    np.testing.assert_allclose(wide.square(x), K, rtol=0, atol=1e-12 * np.abs(K).max())

@@ -15,7 +15,8 @@ from typing import IO, Any
 
 from .errors import InputError
 
-RARELY = (1_000_000, 10, 10)  # containers made between two looks for cycles; choice: saves an eighth for 1 MB
+# containers made between two looks for cycles; choice: saves an eighth, and leaves ten pictures to wait, not fifty
+RARELY = (100_000, 2, 10)
 _begun: list[bool] = []
 
 

@@ -260,6 +260,8 @@ COST_PER_ROW = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
 COST_TABLE_PER_ROW = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
 COST_DEVICE = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
 COST_PAGE_PER_ROW = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
+# Memory of pictures that wait for the collector, ten of them; tuned on 5 to 60 works of adhesion, by `make guards`
+COST_PICTURES, COST_PICTURES_MIB = 10, 130.0
 COST_FIGURE = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
 
 
@@ -279,6 +281,7 @@ def forecast(
     else:
         each += seconds_of_points(solution, devices)
     mib = COST_MIB + mib * rows + (len(works) - 1) * (COST_MIB_PER_CURVE + COST_MIB_PER_ROW_OF_CURVE * rows)
+    mib += figures * COST_PICTURES_MIB * min((len(works) - 1) / COST_PICTURES, 1.0)
     return Forecast(fitted + len(works) * each, mib, 0.0)
 
 

@@ -234,6 +234,15 @@ def test_every_curve_counts_in_the_memory(jkr: Callable) -> None:
     assert (done.code, "the limit is 0.5 GiB" in done.err) == (2, True)
 
 
+def test_pictures_count_in_the_memory(jkr: Callable) -> None:
+    """Of 30 works 0.128 GiB were said and 0.5 used, as pictures waited for the collector."""
+    assert jkr("run", CASES / "halfspace.toml", "-o", "h.h5").code == 0
+    works = [word for i in range(30) for word in ("--w", f"{1e-3 * (1 + i / 30):.8f}")]
+    done = jkr("transform", "h.h5", *works, "--limit-memory", "0.2", "-o", "o")
+    assert (done.code, "the limit is 0.2 GiB" in done.err) == (2, True)
+    assert jkr("transform", "h.h5", *works, "--no-plots", "--limit-memory", "0.2", "-o", "o").code == 0
+
+
 def test_check_of_many_layers_is_announced(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
     from jkrcli.report.check import Check
 

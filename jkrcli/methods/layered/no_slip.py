@@ -36,7 +36,7 @@ from ...bodies.indenters import Indenter
 from ...bodies.problem import AnyGraded, AnyTransverse, Coated, Material, Specimen
 from ..integral import fredholm
 from ..integral.density import DENSITY_WIDEST
-from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers
+from .contact import LAYERED_MOST_FLOPS, IndenterOnLayers
 from .spectrum import LayeredSpectrum, LayerMedium, minors_of, resolved, shear_moduli
 
 # --------------------------------------------------------------------------------------------------
@@ -383,6 +383,7 @@ STUCK_POINTS = 4
 STUCK_PER_DECADE = 1.0
 STUCK_MOST_POINTS = 16  # tuned on bodies, by `make constants`: beyond, narrower pieces are as cheap
 STUCK_NARROWER = 0.9  # pieces of the second discretisation; choice: other nodes
+STUCK_MOST_NODES = 5000  # choice: a matrix of 200 MB; a bonded layer up to a/h = 45
 
 
 @dataclass(frozen=True)
@@ -495,7 +496,7 @@ class StuckLayeredContact(IndenterOnLayers):
         points = STUCK_POINTS + math.ceil(-STUCK_PER_DECADE * math.log10(tolerance))
         points, widest = min(points, STUCK_MOST_POINTS), STUCK_PIECE * self.scale
         count = points * math.ceil(float(radii[-1]) / widest) if math.isfinite(widest) else points
-        if count > LAYERED_MOST_NODES:  # more than is solved: counted, not laid out
+        if count > STUCK_MOST_NODES:  # more than is solved: counted, not laid out
             return StuckPlan(fredholm.Quadrature(points, widest, count), widest, points)
         nodes = self._pieces(float(radii[-1]), widest, points).nodes
         quadrature = fredholm.Quadrature.cheapest(nodes, self.indenter.a0, self.scale, tolerance)
@@ -509,14 +510,14 @@ class StuckLayeredContact(IndenterOnLayers):
         waves = 200 + 0.7 * self.spectrum.bandwidth(self.spectrum.floor) * 2 * radii[-1]
         rows = plan.nodes + 2 * plan.points * math.ceil(radii[-1] / min(plan.widest, radii[-1]))
         waves *= 1 if self.spectrum.beta == 0 else 4
-        return float(rows**2 * waves + rows**3)
+        return float(rows**2 * waves + rows**3 / 3)
 
     def guard(self, radii: Array, plan: StuckPlan) -> None:
         """Refuse what would take minutes or gigabytes."""
-        if plan.nodes > LAYERED_MOST_NODES or self.flops(radii, plan) > LAYERED_MOST_FLOPS:
+        if plan.nodes > STUCK_MOST_NODES or self.flops(radii, plan) > LAYERED_MOST_FLOPS:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} equations without slip (limit {LAYERED_MOST_NODES}); use a "
+                f"act and needs {plan.nodes} equations without slip (limit {STUCK_MOST_NODES}); use a "
                 f"smaller contact{' or use method fem' if self.indenter.material is None else ''}"
             )
 

@@ -70,10 +70,12 @@ class Layered(LayeredOptions):
         # depths or loads are prescribed
         groups = getattr(plan, "groups", 1)
         some = radii[checked(radii, groups, problem.specimen.is_graded)]
-        check = contact.flops(some, contact.plan(some, tolerance / LAYERED_MARGIN**3).finer())
+        other, checking = contact.checking(some, plan, tolerance)
+        other.guard(some, checking)
+        check = other.flops(some, checking)
         each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
         operations = float(contact.flops(radii, plan)) * (SEARCHES if each_is_looked_for else 1) + float(check)
-        memory = 8 * 6 * (plan.nodes + radii.size / groups) ** 2 / 2**20
+        memory = 8 * 6 * max(plan.nodes + radii.size / groups, checking.nodes + some.size) ** 2 / 2**20
         return Forecast(seconds + operations / FLOPS_PER_SECOND, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
 
     def __call__(self, problem: Problem) -> Solution:

@@ -270,11 +270,11 @@ def fast_length(n: int) -> int:
 
 
 def rising_slopes(x: Array, y: Array, slopes: Array) -> Array:
-    """The ``slopes`` at the points, none larger than three times the chord on either side, where ``y`` rises there:
-    steeper ones make a cubic fall in between (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238)."""
+    """The ``slopes`` at the points, none below 0 or larger than three times the chord on either side, where ``y`` rises
+    there: others make a cubic fall in between (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238)."""
     chord = np.diff(y) / np.diff(x)
     most = 3 * np.minimum(np.append(chord[0], chord), np.append(chord, chord[-1]))
-    return np.where(most > 0, np.minimum(slopes, most), slopes)
+    return np.where(most > 0, np.clip(slopes, 0.0, np.maximum(most, 0.0)), slopes)
 
 
 def _end(h: Array, secant: Array) -> float:

@@ -22,6 +22,7 @@ from jkrcli.base.numerics import (
     cubic_spline,
     fast_length,
     pchip,
+    rising_slopes,
     spline_slopes,
     zeros_between,
 )
@@ -153,3 +154,13 @@ def test_many_zeros_are_found_at_once() -> None:
     assert len(asked) < 20
     alone = [zeros_between(np.sin, edges[i : i + 1], edges[i + 1 : i + 2], 1e-14)[0] for i in (0, 40, 98)]
     assert found[[0, 40, 98]].tolist() == alone  # whatever else is sought beside it
+
+
+@given(st.lists(st.tuples(st.floats(1e-6, 1e3), st.floats(1e-6, 1e3), st.floats(-1e6, 1e6)), min_size=3, max_size=20))
+def test_a_cubic_with_rising_slopes_rises_whatever_the_slopes_were(steps: list[tuple[float, float, float]]) -> None:
+    """Of slopes that fall, beside a corner of a tip, exp of the cubic overflowed."""
+    width, height, slopes = np.array(steps).T
+    x, y = np.cumsum(width), np.cumsum(height)
+    cubic = CubicHermiteSpline(x, y, rising_slopes(x, y, slopes))
+    between = cubic((x[:-1, None] + np.diff(x)[:, None] * np.linspace(0, 1, 21)).ravel())
+    assert (np.diff(between) >= -1e-9 * (y[-1] - y[0])).all()

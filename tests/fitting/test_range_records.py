@@ -8,7 +8,7 @@ import pytest
 from range_records import R, Ranged, drawn
 
 from jkrcli import Paraboloid
-from jkrcli.base.errors import InputError
+from jkrcli.base.errors import JkrError
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody, body_of
@@ -67,7 +67,7 @@ def test_ranges_of_sixty_raw_records_are_flagged_or_right(body: FittedBody) -> N
         for settings in ({"fix": [("range", repr(record.length))]}, {"free": ["range"]}):
             try:
                 found = fitted(body, record, **settings)
-            except InputError:
+            except JkrError:
                 refused += 1
                 continue
             if not found.flags and half_widths_off(found, record) > 3:

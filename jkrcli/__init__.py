@@ -12,22 +12,39 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .api import *  # noqa: F403
+    from .many.functions import *  # noqa: F403
 
 __version__ = "0.2.0"
 
 
 def __getattr__(name: str) -> Any:
-    """A name of jkrcli.api; AttributeError for every other, that of a room among them, which an import then finds."""
+    """A name of jkrcli.api or of a wing; AttributeError for every other, that of a room among them, which an import
+    then finds."""
     from importlib import import_module, util
 
     if name == "__all__" or not (name.startswith("_") or util.find_spec(f".{name}", __name__)):
+        from .base.wings import absent
+
+        if name == "__all__":
+            return [*import_module(".api", __name__).__all__, *_of_wings()]
+        if name in (of_wings := _of_wings()):
+            return getattr(import_module(f".{of_wings[name]}", __name__), name)
         api = import_module(".api", __name__)
-        if name in ("__all__", *api.__all__):
+        if name in api.__all__:
             return getattr(api, name)
+        if refused := absent(name):
+            raise AttributeError(refused)
     raise AttributeError(f"module {__name__} has no attribute {name}")
+
+
+def _of_wings() -> dict[str, str]:
+    """The names that wings offer, with their modules."""
+    from .base.wings import wings
+
+    return {name: module for wing in wings() for name, module in wing.functions.items()}
 
 
 def __dir__() -> list[str]:
     from .api import __all__
 
-    return [*__all__, "__version__"]
+    return [*__all__, *_of_wings(), "__version__"]

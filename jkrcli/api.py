@@ -127,12 +127,11 @@ __all__ = [
     "Tabulated", "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "cycle_at_speed",
     "cycle_relaxing", "fit", "identify", "identify_joint", "identify_law", "identify_relaxation",
     "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plan", "plot", "profile", "pull_off",
-    "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "read", "save", "solve", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .many.maps import MapResult
 AnyPath: TypeAlias = str | Path
 Body: TypeAlias = Case | Problem | Solution | AnyPath  # to be solved, or solved; or the file of either
 OneCurve: TypeAlias = Curve | AnyPath  # or the file that holds it
@@ -1106,32 +1105,6 @@ def compare(
     one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
     both = (first, second)
     return Compared.of((one, two), lambda: [_solution(item, None) for item in both], rtol, columns, overlap)
-
-
-@checked
-def study_map(name: str, **axes: Any) -> MapResult:
-    """Compute a map of results over parameters, as ``jkr study <name>-map`` does.
-
-    Parameters
-    ----------
-    name : str
-        "pull-off", "sticking", "transition", "adhesion" or "rate".
-    **axes
-        Values of its parameters: ``study_map("pull-off", nu=[0.3], q=[0.1, 1])``.
-
-    Returns
-    -------
-    MapResult
-        ``columns``, ``summary()`` and ``figure()``.
-
-    Raises
-    ------
-    InputError
-        Where an axis is unknown, or a value is out of its range.
-    """
-    from .many.maps import map_of
-
-    return one_thread()(map_of(name).over)(**axes)
 
 
 @checked

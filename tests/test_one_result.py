@@ -16,14 +16,14 @@ from jkrcli.case import store
 from jkrcli.case.models import fem_of, method_of
 from jkrcli.case.store import solve
 from jkrcli.cli import VERBS
-from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.data.foreign import SeriesReading, read_series
+from jkrcli.many.explorer import Explored, page, payload
 from jkrcli.many.studies import Bench, Convergence, converge
 from jkrcli.many.sweep import Means, alone, sweep
 from jkrcli.many.sweep_plan import load_plan
+from jkrcli.many.verbs import STUDIES
 from jkrcli.report.archive import Shown
 from jkrcli.report.check import Machine
-from jkrcli.report.explorer import Explored, page, payload
 from jkrcli.report.export import Exported
 from jkrcli.report.forward import Fields
 from jkrcli.report.solved import Imported, Meshed, Solved

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from jkrcli.cli import VERBS
-from jkrcli.cli.study_verbs import STUDIES
+from jkrcli.many.verbs import STUDIES
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
@@ -77,7 +77,7 @@ def shown(block: Block) -> list[str]:
 
 def test_toml_blocks_are_whole_and_valid_cases() -> None:
     from jkrcli.case.models import parse_case, parse_toml, validated
-    from jkrcli.case.sweep import SweepModel
+    from jkrcli.many.sweep_file import SweepModel
 
     found = [(page, block) for page in PAGES for block in blocks(page) if block.kind == "toml" and not block.mark]
     assert any(page == README for page, _ in found)

@@ -13,7 +13,7 @@ from sphinx.util.docutils import SphinxDirective
 import jkrcli
 from jkrcli.cli import GROUPS, jkr
 from jkrcli.cli.options import ALL
-from jkrcli.cli.study_verbs import STUDIES
+from jkrcli.many.verbs import STUDIES
 
 
 def verbs() -> str:

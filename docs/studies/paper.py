@@ -24,11 +24,11 @@ from jkrcli.base.units import scale, show
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.case.models import load_case, method_of
 from jkrcli.data.measured import read
+from jkrcli.many.figures import Line, Panel, panels_figure
 from jkrcli.many.studies import COLORS, converge, curves_panel, radius_panel
 from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
-from jkrcli.report.plots.studies import Line, Panel, panels_figure
 from jkrcli.report.result import PICTURES
 from jkrcli.report.tables import Scales, scales_of
 from jkrcli.resolve.analysis import Analysis, analyse

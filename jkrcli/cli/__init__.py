@@ -16,6 +16,7 @@ import click
 from .. import __version__
 from ..base import process
 from ..base.errors import InputError, JkrError, did_you_mean, printable
+from ..base.wings import absent, wings
 from .printing import folded, give_up, tell, warn
 
 # One BLAS thread in this process, of which NumPy reads when it is first imported; too late after that: the same numbers
@@ -34,7 +35,7 @@ OUT_OF_MEMORY = "out of memory: use fewer points, larger elements or a cheaper m
 # What numpy warns of where a result would be no number: an error here, because nothing good can follow.
 ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"
 
-GROUPS = {
+CORE = {
     "Commands": {
         "new": "Write a commented case file to start from.",
         "check": "Method, cost and neglected effects, before it is solved.",
@@ -48,39 +49,48 @@ GROUPS = {
     "More of a case": {
         "mesh": "Write and draw the finite-element mesh.",
         "compare": "Compare two results; exit code 1 where they differ.",
-        "sweep": "Solve many cases from one file, to one table.",
     },
     "More of an adhesive curve": {
         "cycle": "Force curve of an approach-retract cycle, over time too.",
         "profile": "Contact pressure, surface shape and gap at one state.",
         "fields": "Displacement and stress in the body, for ParaView.",
         "export": "The contact law for particle codes: a C header and a table.",
-        "explore": "One page with sliders for w, modulus and stiffness.",
     },
     "More of a measurement": {
         "work": "Energy release rate G along a measured curve.",
     },
     "More": {
-        "study": "Maps and studies over many bodies.",
-        "bench": "Time the stages of a run.",
         "show": "Print what a solution file holds.",
         "doctor": "Check what works on this machine, and how to get the rest.",
         "completion": "Print the completion script of a shell.",
     },
 }
 MODULES = {  # where each verb is
-    verb: module
+    verb: f"cli.{module}"
     for module, verbs in {
         "case_verbs": ("new", "check", "run", "import", "mesh"),
         "curve_verbs": ("transform", "pull-off", "profile", "fields", "export"),
-        "measured_verbs": ("look", "work", "explore"),
+        "measured_verbs": ("look", "work"),
         "cycle": ("cycle",),
         "fit": ("fit",),
-        "study_verbs": ("sweep", "study", "bench"),
         "file_verbs": ("compare", "show", "doctor", "completion"),
     }.items()
     for verb in verbs
-}
+} | {verb: each.module for wing in wings() for verb, each in wing.verbs.items()}
+
+
+def _with_wings(core: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, str]]:
+    """The verbs of the ``core`` and of all wings, with a line each, by the sections of the help."""
+    groups = {title: list(names.items()) for title, names in core.items()}
+    for wing in wings():
+        for verb, each in wing.verbs.items():
+            names = groups.setdefault(each.section, [])
+            before = [name for name, _ in names]
+            names.insert(before.index(each.after) + 1 if each.after in before else 0, (verb, each.help))
+    return {title: dict(names) for title, names in groups.items()}
+
+
+GROUPS = _with_wings(CORE)
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
 SILENT = frozenset({"completion", "study"})  # what one prints is a script, the other is a group
 
@@ -135,11 +145,11 @@ class Verbs(LateGroup):
 
     def made(self, name: str) -> click.Command:
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
-        command: click.Command = getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), attribute)
+        command: click.Command = getattr(importlib.import_module(f"jkrcli.{MODULES[name]}"), attribute)
         return command
 
     def unknown(self, name: str) -> str:
-        return f'unknown command "{name}"{did_you_mean(name, VERBS)} (commands: {", ".join(VERBS)})'
+        return absent(name) or f'unknown command "{name}"{did_you_mean(name, VERBS)} (commands: {", ".join(VERBS)})'
 
 
 jkr = Verbs(

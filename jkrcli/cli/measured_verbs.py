@@ -1,4 +1,4 @@
-"""Verbs of measured curves but for fits: ``look``, ``work``, and ``explore``, which draws them over a computed one."""
+"""Verbs of measured curves but for fits: ``look`` and ``work``."""
 
 from __future__ import annotations
 
@@ -11,65 +11,13 @@ from ..adhesion.finite_range import without_range
 from ..base.errors import InputError, counted
 from ..base.files import together, write_text
 from ..data.curve import Use
-from ..methods.protocol import Limits
 from ..report.result import PICTURES, Output, Results
-from ..resolve.analysis import analyse, nonadhesive, seconds_of_page
+from ..resolve.analysis import nonadhesive
 from . import inputs, options, readings
 from .printing import answer, give, progress
 
 if TYPE_CHECKING:
     from ..data.curve import Reading
-
-# --------------------------------------------------------------------------------------------------
-# ``jkr explore``: one page with sliders.
-
-
-@options.verb("file [data...]")
-@options.into_file("The page [default: <file>-explore.html].")
-@click.option("--w", "work", type=options.WORK, help="To begin with [default: the case's first].")
-@options.slopes_option
-@readings.reading_options
-@options.limits_options
-@options.output_options(force=options.ONE_FILE, json="Print what was written as JSON.")
-def explore(
-    file: Path, data: tuple[Path, ...], work: float | None, slopes: str, reading: Reading, limits: Limits,
-    output: Output,
-) -> None:  # fmt: skip
-    """Make one self-contained page with sliders from FILE, a case or a solution, with measured DATA (CSV) drawn over
-    the curve.
-
-    It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
-    the machine's stiffness and the data's contact point; stable and unstable branches, pull-off, the commands that give
-    the same numbers, a button that saves the curve as CSV.
-
-    \b
-    jkr explore data.h5
-    jkr explore gel.h5 measured.csv -o gel.html
-    """
-    from ..data.measured import read
-    from ..report.explorer import Explored, page, payload, start_work
-
-    if work == 0:
-        raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
-    if output.where is not None:
-        output.file(output.where, [file, *data])
-    file = inputs.series_file(file)
-    target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
-    solution = inputs.read_series(file)
-    inputs.warn_of_constant_moduli(solution)
-    without_range(solution.record, "explore")
-    reading.refuse_contact("explore")
-    readings.begin_reading("explore", data, limits)
-    curves = [curve for path in data for curve in read(path, reading)]
-    works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
-    inputs.begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
-    result = analyse(solution, works or (1.0,), slopes)[0]
-    if not works:
-        result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
-    text = page(payload(result, curves, slopes))
-    write_text(target, text)
-    give(Explored(file, target, result.w, len(result.curve.series), len(curves), sum(map(len, curves))), output.json)
-
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of measured files: ``look``, before any body is thought of, and ``work`` along a curve.

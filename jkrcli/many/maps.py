@@ -271,7 +271,7 @@ def _shown(columns: Columns) -> Iterator[str]:
 
 
 def _adhesion_figure(columns: Columns) -> Figure:
-    from ..report.plots.studies import zones_figure
+    from .figures import zones_figure
 
     return zones_figure(columns, ZONES)
 
@@ -362,7 +362,7 @@ def _pull_off_points(base: str, cell: tuple[float, float, Sequence[float]]) -> C
 
 
 def _pull_off_figure(columns: Columns) -> Figure:
-    from ..report.plots.studies import MapPanel, lines_figure
+    from .figures import MapPanel, lines_figure
 
     title = f"layer on a rigid substrate, {columns['base'][0]}"
     families = {"nu": r"$\nu$ = {:g}".format}
@@ -470,7 +470,7 @@ def _stiffness(text: Any) -> float:
 
 
 def _rate_figure(columns: Columns) -> Figure:
-    from ..report.plots.studies import MapPanel, lines_figure
+    from .figures import MapPanel, lines_figure
 
     panels = [MapPanel("minus_P_over_pi_w0_R", r"pull-off force / $\pi w_0 R$", logs="xy"),
               MapPanel("dissipated_over_w0_pi_a2", r"energy lost at the edge / $\pi w_0 a^2$", logs="xy")]  # fmt: skip
@@ -554,7 +554,7 @@ def _rows(ratios: Sequence[float], nu: float) -> Columns:
 
 
 def _sticking_figure(columns: Columns) -> Figure:
-    from ..report.plots.studies import MapPanel, lines_figure
+    from .figures import MapPanel, lines_figure
 
     titles = {"S_ratio": "$S$ at equal radius", "load_ratio": "load at equal depth"}
     panels = [MapPanel(name, "no slip / frictionless", title) for name, title in titles.items()]
@@ -640,7 +640,7 @@ def _transition_point(body: FiniteRangeBody, where: str, q: float, mu: float) ->
 
 def _transition_figure(columns: Columns) -> Figure:
     """Filled where there are values enough on both axes, else as lines."""
-    from ..report.plots.studies import MU, MapPanel, filled_figure, is_filled, lines_figure
+    from .figures import MU, MapPanel, filled_figure, is_filled, lines_figure
 
     if is_filled(columns):
         return filled_figure(columns)

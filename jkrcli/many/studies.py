@@ -32,9 +32,9 @@ from ..methods.fem import FEM
 from ..methods.layered.solver import Layered
 from ..report import tables
 from ..report.plots import BLACK, BLUE, GREEN, ORANGE, axis_of
-from ..report.plots.studies import Line, Panel, panels_figure
 from ..report.result import Figure
 from ..series import RawSeries, Series, Solution
+from .figures import Line, Panel, panels_figure
 
 # --------------------------------------------------------------------------------------------------
 # What a sequence of meshes tells: values on each, errors, observed orders, limits.

@@ -30,8 +30,9 @@ from ..base.registry import Result
 from ..base.units import scale, show
 from ..report import archive
 from ..report import plots as looks
-from ..report.plots import Figure, studies
+from ..report.plots import Figure
 from ..report.result import Files
+from . import figures
 from .sweep_plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, cheapest_method, failed, solve_group
 
 # --------------------------------------------------------------------------------------------------
@@ -63,20 +64,20 @@ def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | Non
     shown = {name: values[rows] for name, values in numbers.items()}
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
     panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
-    return studies.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
+    return figures.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
 
 
-def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> studies.Panel:
+def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> figures.Panel:
     (along, x_label), (up, y_label) = (_scaled(columns, name) for name in (x, y))
     groups = np.unique(columns[beside[0]])[: len(looks.COLORS)] if beside else [None]
     lines = []
     for at, color, mark in zip(groups, looks.COLORS, MARKS, strict=False):
         rows = np.flatnonzero(columns[beside[0]] == at) if beside else np.arange(along.size)
         rows = rows[np.argsort(along[rows], kind="stable")]
-        lines.append(studies.Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
+        lines.append(figures.Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
     wide = 0 < 5 * along.min() < along.max()
     title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
-    return studies.Panel(x_label, y_label, lines, title, logs="x" if wide else "")
+    return figures.Panel(x_label, y_label, lines, title, logs="x" if wide else "")
 
 
 def _scaled(columns: Mapping[str, Array], column: str) -> tuple[Array, str]:

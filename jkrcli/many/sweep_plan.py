@@ -32,7 +32,12 @@ from ..base.numerics import LEVEL, MOST_CELLS
 from ..bodies.problem import Problem
 from ..case.models import Case, CaseModel, method_of, model_of
 from ..case.store import read_solution, write_solution
-from ..case.sweep import (
+from ..methods.protocol import Choice, Method, choose_method, least_first, survey
+from ..report import tables
+from ..resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points
+from ..series import Record, Solution
+from ..tables import MOST_COLUMNS
+from .sweep_file import (
     DISTRIBUTIONS,
     MOST_CASES,
     AxisTable,
@@ -42,11 +47,6 @@ from ..case.sweep import (
     draw,
     load_sweep,
 )
-from ..methods.protocol import Choice, Method, choose_method, least_first, survey
-from ..report import tables
-from ..resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points
-from ..series import Record, Solution
-from ..tables import MOST_COLUMNS
 
 # --------------------------------------------------------------------------------------------------
 # Keys of a case file as paths, "specimen.layers[0].nu": written into its tables, read from its model.

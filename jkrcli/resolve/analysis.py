@@ -531,7 +531,7 @@ def method_behind(solution: Solution) -> Method | None:
 def fem_behind(solution: Solution) -> FEM:
     """The finite elements for fields in the body of ``solution``: those that made it, or as its case says."""
     case = solution.record.case
-    made: FEM = solution.solver if solution.method == "fem" else None
+    made: FEM | None = solution.solver if solution.method == "fem" else None
     return made or (fem_of(case.model) if isinstance(case, Case) else method_class("fem")())
 
 

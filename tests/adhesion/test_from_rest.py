@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 import jkrcli as jkr
 from jkrcli.adhesion.curve import LOAD_CONTROL, CriticalPoint
 from jkrcli.adhesion.from_rest import AT_MOST, FAST, FROM_REST, SLOW, Rest
-from jkrcli.report.explorer import payload
+from jkrcli.many.explorer import payload
 from jkrcli.resolve.analysis import analyse
 from jkrcli.resolve.histories import LostByHistory, lost_by_history
 
@@ -251,7 +251,7 @@ def test_the_cycle_from_rest(relaxing_gel: jkr.Solution, stiffness: float) -> No
 def test_the_page_of_explore_has_the_same_numbers(relaxing_gel: jkr.Solution, stiffness: float) -> None:
     held = payload(analyse(relaxing_gel, [0.02])[0], [])
     assert held["relaxed"] == 0.35
-    script = (Path(jkr.__file__).parent / "report" / "explorer" / "curve.js").read_text()
+    script = (Path(jkr.__file__).parent / "many" / "explorer" / "curve.js").read_text()
     k = "Infinity" if stiffness == math.inf else stiffness
     text = (
         f"{script}\nconst content = {json.dumps(held, default=attrgetter('reason'))};\n"

@@ -10,7 +10,7 @@ import pytest
 from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive, transform
 from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.formulas import hertz, shift
-from jkrcli.report.explorer import start_work
+from jkrcli.many.explorer import start_work
 from jkrcli.series import RawSeries, Series
 
 E_STAR, R = 5e9 / (1 - 0.4**2), 1e-4

@@ -21,7 +21,7 @@ from jkrcli.cli import GROUPS, VERBS
 from jkrcli.cli import jkr as root
 from jkrcli.cli.options import DESCRIBED, LINES
 from jkrcli.cli.options import GROUPS as OPTIONS
-from jkrcli.cli.study_verbs import STUDIES
+from jkrcli.many.verbs import STUDIES
 from jkrcli.report import check as doctor
 
 BIN = Path(sys.executable).parent

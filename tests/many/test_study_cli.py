@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.cli.study_verbs import MAKE, STUDIES
+from jkrcli.many.verbs import MAKE, STUDIES
 
 
 def test_every_study_has_help_with_an_example(jkr) -> None:

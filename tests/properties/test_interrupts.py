@@ -117,7 +117,7 @@ def test_a_verb_replaces_its_own_files_without_force(jkr, folder: Path, verb: st
 
 def test_every_verb_is_among_them() -> None:
     assert {words[0] for words in VERBS.values()} == set(cli.VERBS)
-    from jkrcli.cli.study_verbs import study
+    from jkrcli.many.verbs import study
 
     assert {words[1] for words in VERBS.values() if words[0] == "study"} == set(study.list_commands(None))
 

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..base.errors import InputError
 from ..base.files import read_bytes
 from ..base.numerics import Array
-from .models import Length, RootTable, Table, as_tuple, one_or_more, parse_toml, quantity, validated, wrong
+from ..case.models import Length, RootTable, Table, as_tuple, one_or_more, parse_toml, quantity, validated, wrong
 
 # --------------------------------------------------------------------------------------------------
 # Distributions of uncertain numbers, and draws: inverse distribution functions of points in the unit cube.

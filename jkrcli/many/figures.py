@@ -11,8 +11,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from matplotlib.patheffects import withStroke
 
-from ...base.numerics import Array
-from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks, panelled, zero_lines
+from ..base.numerics import Array
+from ..report.plots import (
+    COLORS,
+    MIDDLE,
+    NARROW,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    legend_below,
+    log_ticks,
+    panelled,
+    zero_lines,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from jkrcli.base.numerics import DRAWN
 from jkrcli.case import store
 from jkrcli.cli import call
 from jkrcli.data.curve import Curve
-from jkrcli.report.explorer import payload
+from jkrcli.many.explorer import payload
 from jkrcli.resolve.analysis import adhesive, analyse, nonadhesive
 
 pytest.importorskip("plotly")

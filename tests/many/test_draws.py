@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.case.sweep import Distribution, draw
+from jkrcli.many.sweep_file import Distribution, draw
 
 
 @settings(deadline=None)

@@ -12,14 +12,14 @@ from ..base.errors import InputError
 from ..base.executors import executor
 from ..case.models import load_case, method_of, plain_toml
 from ..case.store import solve
-from ..many import maps
-from ..many import sweep as running
-from ..many import sweep_plan as plans
-from ..many.studies import FEW, Bench
+from ..cli import LateGroup, options
+from ..cli.printing import announce, answer, give, note, progress
 from ..methods.protocol import METHODS, Limits
 from ..report.result import PICTURES, Output
-from . import LateGroup, options
-from .printing import announce, answer, give, note, progress
+from . import maps
+from . import sweep as running
+from . import sweep_plan as plans
+from .studies import FEW, Bench
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr study``: maps and meshes.
@@ -105,8 +105,8 @@ def study_converge(
     jkr study converge cases/thin-layer.toml --levels 5
     jkr study converge cases/halfspace.toml --contact incremental -o results
     """
-    from ..many import studies as convergence
     from ..methods.fem import FEM
+    from . import studies as convergence
 
     loaded = load_case(case)
     w = work if work is not None else next(iter(loaded.model.adhesion.w), None)

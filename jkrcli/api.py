@@ -114,7 +114,7 @@ from .report import law_fits, rate  # noqa: F401 - the first registers what fits
 from .report.check import Check
 from .report.forward import Compared, Cycled, CycledByProgram, MeasuredByHistory, MeasuredPullOff, Profile, PullOff
 from .report.inverse import Look, Work
-from .report.result import Figure
+from .report.result import PICTURES, Figure
 from .resolve.analysis import Analysis, analyse, nonadhesive, with_solved_points
 from .resolve.histories import checked_histories, curves_from_rest, lost_by_history, pull_off_in_limits, rest_of
 from .series import Solution
@@ -149,6 +149,7 @@ PositiveLength: TypeAlias = units.Length | Any
 Stress: TypeAlias = units.Modulus | Any
 Factor: TypeAlias = units.Factor | Any
 Stiffness: TypeAlias = units.Control | Any
+Tolerance: TypeAlias = Annotated[float, units.Ranged("number", least=0)]
 Share: TypeAlias = Annotated[float, units.Ranged("number", least=0, most=1)]
 RateName: TypeAlias = Annotated[str, OneOf(RATE_LAWS)]
 RelaxationName: TypeAlias = Annotated[str, OneOf(RELAXATIONS)]
@@ -366,6 +367,7 @@ def cycle(
     Course(to_load=to_load, to_depth=to_depth, tabulated=program).refuse_idle()
     works = (w if w_approach is None else w_approach, w)
     ranged = _range(solution, stress, length)
+    ranged.refuse_two(*works)
     turn = to_load, to_depth
 
     def cycled(history: LoadingHistory | None) -> Cycled | CycledByProgram:
@@ -456,6 +458,7 @@ def cycle_at_speed(
     course = Course(speed, speed_approach, to_load, to_depth, hold, tabulated=program)
     exactly_one("cycle_at_speed", speed=speed, program=program)
     solution = _solution(solved, None)
+    without_range(solution.record, "cycle_at_speed")
 
     def cycled(history: LoadingHistory | None) -> rate.CycledAtSpeed:
         share, words = (1.0, "") if history is None else (history.moduli, history.words)
@@ -1077,7 +1080,7 @@ def work(
 
 @checked
 def compare(
-    first: Body, second: Body, rtol: Factor = 1e-3, columns: Iterable[str] = (), overlap: Share = 0.9,
+    first: Body, second: Body, rtol: Tolerance = 1e-3, columns: Iterable[str] = (), overlap: Share = 0.9,
 ) -> Compared:  # fmt: skip
     """Compare two results of the same problem.
 
@@ -1155,15 +1158,22 @@ def plot(curve: Result, path: AnyPath | None = None) -> Figure:
     curve : Result
         Of any function here; a curve is drawn as load over displacement and contact radius over load.
     path : path, optional
-        Also written there: .png, .svg or .pdf.
+        Also written there: .png or .svg.
 
     Returns
     -------
     matplotlib.figure.Figure
         To draw on.
+
+    Raises
+    ------
+    InputError
+        Where the path cannot be written, or ends otherwise.
     """
     from .report import plots
 
+    if path is not None and Path(path).suffix not in PICTURES:
+        raise InputError(f"path: must end in {' or '.join(PICTURES)}, got {path}")
     figure = curve.figure()
     if path is not None:
         plots.save(figure, [Path(path)])

@@ -17,6 +17,7 @@ import pytest
 
 import jkrcli as jkr
 from jkrcli import api
+from jkrcli.base.arguments import as_arguments
 from jkrcli.base.units import Ranged
 from jkrcli.data.curve import Curve
 
@@ -102,7 +103,7 @@ def wrong_values(kind: Any, mapped: bool = False) -> Iterator[Any]:
     elif kind is str:
         yield from (3, object(), ["a"])
     elif isinstance(kind, type):
-        yield from (object(), "none such", 3.7, kind if not getattr(kind, "_is_protocol", False) else object())
+        yield from (object(), "none such", 3.7, kind)
 
 
 def parameters_of(function: Callable[..., Any]) -> dict[str, Any]:
@@ -175,6 +176,8 @@ IDLE: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     (jkr.cycle, {**PULL, "program": PROGRAM, "to_load": "1 mN"}, "to_load"),
     (jkr.cycle, {**PULL, "to_load": "1 mN", "to_depth": "1 um"}, "to_depth"),
     (jkr.cycle, {**PULL, "rest_load": "1 mN"}, "rest"),
+    (jkr.cycle, {**PULL, "stress": 1e3, "w_approach": 0.02}, "one work of adhesion"),
+    (jkr.work, {"solved": GEL, "measured": PROBE, "use": "a,P", "noise": {"delta": 1e-6}}, "noise delta"),
     *((jkr.cycle_at_speed, {**PULL, "law": {"v0": 1e-6, "n": 0.5}, "program": PROGRAM, **one}, next(iter(one)))
       for one in ({"speed": 1e-6}, {"hold": 1}, {"speed_approach": 1e-6}, {"to_depth": 1e-6})),
     *((jkr.cycle_relaxing, {"solved": GEL, "relaxation": jkr.StandardSolid(0.3, 1), "speed": 1e-6, **one},
@@ -258,6 +261,60 @@ def test_quantities_with_units_lists_and_numbers_of_numpy() -> None:
             wrong()
     with pytest.raises(jkr.InputError, match=r"specimen.base: must be a Rigid or a HalfSpace, got the class Rigid"):
         jkr.Specimen(plain, jkr.Rigid)
+
+
+def test_series_and_texts_are_lists_of_numbers() -> None:
+    pandas = pytest.importorskip("pandas")
+    table = pandas.DataFrame({"r": [0.0, 1e-6, 2e-6], "z": [0.0, 1e-9, 4e-9]})
+    assert jkr.TableProfile(table["r"], table["z"]).r == (0.0, 1e-6, 2e-6)
+    with pytest.raises(jkr.InputError, match=r"r: must be a list, got DataFrame"):
+        jkr.TableProfile(table[["r"]], table["z"])
+    program = jkr.Program(["0 ms", "20 ms"], [0, "1 um"])
+    assert program.t.tolist() == [0.0, 0.02]
+    assert program.x.tolist() == [0.0, 1e-6]
+    with pytest.raises(jkr.InputError, match=r'program: t: entry 2 must be a time, got "1 m"'):
+        jkr.Program(["0 s", "1 m"], [0, "1 um"])
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda gel: jkr.solve(GEL, jkr.Layered), r"got the class Layered: write Layered\(\.\.\.\)"),
+        (lambda gel: jkr.cycle_relaxing(gel, jkr.StandardSolid, "1 um/s"), "relaxation: .*the class StandardSolid"),
+        (lambda gel: jkr.transform(gel, 0.04, modulus_factor=1e300), r"modulus_factor: must be >= 1e-12 and <= 1e\+12"),
+        (lambda gel: jkr.study_map("rate", rate="n=0.5"), "rate must be a mapping"),
+        (lambda gel: jkr.plot(jkr.transform(gel, 0.04), "curve.pdf"), "path: must end in .png or .svg, got curve.pdf"),
+    ],
+)
+def test_what_ended_in_an_error_of_python_or_in_silence(gel: Any, call: Callable[[Any], Any], said: str) -> None:
+    with pytest.raises(jkr.InputError, match=said):
+        call(gel)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda gel: jkr.measured_curves(PROBE, units={"Q": "nN"}), r'no single column "Q" for units=\{"Q": "nN"\}'),
+        (lambda gel: jkr.identify(gel, PROBE, base_line="sine"), "base_line sine is for raw .* with contact fitted"),
+        (lambda gel: jkr.identify_joint(gel, PROBE), "shared: needs two force curves"),
+        (lambda gel: jkr.pull_off(gel, 0.04, rest_load=1e-3), "leave rest_load and rest_depth out"),
+        (lambda gel: jkr.solve(GEL, "fem", jkr.Limits(1e-6)), r"raise the limit by limits\.memory"),
+        (lambda gel: jkr.load_case(PROBE.with_name("gel.h5")), "gel.h5"),
+    ],
+)
+def test_messages_name_arguments_and_no_options(gel: Any, call: Callable[[Any], Any], said: str) -> None:
+    with pytest.raises(jkr.InputError, match=said) as caught:
+        call(gel)
+    assert "--" not in str(caught.value)
+
+
+def test_options_of_commands_and_names_of_files_stay() -> None:
+    for text in ("jkr fit --surface both fits either", "my--unit.csv: is empty", "(import --nodes)?", "make chart --x"):
+        assert as_arguments(text) == text
+
+
+def test_equal_to_the_last_digit_may_be_asked_for(gel: Any) -> None:
+    assert jkr.compare(gel, gel, rtol=0).rtol == 0
 
 
 def test_many_numbers_are_within_their_range() -> None:

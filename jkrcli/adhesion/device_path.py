@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
-from ..base.arguments import read, read_fields
+from ..base.arguments import read, read_fields, reader
 from ..base.errors import Estimate, InputError, JkrError, Unknown
 from ..base.numerics import MOST_STEPS, ROUNDED, SAME, Array, numbers_of, zeros_between
-from ..base.units import Ranged, show
+from ..base.units import AnyForce, AnyLength, Ranged, Time, show
 from .curve import (
     DISPLACEMENT_CONTROL,
     LOAD_CONTROL,
@@ -201,8 +201,9 @@ class Ramp:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """The points ``t`` [s] (never falling), ``x`` [m, or N] between which the device moves evenly, and its ``rate``
-    [m/s, or N/s] after the last, for as long as there is contact; None: it ends there. Two points at one time: a step.
+    """The points ``t`` [s] (never falling), ``x`` [m, or N] between which the device moves evenly, SI or text with
+    units, and its ``rate`` [m/s, or N/s] after the last, for as long as there is contact; None: it ends there. Two
+    points at one time: a step.
     """
 
     t: Array
@@ -211,8 +212,11 @@ class Program:
 
     def __post_init__(self) -> None:
         read_fields(self, "program", t=Any, x=Any)
-        for name in ("t", "x"):
-            values = read(f"program: {name}", numbers_of, getattr(self, name))
+        for name, kind in (("t", Time), ("x", AnyLength | AnyForce)):
+            given = getattr(self, name)
+            if isinstance(given, list | tuple) and any(isinstance(one, str) for one in given):
+                given = read(f"program: {name}", reader(tuple[kind, ...]), given)
+            values = read(f"program: {name}", numbers_of, given)
             values.setflags(write=False)
             object.__setattr__(self, name, values)
             if values.ndim != 1 or not np.isfinite(values).all():

@@ -320,6 +320,14 @@ class RangeRequest:
         """The law for the work of adhesion ``w`` [J/m^2]."""
         return Range.of(w, stress=self.stress, length=self.length)
 
+    def refuse_two(self, approach: float, retraction: float) -> None:
+        """InputError for a cycle with two works of adhesion [J/m^2]."""
+        if self and approach != retraction:
+            raise InputError(
+                "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
+                f"{show(approach, 'work')} on approach and {show(retraction, 'work')} on retraction"
+            )
+
     @property
     def suffix(self) -> str:
         """What distinguishes names of files: ``-stress1e+08``, ``-range3e-10``."""

@@ -13,6 +13,7 @@ import functools
 import inspect
 import math
 import os
+import re
 import types
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, fields
@@ -32,7 +33,7 @@ from typing import (
     get_type_hints,
 )
 
-from .errors import InputError, did_you_mean
+from .errors import InputError, JkrError, did_you_mean
 from .units import KindError, Ranged, is_number, plain, shortly
 
 Read: TypeAlias = Callable[[Any], Any]  # what is meant by a value; ValueError with a full sentence where it is wrong
@@ -130,7 +131,8 @@ def _either(readers: Sequence[Read], optional: bool, value: Any) -> Any:
 
 def _several(made: Callable[[Iterable[Any]], Any], readers: Sequence[Read], count: int, value: Any) -> Any:
     alone = not isinstance(value, Iterable) or isinstance(value, str | bytes)
-    if hasattr(value, "keys") or (isinstance(value, Set) and made is tuple):
+    keyed = hasattr(value, "keys") and not hasattr(value, "dtype")  # a series of pandas has keys, too
+    if keyed or (isinstance(value, Set) and made is tuple):
         raise KindError("a list", value)
     if len(getattr(value, "shape", ())) > 1:
         raise ValueError(f"must be one-dimensional, got shape {value.shape}")
@@ -205,7 +207,7 @@ def _path(value: Any) -> Path:
 
 
 def _instance(kind: type, value: Any) -> Any:
-    if not isinstance(value, kind):
+    if not isinstance(value, kind) or isinstance(value, type):  # a class has the methods of a protocol, too
         raise KindError(f"a {kind.__name__}", value)
     return value
 
@@ -256,8 +258,32 @@ def read(name: str, by: Read, value: Any) -> Any:
         raise InputError(f"{name}: {error}") from None
 
 
+# Options in messages that the command line shares, but not of its commands, and what arguments in Python are called.
+OPTION = re.compile(
+    r"(?:jkr \w[\w-]*|make \w+|\b(?:import|export|fit|show)) --[\w-]+"
+    r"|(?<![^\s(])--([A-Za-z][\w-]*)(?: ([\w:]+)=([^\s;,)]+))?"
+)
+ARGUMENTS = {
+    "column": "columns", "unit": "units", "factor": "factors", "tip-radius": "tip_radii", "range": "length",
+    "limit-memory": "limits.memory", "limit-time": "limits.hours",
+}  # fmt: skip
+
+
+def as_arguments(message: str) -> str:
+    """A ``message`` with options of the command line as arguments: ``--unit P=nN`` as ``units={"P": "nN"}``."""
+
+    def argument(option: re.Match[str]) -> str:
+        if option[1] is None:
+            return option[0]
+        name = ARGUMENTS.get(option[1], option[1].replace("-", "_"))
+        return name if option[2] is None else f'{name}={{"{option[2]}": "{option[3]}"}}'
+
+    return OPTION.sub(argument, message)
+
+
 def checked(function: Callable[Words, Answer]) -> Callable[Words, Answer]:
-    """Decorator: the arguments of a public function are read by its annotations; InputError names the wrong one."""
+    """Decorator: the arguments of a public function are read by its annotations; InputError names the wrong one, and
+    other errors name arguments where the command line has options."""
     signature = inspect.signature(function)
     open_ended = any(item.kind is item.VAR_KEYWORD for item in signature.parameters.values())
 
@@ -273,7 +299,13 @@ def checked(function: Callable[Words, Answer]) -> Callable[Words, Answer]:
         for name, value in bound.arguments.items():
             if name in readers:
                 bound.arguments[name] = read(name, readers[name], value)
-        return function(*bound.args, **bound.kwargs)
+        try:
+            return function(*bound.args, **bound.kwargs)
+        except JkrError as error:
+            error.args = tuple(as_arguments(str(part)) for part in error.args)
+            if isinstance(error, InputError):
+                error.lines = tuple(map(as_arguments, error.lines))
+            raise
 
     return called
 

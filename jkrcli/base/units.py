@@ -53,7 +53,7 @@ UNITS = {  # powers of ten of the SI unit
     for name, kind in DIMENSIONS.items()
     if kind.prefixes
 }
-LARGEST_FACTOR = 1e12  # choice: of a column, its inverse the least: beyond nm for km, and no use
+LARGEST_FACTOR = 1e12  # choice: of a column or the moduli, its inverse the least: beyond nm for km, and no use
 LARGEST_SI = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
 MODULI = (1e3, 2e12)  # choice: Pa, of soft gels and of diamond; a bare number outside is remarked, never refused
 SMALL_WORK = 1e-4  # choice: J/m^2, below what solids of an E* from FIRM on have; remarked, never refused
@@ -151,8 +151,9 @@ AnyLength: TypeAlias = Annotated[float, Ranged("length")]
 Modulus: TypeAlias = Annotated[float, Ranged("modulus", above=0)]
 AnyForce: TypeAlias = Annotated[float, Ranged("load")]
 Force: TypeAlias = Annotated[float, Ranged("load", above=0)]
+Time: TypeAlias = Annotated[float, Ranged("time")]
 Work: TypeAlias = Annotated[float, Ranged("work", least=0)]
-Factor: TypeAlias = Annotated[float, Ranged("number", above=0)]
+Factor: TypeAlias = Annotated[float, Ranged("number", least=1 / LARGEST_FACTOR, most=LARGEST_FACTOR)]
 Stiffness: TypeAlias = Annotated[float, Ranged("stiffness", above=0, words=(("rigid", math.inf),))]  # of a device
 Control: TypeAlias = Annotated[float, Ranged("stiffness", above=0, words=(("load", 0.0), ("rigid", math.inf)))]
 Sensitivity: TypeAlias = Annotated[float, Ranged("sensitivity", above=0)]

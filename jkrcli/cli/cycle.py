@@ -16,7 +16,6 @@ from ..adhesion.relaxing_adhesion import RelaxingAdhesion
 from ..base.errors import InputError
 from ..base.files import together
 from ..base.registry import Result
-from ..base.units import show
 from ..methods.protocol import Limits
 from ..report.forward import Cycled, CycledByProgram
 from ..report.rate import CycledAtSpeed, CycledInLimits, CycledRelaxing, followed_with_limits, traced_histories
@@ -66,6 +65,8 @@ class RateOptions:
     def __post_init__(self) -> None:
         if self.rate is not None and (self.speed is None) == (self.program is None):
             raise InputError('cycle: --rate needs the motion of the instrument: --speed "10 um/s", or --program TABLE')
+        if self.rate_advance is not None and self.rate is None:
+            raise InputError("cycle: --rate-advance needs --rate: leave it out, or give both")
         self._course.refuse_idle(flag)
 
     @property
@@ -257,11 +258,7 @@ def cycle(
     ranged = how.of(solution)
     if ranged and rates.rate is not None:
         raise InputError("cycle: --rate has no adhesion of finite range: leave --range and the case's out")
-    if ranged and works[0] != works[1]:
-        raise InputError(
-            "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
-            f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
-        )
+    ranged.refuse_two(*works)
     if rates.program is not None:
         per_row = TABLE_CYCLE_PER_ROW + TABLE_CYCLE_PER_POINT * points
         inputs.begin_tables("cycle --program", rows_of_text(rates.program), limits,

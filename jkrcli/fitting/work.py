@@ -104,6 +104,9 @@ def work_along(
     w[rows] = (lag / shift) ** 2
     a = np.where(rows, a, 0.0)
     compliance = 1 / curve.stiffness if curve.stiffness and "delta" in used else 0.0
+    if noise and not set(noise) & {*used, *["P"] * (compliance > 0)}:
+        idle = next(iter(noise))
+        raise InputError(f"{curve.where}: --noise {idle}: w follows from {used[0]} and {used[1]}: leave it out")
     spread = {}
     for name, column in errors(body, used, a[rows], w[rows], lag, noise or {}, compliance).items():
         spread[name] = np.zeros(rows.size)

@@ -16,6 +16,7 @@ from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhe
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
 from ..adhesion.rate import RateContact, rate_law_of
+from ..base.arguments import reader
 from ..base.errors import InputError, JkrError, SolveError, Unknown, counted, known
 from ..base.executors import Pool, in_order
 from ..base.files import lists
@@ -496,7 +497,7 @@ RATE_MAP = Map(
             {"n": "0.6"},
             "The law in units of w0 and v0: n=0.6; law=log,b=0.3.",
             several=False,
-            read=lambda keys: rate_law_of({"v0": 1.0} | keys, "--rate"),
+            read=lambda keys: rate_law_of({"v0": 1.0} | reader(Mapping[str, Any])(keys), "--rate"),
         ),
         "thickness": Axis((0.3,), "Of a bonded layer on a rigid substrate, in R; repeatable.", POSITIVE, family=True),
         "nu": Axis(0.3, "Poisson's ratio of the layers.", POISSON, several=False),

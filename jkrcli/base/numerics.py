@@ -306,6 +306,8 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, t
     Chandrupatla (1997): inverse quadratic interpolation where three points allow it, else halves.
     """
     x1, x2 = np.array(low, dtype=float), np.array(high, dtype=float)
+    if not x1.size:
+        return x1
     f1, f2 = function(x1), function(x2)
     part = np.full_like(x1, 0.5)
     for _ in range(HALVINGS):

@@ -6,7 +6,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -31,10 +30,7 @@ from ..resolve.histories import checked_histories, lost_by_history, rest_of, sec
 from ..resolve.resolve import effect_on, sticking_warnings
 from ..series import Solution
 from . import inputs, options
-from .printing import answer, give, present, warn
-
-if TYPE_CHECKING:
-    pass
+from .printing import announce, answer, give, present, warn
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``.
@@ -68,6 +64,8 @@ def transform(
         raise InputError("transform: give either --dimensionless or --scale, got both")
     if in_one and dimensionless:
         raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
+    if in_one and not output.plots:
+        raise InputError("transform: --together has no effect with --no-plots: leave one out")
     users = tables.own_scales(dict(own)) if own else None
     files, solutions = inputs.read_files("transform", files)
     wanted = [works or inputs.works_of(solution) for solution in solutions]
@@ -268,9 +266,14 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
     ranged, radius = attraction.of(solution), state.radius
     stem = output.folder(file.parent) / f"{file.stem}-profile{ranged.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
+    seconds = 0.0
+    if solution.problem.sticks and not ranged:
+        from ..methods.fem.fields import seconds_of_state
+
+        seconds = seconds_of_state(solution.problem)
+    inputs.begin_curves("profile", [solution], [(w,)], limits, [ranged] * (radius is None), beside=seconds)
     if radius is None:
         assert state.load is not None
-        inputs.begin_curves("profile", [solution], [(w,)], limits, [ranged])
         radius = radius_under(solution, state.load, w, ranged)
     result = forward.Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
     targets.write(result.columns, figure=result.figure())
@@ -305,8 +308,10 @@ def fields(file: Path, state: options.State, component: str | None, output: Outp
     output.folder(Path())
     file, solution, w = inputs.body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
+    from ..methods.fem.fields import seconds_of_state
     from .case_verbs import MARKS
 
+    announce("fields by finite elements", seconds_of_state(solution.problem))
     curve, component = analyse(solution, [w])[0], component or "zz"
     result = forward.Fields.of(curve, fem_behind(solution), a=state.radius, load=state.load, component=component)
     figure = targets.draw(result.figure)

@@ -79,6 +79,8 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     jkr show data.h5
     jkr show --case data.h5 > again.toml
     """
+    if case_only and as_json:
+        raise InputError("show: --case prints a case file: leave --json out")
     announce_files("show", files)
     items = list[Solution | dict[str, Any]]()
     for path in files:
@@ -89,7 +91,7 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
         if not file.is_protected:
             warn(f"{path}: {archive.DOUBT}")
         items.append(archive.archive_summary(file))
-    if case_only and not as_json:
+    if case_only:
         click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if isinstance(item, Solution)))
         return
     give(archive.Shown(items), as_json)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 import click
-from click.core import ParameterSource
 
 from ..adhesion.rate import RATE_LAWS
 from ..base import files
@@ -54,7 +53,7 @@ from ..tables import some
 from . import options
 from .inputs import Flags, body_options
 from .options import Parallel, as_one, begin, flag, several, verb
-from .printing import give, note, progress, say, warn
+from .printing import announce, give, note, progress, say, warn
 from .readings import (
     TABLE_CARRIED,
     TABLE_FIT_PER_CURVE,
@@ -70,13 +69,6 @@ from .readings import (
 
 # --------------------------------------------------------------------------------------------------
 # Which options were given.
-
-
-def typed_options() -> dict[str, Any]:
-    """The options that the user gave, by their names, with their values."""
-    context = click.get_current_context()
-    names = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
-    return {name: context.params[name] for name in names}
 
 
 # --------------------------------------------------------------------------------------------------
@@ -176,7 +168,7 @@ def fit_law(request: FitRequest) -> None:
     assert asked.law is not None
     settings = rate_settings(request.body, asked.law, request.names, asked.fix, asked.start, **how)
     curves, _ = request.curves(request.measured)
-    request.conclude(lambda: rate_fit(request.body, curves, settings))
+    request.conclude(lambda: rate_fit(request.body, curves, settings, announce))
 
 
 def has_tension(request: FitRequest) -> bool:
@@ -473,7 +465,7 @@ def fit(
     if asked.relaxation is None and "relaxation" in _flat(asked.free):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
     kinds = {RELAXATION: asked.relaxation, LAW: asked.law, SHARED: asked.shared}
-    typed, kind = typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
+    typed, kind = options.typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
     if kind != EACH:
         check_unused(kind, typed, flag)
     # What is written, but for pictures of curves, whose names are known when they are read.

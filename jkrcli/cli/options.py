@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, cast, get_args
 
 import click
+from click.core import ParameterSource
 
 from ..adhesion.finite_range import RangeRequest
 from ..adhesion.slopes import RULES
@@ -119,6 +120,13 @@ def typed(kind: Any, help: str, called: str = "") -> Any:
 def flag(name: str) -> str:
     """What the option of a parameter is called on the command line."""
     return f"--{name.replace('_', '-')}"
+
+
+def typed_options() -> dict[str, Any]:
+    """The options and arguments that the user gave, by their names, with their values."""
+    context = click.get_current_context()
+    names = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
+    return {name: context.params[name] for name in names}
 
 
 class Verb(click.Command):

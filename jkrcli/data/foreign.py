@@ -78,6 +78,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     wanted = ("delta", "P", "area" if by_area and "a" not in named else "a")
     chosen = {key: named[key] if key in named else NAMES.guess(table, key) for key in wanted}
     check_chosen(table, named | chosen)
+    if "a" in chosen and reading.area != "auto":
+        raise InputError(f"{path}: --area is what a contact area means, and the table has contact radii: leave it out")
     lines, values = table.lines, dict[str, Array]()
     for key, index in chosen.items():  # in SI: unit, factor, sign and zero applied
         column = NAMES.in_si(table, key, index, reading.units.get(key)) * reading.factors.get(key, 1.0)

@@ -164,7 +164,7 @@ class Branches:
         of_four[:, 0] = np.stack([np.ones_like(s), -r, s / k, -s * r / k], axis=1)
         of_four[:, 1, 2], of_four[:, 1, 3] = s, -s * r
         first, start = _folds(bodies, of_four[:, 0])
-        begin, turns = int(first.min()), first > 0
+        begin, turns = min(int(first.min()), bodies.u.shape[1] - 2), first > 0  # a cell, where none is stable, too
         path, n, first = bodies.combined(of_four, slice(2), begin), bodies.u.shape[1] - begin, first - begin
         at_fold = bodies.at(start)
         there = of_four @ at_fold.transpose(1, 2, 0)

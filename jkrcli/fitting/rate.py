@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -19,7 +20,7 @@ from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import REST, Edge, Program
 from ..adhesion.rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
 from ..base.arguments import read_fields
-from ..base.errors import InputError, JkrError, SolveError, Unknown
+from ..base.errors import InputError, JkrError, SolveError, Unknown, counted
 from ..base.numerics import (
     FEWEST_ROWS,
     HALF_WIDTH,
@@ -556,16 +557,24 @@ def rate_settings(
     return RateSettings(law, unknowns, start=named.known(start), **options)
 
 
-def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) -> RateFit:
+def rate_fit(
+    body: FittedBody, curves: Sequence[Curve], settings: RateSettings,
+    announce: Callable[[str, float], None] | None = None,
+) -> RateFit:  # fmt: skip
     """The parameters that bring the predicted traces of ``body`` nearest to all ``curves`` together.
 
+    ``announce`` gets what is done and about how many CPU seconds are left, where the first start does not match.
     InputError where the records do not allow it, SolveError where no search converges.
     """
     problem = _Problem(body, tuple(rate_record(curve, settings.segment) for curve in curves), settings)
     few = tuple(record.thinned(FIT_ROWS) for record in problem.records)  # to find where to start
     coarse, best = replace(problem, records=few), list[Least]()
     usual = 1 + FIT_GOOD / math.sqrt(2 * coarse.size)
-    for start in coarse.starts():
+    begun, starts = time.process_time(), coarse.starts()
+    for i, start in enumerate(starts):
+        if i == 1 and announce is not None:
+            what = f"fit of a law to {counted(coarse.size, 'reading')} from {counted(len(starts), 'start')}"
+            announce(what, len(starts) * (time.process_time() - begun))
         with contextlib.suppress(SolveError):
             least = coarse.minimise(start, NOTICEABLE)  # what is below takes the whole records
             best = [min([*best, least], key=lambda one: one.cost)]

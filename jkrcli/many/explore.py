@@ -42,6 +42,7 @@ def explore(
     jkr explore data.h5
     jkr explore gel.h5 measured.csv -o gel.html
     """
+    from ..data.curve import Reading
     from ..data.measured import read
     from .explorer import Explored, page, payload, start_work
 
@@ -54,6 +55,8 @@ def explore(
     solution = inputs.read_series(file)
     inputs.warn_of_constant_moduli(solution)
     without_range(solution.record, "explore")
+    if not data and reading != Reading():
+        raise InputError("explore: options of reading need measured DATA: leave them out")
     reading.refuse_contact("explore")
     readings.begin_reading("explore", data, limits)
     curves = [curve for path in data for curve in read(path, reading)]

@@ -154,6 +154,10 @@ def sweep(
     jkr sweep my-sweep.toml --only 17
     jkr sweep my-sweep.toml --show-case 17 > case-17.toml
     """
+    for alone, name, also in (("show_case", "--show-case", ()), ("only", "--only", ("json",))):
+        typed = options.typed_options()
+        if alone in typed and (idle := [one for one in typed if one not in ("sweep", alone, *also)]):
+            raise InputError(f"sweep: {name} writes nothing, {options.flag(idle[0])} has no effect: leave it out")
     plan = plans.load_plan(sweep)
     if show_case is not None:
         click.echo(plain_toml(plan.case(_number(plan, show_case, "--show-case")).to_toml()), nl=False)

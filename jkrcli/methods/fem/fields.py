@@ -164,6 +164,8 @@ STATE_SPACING = 0.2  # element size over the distance from the edge; tuned on ge
 STATE_STUCK = 0.1  # the same of surfaces that stick, which must be grown on it; choice: as exact there
 STATE_GROWTH = 0.2  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
 STATE_FINEST = 1e-5  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
+STATE_SECONDS = 2.0  # CPU seconds of a state, 1 to 4; tuned on the shipped cases, by `make guards`
+STATE_SECONDS_STUCK = 15.0  # of surfaces that stick, 10 to 22; tuned on gel and coating, by `make guards`
 STATE_AWAY = 0.05  # radii from the edge, where stresses are infinite, beyond which fields are; choice: as in pictures
 STATE_NEAR = 3.0  # radii within which tractions are judged; choice: what the error stands for
 
@@ -222,6 +224,11 @@ class ContactState:
     def error(self) -> dict[str, float]:
         """Mean error of each line's tractions zz within three contact radii, relative to their mean size."""
         return {name: line.error(STATE_NEAR * self.a) for name, line in self.lines.items()}
+
+
+def seconds_of_state(problem: Problem) -> float:
+    """CPU seconds of a `contact_state`."""
+    return STATE_SECONDS_STUCK if problem.sticks else STATE_SECONDS
 
 
 def contact_state(

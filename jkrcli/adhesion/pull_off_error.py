@@ -27,7 +27,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..base.errors import InputError, Unknown
-from ..base.numerics import ROUNDED, SAME, Array
+from ..base.numerics import ROUNDED, SAME, TINY, Array
 from ..bodies.indenters import Indenter
 from .curve import (
     CURVE_ORDER,
@@ -159,10 +159,22 @@ def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -
     else:
         moved = _by_others(curve, point, stiffness)
         at_radius = np.stack(list(curve.error_at(np.array(point.a)).values()))
-    if isinstance(moved, Unknown) or further is None or settled:
+    if isinstance(moved, Unknown) or further is None:
         return moved if isinstance(moved, Unknown) else at_radius + moved
+    if settled:  # from what was solved to the point by a bend that is not known better than on its two sides
+        return at_radius + moved + _beside(curve, point, stiffness, float(further.a[nearest]))
     # where the search for a point that is solved has not settled on it, its last steps halve at best
     return at_radius + moved + 2 * _distance(curve.point(float(further.a[nearest])), point)
+
+
+def _beside(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, a: float) -> Array:
+    """How far delta and P, (2,), of a ``point`` next to the solved radius ``a`` [m] lie off by the bend of the curve
+    between the two, which jumps at ``a`` by about what it errs."""
+    sides = np.clip(a * (1 + np.array([-1e-3, 0.0, 1e-3])), curve.a[0], curve.a[-1])
+    rates = np.stack(curve.rates(sides))
+    below, above = np.diff(position(*rates, stiffness)) / np.diff(sides)
+    unsure = abs(above - below) / max(abs(above + below) / 2, TINY) * abs(point.a - a)
+    return np.abs(rates[:, 1]) * unsure
 
 
 def _distance(other: Equilibrium, point: Equilibrium) -> Array:

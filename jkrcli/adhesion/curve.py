@@ -181,9 +181,8 @@ class Nonadhesive:
     Refused where S or S' is not positive. ``log_rates``: slopes (n, 2) of log delta_H and of log S' over the same
     logarithms where they are known, NaN elsewhere. ``further``: the functions at more radii, among those of the series,
     which what lies between passes through too. ``together``: whether what lies between belongs to one energy, or each
-    function is interpolated for itself. ``unexplained``: factors of the profile and of all moduli that would make the
-    functions those of the bodies that the series is said to be of, where nothing explains that they are not.
-    ``reference``: the functions of these bodies, by their exact solution, where the series is another one.
+    function is interpolated for itself. ``reference``: the functions of the bodies that the series is said to be of, by
+    their exact solution, where the series is another one.
     """
 
     series: Series
@@ -191,7 +190,6 @@ class Nonadhesive:
     log_rates: Array | None = None
     further: Nonadhesive | None = None
     together: bool = True
-    unexplained: tuple[float, float] = (1.0, 1.0)
     reference: Nonadhesive | None = None
 
     def __post_init__(self) -> None:
@@ -233,27 +231,20 @@ class Nonadhesive:
 
     @cached_property
     def shifted(self) -> tuple[Nonadhesive, ...]:
-        """The functions with all radii larger, and smaller, by what is unknown of them together; none where nothing
-        is."""
+        """The functions with all radii larger, and smaller, by what is unknown of them together, by the same rule; none
+        where nothing is."""
         shift = self.series.shift
         if shift is None or not shift.any():
             return ()
-        rate, shifted = np.gradient(shift, self.a), list[Nonadhesive]()
-        for sign in (1, -1):
-            a, stretch = self.a + sign * shift, 1 + sign * rate  # and what that changes distances of radii by
-            known = (a > self.series.a0) & (stretch > 0) & np.append(True, np.diff(a) > 0)
-            rest = self.at_rows(np.flatnonzero(known))
-            series, slopes = replace(rest.series, a=a[known]), replace(rest.slopes, dS=rest.slopes.dS / stretch[known])
-            shifted.append(Nonadhesive(series, slopes, together=self.together))
+        shifted = list[Nonadhesive]()
+        for a in (self.a + shift, self.a - shift):
+            known = (a > self.series.a0) & np.append(True, np.diff(a) > 0)
+            series = replace(self.at_rows(np.flatnonzero(known)).series, a=a[known])
+            try:
+                shifted.append(replace(self.of(series, self.slopes.method), together=self.together))
+            except InputError:  # the rule finds no slopes there
+                continue
         return tuple(shifted)
-
-    @cached_property
-    def described(self) -> Nonadhesive | None:
-        """The functions with all that is unexplained put down to the series; None where nothing is."""
-        profile, moduli = self.unexplained
-        if profile == moduli == 1:
-            return None
-        return replace(self.under_profile(profile).scaled(moduli), unexplained=(1.0, 1.0), reference=None)
 
     @cached_property
     def points(self) -> Parts:
@@ -818,33 +809,18 @@ class AdhesiveCurve(EquilibriumCurve):
     @cached_property
     def errors(self) -> Mapping[str, Array]:
         """Half-widths of "delta" [m] and "P" [N] at given radius, by first-order propagation of the slopes'
-        covariance, what the radii share and what is unexplained; empty where no error is known."""
+        covariance and what the radii share; empty where no error is known."""
         covariance, root_w = self.slopes.covariance, math.sqrt(self.w)
         if covariance is None:
             return {}
         gradients = {name: fixed + root_w * rest for name, (fixed, rest) in self.nonadhesive.gradients.items()}
         of_rows = [np.sqrt(np.einsum("ni,nij,nj->n", each, covariance, each)) for each in gradients.values()]
-        errors = self.with_shift(self.slopes.quantile * np.stack(of_rows), self._by_shift) + self._by_description
+        errors = np.hypot(self.slopes.quantile * np.stack(of_rows), self._by_shift)
         return dict(zip(gradients, errors, strict=True))
-
-    def with_shift(self, error: Array, shift: Array) -> Array:
-        """An ``error`` of each row for itself with that of a ``shift`` of all radii: it adds where it has no middle,
-        each place within it as likely as any."""
-        return np.hypot(error, shift) if self.series.shift_found else error + shift
 
     def shift_error_at(self, place: Array) -> Array:
         """What a shift of all radii makes of delta [m] and P [N] at a ``place`` [m], (2,)."""
         return np.array([np.interp(place, self.a, values) for values in self._by_shift])
-
-    @cached_property
-    def _by_description(self) -> Array:
-        """What is unexplained of the difference to the bodies described makes of delta [m] and P [N] at given radius,
-        (2, n)."""
-        described = self.nonadhesive.described
-        if described is None:
-            return np.zeros((2, self.a.size))
-        other = replace(self, nonadhesive=described)
-        return np.abs([other.delta - self.delta, other.P - self.P])
 
     @cached_property
     def _by_shift(self) -> Array:

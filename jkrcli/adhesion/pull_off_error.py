@@ -75,7 +75,7 @@ def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float)
 
 
 def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
-    """The same by the series alone, and what its rows leave unexplained of the bodies."""
+    """The same by the series alone."""
     if curve.w == 0:
         return Unknown(f"unknown: {NO_ADHESION}")
     if not curve.errors:
@@ -89,15 +89,7 @@ def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) 
     rest = _beyond_gaps(curve, point, stiffness)
     if isinstance(rest, Unknown):
         return rest
-    # How far delta and P of the point lie from those of the bodies that the series is said to be of, by what is
-    # unexplained of the difference, (2,): which of the two is wrong is not known
-    other = _described(curve)
-    if other is None:
-        by_description = np.zeros(2)
-    else:
-        found = _pull_off(other, curve, stiffness)
-        by_description = _distance(other.point(point.a) if isinstance(found, Unknown) else found, point)
-    rest = curve.with_shift(rest, _by_shift(curve, point, stiffness)) + by_description
+    rest = np.hypot(rest, _by_shift(curve, point, stiffness))
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
 
 
@@ -116,7 +108,7 @@ def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> A
         found = _pull_off(other, curve, stiffness)
         if not isinstance(found, Unknown):
             moved.append(_distance(found, point))
-    if curve.nonadhesive.shifted and not moved:  # beyond the series: what it is at the radius of the point
+    if curve.series.shift is not None and not moved:  # beyond the series: what it is at the radius of the point
         return curve.shift_error_at(np.array(point.a))
     largest: Array = np.max([np.zeros(2), *moved], axis=0)
     return largest
@@ -126,13 +118,6 @@ def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> A
 def _reference(curve: AdhesiveCurve) -> AdhesiveCurve | None:
     """The exact solution's curve of the bodies."""
     body = curve.nonadhesive.reference
-    return None if body is None else AdhesiveCurve(body, curve.w)
-
-
-@lru_cache(maxsize=2)
-def _described(curve: AdhesiveCurve) -> AdhesiveCurve | None:
-    """The same curve with all that is unexplained put down to the series."""
-    body = curve.nonadhesive.described
     return None if body is None else AdhesiveCurve(body, curve.w)
 
 

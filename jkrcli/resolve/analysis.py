@@ -69,7 +69,7 @@ if TYPE_CHECKING:
 JKR: RangeRequest = RangeRequest()
 EXPLAINED = 0.1  # choice: of what a force is off, the part of the loads from which they are its cause
 REFERENCE_BEYOND = 1.2  # choice: of the largest radius, up to which pull-off by the exact solution is looked for
-CALIBRATED = Ahead(0.0, 0.02, "calibrated on a half-space of the same surface mesh")
+CALIBRATED = Ahead(0.0, 0.02, "calibrated on a half-space of the same surface mesh", 0.02)
 TINY = Unknown("it would be one of a contact smaller than atoms")
 Lost: TypeAlias = tuple[Stability, Errors | Unknown | None]  # read off under one control; half-widths of its pull-off
 
@@ -392,8 +392,7 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
     if isinstance(unestimated, Unknown) and solution.method == "fem":
         # what rows leave of a fit tells nothing of the mesh that all of them share, nor of its edge
         slopes = replace(slopes, error=unestimated, covariance=None, joint=None)
-    unexplained = (1.0, 1.0) if beside is None else beside.unexplained
-    return Nonadhesive(series, slopes, unexplained=unexplained, reference=_reference(solution, series, beside))
+    return Nonadhesive(series, slopes, reference=_reference(solution, series, beside))
 
 
 def _reference(solution: Solution, series: Series, beside: Compared | None) -> Nonadhesive | None:
@@ -473,7 +472,7 @@ def _at_touches(series: Series, beside: Compared) -> Series:
         return series
     return replace(
         series, a=rows.a, delta=rows.delta, P=rows.P, errors={}, shift=ahead.error * touches.element,
-        shift_found=ahead.found, own=beside.own,
+        own=beside.own,
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion.slopes.nodes import AS_THEY_ARE, Ahead, NodeRadii, as_nodes, node_radii
+from ..adhesion.slopes.nodes import AS_THEY_ARE, Ahead, NodeRadii, Touches, as_nodes, node_radii
 from ..base.numerics import HALF_WIDTH, ROUNDED, Array, cubic_spline, f_tail
 from ..base.units import show
 from ..bodies.indenters import Indenter
@@ -150,7 +150,7 @@ class Compared:
         """What is known of the radii, in words; empty where they are none of nodes."""
         if self.nodes is None:
             return ""
-        c, error, source = self.ahead
+        c, error, source, _ = self.ahead
         least, most = float(self.nodes.element.min()), float(self.nodes.element.max())
         range_ = f"{show(least, 'length')} to " if most > AHEAD_ALIKE * least else ""
         spacing = f"radii of nodes, spacing {range_}{show(most, 'length')}"
@@ -159,25 +159,6 @@ class Compared:
         how = {"body": "corrected", "tip": "corrected by the tip alone"}[source]
         where = f"{abs(c):.2f} ± {error:.2f} elements {'outside' if c >= 0 else 'inside'} the node"
         return f"{spacing}; the contact edge is {where}: {how}"
-
-    @property
-    def unexplained(self) -> tuple[float, float]:
-        """Factors of the profile and of all moduli that would make the series that of the bodies, as far as the errors
-        of these numbers do not explain them; 1 where the radii are none of nodes, or the series is that of other
-        bodies, which is warned of.
-
-        At equal radii the displacements of the bodies are exp(s) times those of the series; at equal radii again, loads
-        over displacements are those of other moduli (Eq. 13: t does not feel the profile).
-        """
-        found, loads = self.found, self.loads()
-        if self.own is None or found is None or loads is None or not loads.fits:
-            return 1.0, 1.0
-        at_equal_radii = self._loads(self.own, found.stretch, True)
-        most = math.log(AHEAD_LOADS)
-        if at_equal_radii is None or max(abs(found.stretch), abs(math.log(at_equal_radii.factor))) > most:
-            return 1.0, 1.0
-        of_profile = _beyond(found.stretch, HALF_WIDTH * found.stretch_error)
-        return math.exp(of_profile), math.exp(-_beyond(math.log(at_equal_radii.factor), at_equal_radii.error))
 
     def loads(self) -> Loads | None:
         """The factor of the loads over those of the bodies; None where these have no solution."""
@@ -222,11 +203,6 @@ class Compared:
 def _same(loads: Loads) -> bool:
     """Whether loads at equal displacement are those of the bodies: then no other tip explains what the radii miss."""
     return abs(math.log(loads.factor)) + loads.error < DEPARTURE_LEAST
-
-
-def _beyond(value: float, error: float) -> float:
-    """What is left of a ``value`` whose square its ``error`` explains in part."""
-    return math.copysign(math.sqrt(max(value**2 - error**2, 0.0)), value)
 
 
 def compared(problem: Problem, raw: RawSeries, with_bodies: bool = True) -> Compared:
@@ -312,8 +288,21 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
             ends = mean_c - 4 * max(sd_c, 0.02), mean_c + 4 * max(sd_c, 0.02)
             width = 4 * max(sd_s, 3e-4)
             spread = np.linspace(mean_s - width, mean_s + width, 25)
-    error = float(np.hypot(HALF_WIDTH * sd_c, AHEAD_LEAST))
-    return Found(Ahead(mean_c, error, "body"), offset + mean_s, sd_s, float(logs.max()) / z.size)
+    error = math.hypot(HALF_WIDTH * sd_c, AHEAD_LEAST)
+    of_scatter = _by_scatter(nodes.touches(mean_c), own, offset + mean_s)
+    left = math.hypot(HALF_WIDTH * math.sqrt(max(sd_c**2 - of_scatter**2, 0.0)), AHEAD_LEAST)
+    return Found(Ahead(mean_c, error, "body", left), offset + mean_s, sd_s, float(logs.max()) / z.size)
+
+
+def _by_scatter(touches: Touches, own: Series, stretch: float) -> float:
+    """Standard deviation of c by least squares with the stretch, where touches scatter as their errors say."""
+    inner = touches.rows.a > AHEAD_FIRST * touches.element
+    e, sure = touches.element[inner], touches.errors[inner] / touches.element[inner] / HALF_WIDTH
+    beyond = cubic_spline(np.log(own.delta), np.log(own.a - own.a0))
+    x = np.log(touches.rows.delta[inner]) + stretch
+    columns = np.stack([np.ones(e.size), np.exp(beyond(x)) * beyond(x, 1) / e]) / sure
+    normal = columns @ columns.T + np.diag([0.0, AHEAD_RADIUS**-2])
+    return math.sqrt(float(np.linalg.inv(normal)[0] @ (columns @ columns.T) @ np.linalg.inv(normal)[0]))
 
 
 def by_tip(nodes: NodeRadii, indenter: Indenter) -> Ahead:
@@ -330,10 +319,9 @@ def by_tip(nodes: NodeRadii, indenter: Indenter) -> Ahead:
         at, error = seen
         prior *= np.exp(-0.5 * ((c - at) / error) ** 2)
         if prior.sum() < 1e-30:
-            return Ahead(at, math.sqrt(3) * error, "tip")
+            return Ahead(at, HALF_WIDTH * error, "tip", HALF_WIDTH * error)
     mean, sd = _moments(c, prior / prior.sum())
-    # theory: an interval in which all places are as likely reaches to sqrt(3) standard deviations
-    return Ahead(mean, math.sqrt(3) * sd, "assumed" if seen is None else "tip")
+    return Ahead(mean, HALF_WIDTH * sd, "assumed" if seen is None else "tip", HALF_WIDTH * sd)
 
 
 def _of_half_space(nodes: NodeRadii, indenter: Indenter) -> tuple[float, float] | None:
@@ -366,14 +354,14 @@ def _of_half_space(nodes: NodeRadii, indenter: Indenter) -> tuple[float, float] 
 def _fitted(a: Array, e: Array, z: Array, errors: Array, powers: int) -> tuple[float, float]:
     """c and its standard error, by the places ``z`` (n,) beyond the nodes at which the tip alone would touch a
     half-space, counted in nodes; with some ``powers`` of the radius from its square on."""
-    weights = 1 / np.hypot(errors / e, 0.05)
+    weights = HALF_WIDTH * e / errors
     x = a / a[-1]
     columns = np.stack([np.ones(a.size), *(x ** (2 + i) * e[-1] / e for i in range(powers))], axis=1)
     normal = columns * weights[:, None]
     covariance = np.linalg.inv(normal.T @ normal + 1e-12 * np.eye(columns.shape[1]))
     coefficients = covariance @ normal.T @ (weights * z)
     left = weights * (z - columns @ coefficients)
-    unit = max(float(left @ left) / (a.size - columns.shape[1]), 1.0 / 3.0)
+    unit = max(float(left @ left) / (a.size - columns.shape[1]), 1.0)
     return float(coefficients[0]), float(np.hypot(np.sqrt(unit * covariance[0, 0]), 0.03))
 
 

@@ -81,8 +81,7 @@ class Series:
     ``coarser``: the same by larger elements, where there are such.
     ``unresolved``: errors (2, n) of delta [m] and of its slope by a profile that is known at points only, part of the
     ``errors``: the same at all rows nearby, and in the ``coarser`` series.
-    ``shift``: half-width (n,) [m] of an error of the radii that all rows share: that of the edge beyond nodes;
-    ``shift_found``: whether it is left of what many rows tell, as scatter is, and not a range of all that may be.
+    ``shift``: half-width (n,) [m] of an error of the radii that all rows share: that of the edge beyond nodes.
     """
 
     a: Array
@@ -99,7 +98,6 @@ class Series:
     bends: tuple[float, ...] = ()
     unresolved: Array | None = None
     shift: Array | None = None
-    shift_found: bool = False
 
     def __post_init__(self) -> None:
         _freeze(self, COLUMNS)

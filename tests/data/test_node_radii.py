@@ -10,8 +10,10 @@ import pytest
 from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, compliance, many, node_series
 
 from jkrcli.adhesion.pull_off_error import error_of_rows
-from jkrcli.adhesion.slopes.nodes import node_radii
+from jkrcli.adhesion.slopes import smoothed
+from jkrcli.adhesion.slopes.nodes import Ahead, node_radii
 from jkrcli.base.errors import InputError, Unknown
+from jkrcli.base.numerics import HALF_WIDTH
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, read_series
@@ -209,16 +211,60 @@ def test_a_part_of_the_node_study(compare: bool, tmp_path: Path) -> None:
     assert np.median(errors[:, 1] / np.abs(errors[:, 0])) < 9  # beside the body 10, with what is left of the edge added
 
 
-def test_what_is_left_of_the_edge_is_scatter_beside_the_body_and_a_range_alone(tmp_path: Path) -> None:
-    """Half-widths of the curve: squares add of what many rows tell, what may be anywhere adds itself."""
-    given = node_series(LAYER, 60, 200, 0.15)
-    for compare in (True, False):
-        curve = analyse(read(given, tmp_path, compare), [given.w])[0].jkr
-        alone = replace(curve, nonadhesive=replace(curve.nonadhesive, series=replace(curve.series, shift=None)))
-        moved, both = np.abs(curve.nonadhesive.shifted[0].a - curve.a), curve.errors["P"] / alone.errors["P"]
-        assert (moved > 0).all()
-        assert (both > 1).all()
-        assert curve.series.shift_found == compare
+def zones(increments: int, ahead: float = 0.15) -> tuple[RawSeries, float, float]:
+    """A paraboloid on a half-space of E* = 1 MPa, on 30 elements and on those thrice as large beyond; loads straight
+    from touch to touch. With R [m] and E* [Pa]."""
+    R, E_star = 1e-3, 1e6
+    nodes = np.cumsum(np.append(np.full(30, 1e-6), np.full(40, 3e-6)))
+    edges = nodes[:-1] + ahead * np.diff(nodes)
+    touch, load = edges**2 / R, 4 / 3 * E_star * edges**3 / R
+    delta = np.linspace(0, touch[45], increments + 1)[1:]
+    reached = np.searchsorted(touch, delta, side="right")
+    radii = np.append(0.0, nodes)[reached]
+    P = np.interp(delta, np.append(0.0, touch), np.append(0.0, load))
+    return RawSeries(radii[reached > 2], delta[reached > 2], P[reached > 2]), R, E_star
+
+
+def test_loads_at_touches_are_those_of_the_contact_and_not_of_the_chords_between() -> None:
+    """A load that is straight from touch to touch lies above that of the contact; 0.2 % were left."""
+    raw, R, E_star = zones(400)
+    nodes = node_radii(raw)
+    assert nodes is not None
+    rows = nodes.touches(0.15).rows.only(nodes.touches(0.15).rows.a > 15e-6)
+    exact = 4 / 3 * E_star * np.sqrt(R) * rows.delta**1.5
+    np.testing.assert_allclose(rows.P, exact, rtol=5e-4)
+
+
+def test_an_error_that_radii_share_is_what_other_radii_make_of_the_fit() -> None:
+    """By a first derivative, beside fits with the edge so much farther ahead, and less."""
+    raw, *_ = zones(400)
+    at = 0.15, 0.0, "tip"
+    alone, shared = (smoothed(raw, ahead=Ahead(*at, left))[1] for left in (0.0, 0.1))
+    (series, more), (_, less) = (smoothed(raw, ahead=Ahead(0.15 + step, 0.0, "tip", 0.0)) for step in (0.05, -0.05))
+    assert alone.joint is not None
+    assert shared.joint is not None
+    moved = np.sqrt(shared.joint[:, 3, 3] - alone.joint[:, 3, 3]) * HALF_WIDTH
+    refitted = np.abs(more.dS - np.interp(series.a, smoothed(raw, ahead=Ahead(0.1, 0.0, "tip", 0.0))[0].a, less.dS))
+    inner = slice(5, -5)
+    assert np.median(moved[inner] / refitted[inner]) == pytest.approx(1, abs=0.2)
+
+
+def test_zones_raise_no_error_under_control_of_the_displacement(tmp_path: Path) -> None:
+    """A shift in proportion to the elements jumps where they do; the fit does not follow the jump. 12 to 74 % were
+    stated."""
+    raw, R, E_star = zones(150)
+    np.savetxt(tmp_path / "t.csv", np.transpose([raw.a, raw.delta, raw.P]), header="a_m,delta_m,P_N", delimiter=",")
+    problem = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(0.75 * E_star, 0.5))), Loading("depth", 1e-6, 10))
+    solution = read_series(tmp_path / "t.csv", problem, SeriesReading(compare=False))
+    for a in np.array([20.0, 25.0, 30.0, 35.0]) * 1e-6:  # where contact is lost
+        w = 8 * E_star * a**3 / (np.pi * R**2)
+        result = analyse(solution, [w])[0]
+        point, half = result.pull_off["displacement"], result.pull_off_errors["displacement"]
+        assert not isinstance(point, Unknown)
+        assert not isinstance(half, Unknown)
+        assert point.a == pytest.approx(a, rel=0.1)
+        true = 5 / 6 * np.pi * w * R
+        assert abs(point.P + true) < half["P"] < 0.03 * true
 
 
 @pytest.mark.slow
@@ -295,15 +341,6 @@ def test_bands_of_calculix_tables_hold(nodes: int) -> None:
         assert not isinstance(half, Unknown)
         true = 1.5 * np.pi * w * R
         assert abs(point.P + true) < half["P"] < 0.014 * true
-
-
-def test_what_is_unexplained_is_that_of_profile_and_moduli() -> None:
-    """Displacements 1 % too small at equal radii, moduli 2 % too large; of a right series next to nothing."""
-    a, delta, P = node_series(LAYER, 60, 200, 0.15).columns
-    profile, moduli = compared(LAYER.problem, RawSeries(a, 0.99 * delta, 0.99 * 1.02 * P)).unexplained
-    assert profile == pytest.approx(1.01, abs=0.002)
-    assert moduli == pytest.approx(1 / 1.02, abs=0.003)
-    np.testing.assert_allclose(compared(LAYER.problem, RawSeries(a, delta, P)).unexplained, 1, atol=0.002)
 
 
 # ---------------------------------------------------------------------- warnings

@@ -351,6 +351,27 @@ class PenalisedFit:
         """Residuals and Jacobian with the correlation ``rho`` taken out."""
         return _flat((self.residuals, self.jacobian), rho)
 
+    def response(self, change: Array) -> Array:
+        """By how much the coefficients (p,) move with a ``change`` (rows, n) of the residuals, the lambdas as they
+        are: -(J^T J + Lambda)^-1 J^T change."""
+        J = self.flat(self.rho)[1]
+        return -self._covariance @ (J.T @ decorrelated(change, self.rho).ravel())
+
+    @property
+    def scatter(self) -> Array:
+        """Covariance (p, p) over ``phi`` of the coefficients by the scatter of the rows alone, V J^T J V."""
+        J = self.flat(self.rho)[1]
+        return self._covariance @ (J.T @ J) @ self._covariance
+
+    @cached_property
+    def _covariance(self) -> Array:
+        """V = (J^T J + Lambda)^-1, (p, p)."""
+        J = self.flat(self.rho)[1]
+        normal, penalty = J.T @ J, np.zeros(self.c.size)
+        for block, lam in zip(self.blocks, self.lambdas, strict=True):
+            penalty[block] = lam * np.diag(normal)[block].mean()
+        return _inverse(_factor(normal, penalty + 1e-15 * np.diag(normal).max()))
+
 
 @dataclass(frozen=True, eq=False)
 class _Linear:
@@ -754,8 +775,9 @@ class _Data:
 
     ``order``: that of recording where x follows it, as neighbours in it share their errors, else that of x; of all
     else, ``lever``: dx/dlog(a) = a/(a - a0), (n,), which grows without bound at the edge of a flat end; ``measured``
-    (2, n): logs of delta and P; ``stated``: relative variances of (a, delta, P), (3, n), or None; ``known``: whether
-    these are what rows err by, at least.
+    (2, n): logs of delta and P; ``stated``: relative variances of (a, delta, P), (3, n), or None; ``shift``: half-width
+    (n,) of an error of x that all rows share, where their radii are those of nodes, else None: then the stated
+    variances are what rows err by, at least.
     """
 
     order: Array
@@ -763,7 +785,7 @@ class _Data:
     lever: Array
     measured: Array
     stated: Array | None
-    known: bool = False
+    shift: Array | None = None
 
     @cached_property
     def _starts(self) -> Array:
@@ -807,28 +829,29 @@ def smoothed(
     raw = raw.touching
     if nodes is not None:
         touches = nodes.touches(ahead.elements)
-        raw, errors = touches.rows.only(touches.rows.a > a0), {"a": touches.errors[touches.rows.a > a0]}
-        element = touches.element[touches.rows.a > a0]
-    settled = _settle(raw, errors, a0, S0, own, known=nodes is not None)
+        there = touches.rows.a > a0
+        raw, errors, shift = touches.rows.only(there), {"a": touches.errors[there]}, ahead.left * touches.element[there]
+    settled = _settle(raw, errors, a0, S0, own, shift)
     inliers = np.delete(raw.a, settled.outliers)
     a = np.unique(raw.a[(raw.a >= inliers.min()) & (raw.a <= inliers.max())])
-    if nodes is not None:
-        shift = ahead.error * np.interp(a, raw.a, element)
     # where nodes are reached is known for each by itself: it is scatter, which the fit has
     of_loads = {} if load_errors is None else {"P": raw.P * np.interp(raw.delta, *load_errors)}
     fitted = _slopes(settled, raw, of_loads, a0, a)
     assert fitted.delta is not None
     assert fitted.P is not None
-    found = ahead.found
-    return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own, shift=shift, shift_found=found), fitted
+    return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own), fitted
 
 
 def _settle(
-    raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, own: Series | None, known: bool = False
-) -> _Settled:
-    """The fit of the columns (n,), in units of their largest values; ``known``: whether the ``errors`` are those of
-    each row for itself, however little rows scatter about a fit: those of nodes keep in step with the increments."""
-    data = replace(_prepare(raw, errors, a0), known=known)
+    raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, own: Series | None,
+    shift: Array | None = None,
+) -> _Settled:  # fmt: skip
+    """The fit of the columns (n,), in units of their largest values; ``shift`` (n,) [m]: half-width of an error that
+    the radii of nodes share, whose ``errors`` are those of each row for itself, however little rows scatter about a
+    fit: they keep in step with the increments."""
+    data = _prepare(raw, errors, a0)
+    if shift is not None:
+        data = replace(data, shift=(shift / (raw.a - a0))[data.order])
     shape = None if own is None else Shape.of(own, float(np.max(raw.a) - a0))
     # The fit with the knots that the data need; residuals still correlated count as that many fewer data
     S0 = None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P))
@@ -920,9 +943,10 @@ def _evaluate(settled: _Settled, x: Array, scales: Array) -> tuple[Array, Array,
     rate = model.of_shape(x, 1)[1] + bend @ fit.c[model.u]
     jacobian[5, :, model.u] = values[3][:, None] / y * (rate[:, None] * basis + bend)
     jacobian *= scales[:, None, None]
-    full = jacobian[:4]
-    covariance = np.einsum("imp,pq,jmq->mij", full, fit.phi * settled.known.V, full, optimize=True)
-    joint = np.einsum("imp,pq,jmq->mij", jacobian, fit.phi * settled.known.inner, jacobian, optimize=True)
+    full, shared = jacobian[:4], np.outer(settled.by_shift, settled.by_shift) / HALF_WIDTH**2
+    of_all, of_inner = (fit.phi * V + shared for V in (settled.known.V, settled.known.inner))
+    covariance = np.einsum("imp,pq,jmq->mij", full, of_all, full, optimize=True)
+    joint = np.einsum("imp,pq,jmq->mij", jacobian, of_inner, jacobian, optimize=True)
     return values * scales[:4, None], covariance, joint
 
 
@@ -980,10 +1004,7 @@ class _Task:
         self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int, rho: float = 0.0
     ) -> PenalisedFit:
         """The fit with given relative variances of (a, delta, P), (3, n), the radius' slopes taken at ``start``."""
-        columns = self.model.columns(start, self.at, self.basis)
-        data = self.data
-        k, m = columns.rates * data.mean(data.lever)
-        whiten = whitener(data.mean(variances), k, m) * np.sqrt(data.counts)
+        data, whiten = self.data, self._whitener(start, variances)[0]
 
         def residuals(c: Array) -> tuple[Array, Array]:
             grid = self.model.on_grid(c)
@@ -992,6 +1013,20 @@ class _Task:
             return white, np.einsum("ijn,jnp->inp", whiten, jacobian)
 
         return minimise(residuals, start, self.blocks, floor, lambdas, freeze, rho)
+
+    def _whitener(self, c: Array, variances: Array) -> tuple[Array, Array]:
+        """What whitens residuals of relative ``variances`` (3, n), (2, 2, bins), and the rates (2, bins) over x of log
+        delta and log P, at the coefficients ``c``."""
+        data, rates = self.data, self.model.columns(c, self.at, self.basis).rates
+        k, m = rates * data.mean(data.lever)
+        return whitener(data.mean(variances), k, m) * np.sqrt(data.counts), rates
+
+    def by_shift(self, fit: PenalisedFit, variances: Array) -> Array:
+        """By how much the coefficients (p,) of the ``fit`` move with the error that all rows share."""
+        if self.data.shift is None:
+            return np.zeros(fit.c.size)
+        whiten, rates = self._whitener(fit.c, variances)
+        return fit.response(np.einsum("ijn,jn->in", whiten, rates * self.data.mean(self.data.shift)))
 
     def scatter(self, fit: PenalisedFit) -> tuple[Array, Array]:
         """The scatter of a, delta and P as the residuals of ``fit`` show it: variances, outliers."""
@@ -1004,8 +1039,8 @@ class _Task:
 @dataclass(frozen=True, eq=False)
 class _Settled:
     """A fit with all that was ``known`` in the end: ``outliers``: their points; ``noisy``: whether the residuals are
-    noise; ``few``: whether the points are too few to tell its correlation; ``of_nodes``: whether the radii are those of
-    nodes."""
+    noise; ``few``: whether the points are too few to tell its correlation; ``by_shift`` (p,): half-width of the
+    coefficients by an error that all rows share; ``of_nodes``: whether the radii are those of nodes."""
 
     model: LogSplineModel
     fit: PenalisedFit
@@ -1013,7 +1048,8 @@ class _Settled:
     outliers: Array
     noisy: bool
     few: bool
-    of_nodes: bool = False
+    by_shift: Array
+    of_nodes: bool
 
     @property
     def hidden(self) -> bool:
@@ -1036,14 +1072,15 @@ def _explained(fit: PenalisedFit, data: _Data) -> bool:
 def _fit(task: _Task) -> _Settled:
     """The fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
     stiff = np.full(len(task.blocks), INTEGRAL_STIFF)
-    data, stated = task.data, task.data.stated
+    data, stated, of_nodes = task.data, task.data.stated, task.data.shift is not None
     variances = _far_off(data) * np.ones((3, 1)) if stated is None else stated
     best: PenalisedFit | None = None
+    used = variances  # by the best fit
     outliers = np.zeros(data.x.size, dtype=bool)
     rho, noisy, many = 0.0, False, data.x.size >= INTEGRAL_TELL_CORRELATION
     for share in (1.0, INTEGRAL_SHARE, INTEGRAL_SHARE):
         variances = floored(variances, share, INTEGRAL_FLOOR**2)
-        floor = 1.0 if data.known else INTEGRAL_FLOOR**2 / float(np.mean(variances))
+        floor = 1.0 if of_nodes else INTEGRAL_FLOOR**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
         start = best or task.minimise(_start(task), variances, stiff, floor, 0)
         fit = task.minimise(start.c, variances, start.lambdas, floor, PENALTY_FREEZE, rho)
@@ -1052,7 +1089,8 @@ def _fit(task: _Task) -> _Settled:
         if fit.settled:
             # noise, rather than what the splines cannot bend to?
             scatter = math.sqrt(fit.phi * float(np.mean(np.median(variances, axis=1))))
-            best, noisy = fit, data.stated is None and not _explained(fit, data) and scatter > INTEGRAL_NOISE
+            best, used = fit, variances
+            noisy = data.stated is None and not _explained(fit, data) and scatter > INTEGRAL_NOISE
         if stated is None and fit.phi <= floor:
             break
         if stated is None:
@@ -1061,8 +1099,11 @@ def _fit(task: _Task) -> _Settled:
             variances = stated
         rho = likeliest_correlation(best) if best is not None and noisy and many else 0.0
     fit = best or fit
-    known = posterior(fit, noisy or data.known, noisy and many)
-    return _Settled(task.model, fit, known, data.order[outliers], noisy, not many, data.known)
+    known = posterior(fit, noisy, noisy and many)
+    if of_nodes:
+        known = replace(known, inner=fit.scatter)
+    by_shift = task.by_shift(fit, used)
+    return _Settled(task.model, fit, known, data.order[outliers], noisy, not many, by_shift, of_nodes)
 
 
 def _far_off(data: _Data) -> Array:

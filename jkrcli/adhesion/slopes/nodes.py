@@ -16,13 +16,14 @@ taken by which the sizes of elements change least (the shortest path, Viterbi, I
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from ...base.numerics import LEVEL, Array
+from ...base.numerics import HALF_WIDTH, ROUNDED, Array
 from ...series import RawSeries
 
 # When radii are those of nodes, and what their rows tell.
@@ -34,6 +35,7 @@ NODE_MOST = 1000.0  # choice: elements under the largest contact; more are no ma
 # radii that were asked for by nothing
 NODE_SCATTER = 0.15
 NODE_TURNS = 3  # choice: times that the nodes passed become more and fewer by turns; radii asked for do not
+NODE_BENT = 0.5  # choice: of the bend of loads from node to node, between none within an element and all of it
 # How nodes are counted.
 NODE_PASSED = 16  # choice: most nodes that an increment is thought to pass
 NODE_JUMP = 0.4  # choice: of the log of a size, a change as large as any: zones
@@ -44,19 +46,16 @@ NODE_REGULAR = 0.05  # choice: median of what radii miss nodes by, in elements; 
 
 class Ahead(NamedTuple):
     """By how many elements the edge of the contact is beyond a node that begins to carry, and the half-width of
-    this number, which all rows share; ``source``: what it is known from."""
+    this number, which all rows share; ``source``: what it is known from; ``left``: what of the half-width the scatter
+    of the same rows does not explain, which moves the edge as it moves them, and cancels there."""
 
     elements: float
     error: float
     source: str
-
-    @property
-    def found(self) -> bool:
-        """Whether the rows beside the solution of their bodies told it."""
-        return self.source == "body"
+    left: float
 
 
-AS_THEY_ARE = Ahead(0.0, 0.0, "taken as it is")
+AS_THEY_ARE = Ahead(0.0, 0.0, "taken as it is", 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,37 +104,63 @@ class NodeRadii:
         """Where the edge, ``ahead`` elements beyond a node that begins to carry, is known best: on its way to a node
         between two increments, and in the increments that pass several.
 
-        Depth: the middle of the two increments; load: on the line through the rows around them, log P over log delta,
-        from the middle of the one run of equal radii to that of the next.
+        Depth: the middle of the two increments. Load: that of the contact as it is at a node. While the nodes in
+        contact are the same the load is linear in the depth, and lies above that of a contact whose edge goes on; the
+        lines through the rows of either run of equal radii meet where it reaches the node.
         """
-        a, delta, P = self.rows.a, self.rows.delta, self.rows.P
-        first = np.flatnonzero(np.diff(a, prepend=0.0) > 0)  # of each run of equal radii
-        ends = np.append(first[1:], a.size)
-        lengths = ends - first
-        single = np.append(False, np.diff(self.number[first]) == 1)
-        if self.before > 0 and a[0] < 1.5 * self.element[0]:
+        first = np.flatnonzero(np.diff(self.rows.a, prepend=0.0) > 0)  # of each run of equal radii
+        lengths, number = np.diff(np.append(first, self.rows.a.size)), self.number[first]
+        single = np.append(False, np.diff(number) == 1)
+        if self.before > 0 and self.rows.a[0] < 1.5 * self.element[0]:
             single[0] = True
         share = np.append(1.0, 2.0 / (lengths[1:] + lengths[:-1]))  # of an element, that an increment goes on
         share = np.where(single, np.minimum(share, 1.0), 1.0)
-        last = np.append(self.before, delta[first[1:] - 1])
-        depth = np.where(single, (last + delta[first]) / 2, delta[first])
-        at = self.number[first] + np.where(single, 0.0, 0.5)
-        load = P[first].copy()
-        for i in np.flatnonzero(single):
-            begin = first[i] if i == 0 else (first[i - 1] + ends[i - 1]) // 2
-            end = max((first[i] + ends[i] + 1) // 2, first[i] + 1)
-            # the load at the depth on the line through these rows, log P over log delta
-            around = slice(min(begin, max(first[i] - 1, 0)), max(end, 2))
-            x, y = np.log(delta[around]), np.log(P[around])
-            spread = x - x.mean()
-            slope = float(spread @ y) / max(float(spread @ spread), 1e-300)
-            load[i] = float(np.exp(y.mean() + slope * (np.log(depth[i]) - x.mean())))
+        delta, P, last = self.rows.delta[first], self.rows.P[first], first[1:] - 1
+        depth = np.where(single, (np.append(self.before, self.rows.delta[last]) + delta) / 2, delta)
+        load = _loads_between(self.rows, first, lengths, depth)
+        load = np.where(single, np.clip(load, np.append(0.0, self.rows.P[last]), P), P)
+        at = number + np.where(single, 0.0, 0.5)
         radius = self.radius(at + ahead)
         known = (radius > 0) & (np.diff(radius, prepend=0.0) > 0)
         width = self.radius(at + ahead + 0.5) - self.radius(at + ahead - 0.5)
         rows = RawSeries(radius, depth, load, self.rows.rows[first])
-        errors = LEVEL * share / 2 * width  # theory: all places of the interval are as likely
+        errors = HALF_WIDTH * share / math.sqrt(12) * width  # theory: all places of the interval are as likely
         return Touches(rows.only(known), errors[known], width[known], at[known])
+
+
+def _loads_between(rows: RawSeries, first: Array, lengths: Array, depth: Array) -> Array:
+    """Loads [N] at the ``depth`` (n,) [m] at which each run of equal radii begins, at its ``first`` row (n,): the mean
+    by the line through its rows and by that of the run before.
+
+    Lines of the load over the depth, but of their logs where loads do not feel nodes and bend within runs as they do
+    from run to run.
+    """
+    run, many = np.repeat(np.arange(first.size), lengths), first.size > 1
+
+    def mean(values: Array) -> Array:
+        return np.add.reduceat(values, first) / lengths
+
+    def at(x: Array, y: Array, single: Array, wanted: Array) -> tuple[Array, Array, Array]:
+        """y (n,) on the lines at the ``wanted`` x, with their slopes, and what they leave of the rows; ``single``: the
+        slopes of runs of one x."""
+        middle, height = mean(x), mean(y)
+        u = x - middle[run]
+        spread = mean(u**2)
+        line = spread > (ROUNDED * middle) ** 2
+        slope = np.where(line, mean(u * y) / np.where(line, spread, 1.0), single)
+        before = np.maximum(np.arange(wanted.size) - 1, 0)
+        of_run, of_last = (height[i] + slope[i] * (wanted - middle[i]) for i in (np.arange(wanted.size), before))
+        return (of_run + of_last) / 2, slope, np.where(line[run], y - height[run] - slope[run] * u, 0.0)
+
+    x, y = np.log(rows.delta), np.log(rows.P)
+    rate = np.gradient(mean(y), mean(x)) if many else np.ones(1)
+    loads, slope, left = at(rows.delta, rows.P, rate * mean(rows.P) / mean(rows.delta), depth)
+    bend = np.gradient(slope, mean(rows.delta)) if many else np.zeros(1)
+    _, _, parabola = at(rows.delta, bend[run] * (rows.delta - mean(rows.delta)[run]) ** 2 / 2, slope, depth)
+    left, parabola = left / rows.P, parabola / rows.P
+    if left @ parabola > NODE_BENT * (parabola @ parabola):
+        return np.exp(at(x, y, rate, np.log(depth))[0])
+    return loads
 
 
 def node_radii(raw: RawSeries) -> NodeRadii | None:

@@ -294,7 +294,7 @@ class Nonadhesive:
         """The functions through the points ``rows`` alone, without errors."""
         known = None if self.log_rates is None else self.log_rates[rows]
         series = replace(self.series, **_at(self.series, rows), errors={}, unresolved=None, shift=None)
-        slopes = replace(self.slopes, **_at(self.slopes, rows), covariance=None, joint=None)
+        slopes = replace(self.slopes, **_at(self.slopes, rows), covariance=None, joint=None, other=None)
         return Nonadhesive(series, slopes, known, together=self.together)
 
     @cached_property
@@ -312,7 +312,7 @@ class Nonadhesive:
         rates = np.concatenate([part._known_rates for part in parts])[order]
         delta, P, S, dS = columns
         series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={}, shift=None)
-        slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None)
+        slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None, other=None)
         return Nonadhesive(series, slopes, rates, together=self.together)
 
     def _apart(self, further: Nonadhesive) -> Array:

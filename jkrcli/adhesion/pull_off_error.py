@@ -66,11 +66,11 @@ Errors = Mapping[str, float]
 def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
     [N/m] (0: load, inf: displacement), or why they are unknown; no less than what the exact solution of the bodies is
-    off."""
+    off, nor than what another rule of slopes is that was computed, where that is more than both errors."""
     own = error_of_rows(curve, point, stiffness)
     if isinstance(own, Unknown):
         return own
-    off = from_reference(curve, point, stiffness)
+    off = np.maximum(from_reference(curve, point, stiffness), _from_other_rule(curve, point, stiffness, own))
     return {name: max(error, float(least)) for (name, error), least in zip(own.items(), off, strict=True)}
 
 
@@ -99,6 +99,21 @@ def from_reference(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float)
     other = _reference(curve)
     found = NO_ADHESION if other is None else _pull_off(other, curve, stiffness)
     return np.zeros(2) if isinstance(found, Unknown) else _distance(found, point) * (1 + ROUNDED)
+
+
+def _from_other_rule(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, own: Errors) -> Array:
+    """How far delta and P of the ``point``, (2,), lie from those by the other slopes that were computed, where that is
+    more than both errors together; 0 elsewhere."""
+    slopes = curve.slopes.other
+    other = None if slopes is None else AdhesiveCurve(Nonadhesive(curve.series, slopes), curve.w)
+    found = NO_ADHESION if other is None else _pull_off(other, curve, stiffness)
+    if other is None or isinstance(found, Unknown):
+        return np.zeros(2)
+    theirs, off = error_of_rows(other, found, stiffness), _distance(found, point)
+    if isinstance(theirs, Unknown):
+        return np.zeros(2)
+    both = np.array([own[name] + theirs[name] for name in ("delta", "P")])
+    return np.where(off > both, off * (1 + ROUNDED), 0.0)
 
 
 def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:

@@ -47,7 +47,8 @@ class Slopes:
     ``derived``: whether S' is the derivative of S, or S was kept apart from the smooth curve that S' comes from.
     ``flags``: sentences on where the slopes are to be trusted less; ``reason``: why this method was taken.
     ``against``: by what a rule that does not see its own error is judged, the slopes "integral" with their series,
-    where they are of other rows than its own.
+    where they are of other rows than its own; ``other``: slopes of another rule at the same radii, where these were
+    computed and are others: errors that deny it are not stated.
     """
 
     S: Array
@@ -65,6 +66,7 @@ class Slopes:
     correlation: Estimate | None = None
     derived: bool = True
     against: tuple[Series, Slopes] | None = None
+    other: Slopes | None = None
 
     def scaled(self, factor: float) -> Slopes:
         """The slopes of the same bodies with all moduli multiplied by ``factor``; ``delta`` does not change."""
@@ -74,9 +76,9 @@ class Slopes:
         by = np.append(by, [1.0, factor])
         joint = None if self.joint is None else self.joint * np.outer(by, by)
         against = None if self.against is None else (self.against[0].scaled(factor), self.against[1].scaled(factor))
-        return replace(
-            self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance, joint=joint, against=against
-        )
+        other = None if self.other is None else self.other.scaled(factor)
+        S, dS = self.S * factor, self.dS * factor
+        return replace(self, S=S, dS=dS, P=P, covariance=covariance, joint=joint, against=against, other=other)
 
     def under_profile(self, factor: float) -> Slopes:
         """The slopes of the same bodies under an indenter whose profile is ``factor`` times as high."""
@@ -84,7 +86,8 @@ class Slopes:
         by = np.array([factor, factor, 1.0, 1.0, factor, 1.0])
         covariance = None if self.covariance is None else self.covariance * np.outer(by[:4], by[:4])
         joint = None if self.joint is None else self.joint * np.outer(by, by)
-        return replace(self, delta=delta, P=P, covariance=covariance, joint=joint)
+        other = None if self.other is None else self.other.under_profile(factor)
+        return replace(self, delta=delta, P=P, covariance=covariance, joint=joint, other=other)
 
     @property
     def dS_err(self) -> Array | None:
@@ -244,6 +247,7 @@ def _carried(series: Series) -> Slopes:
         reason = "'integral' does not converge"
     elif (beyond := np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"])) > CHOICE_FEW:
         reason = f"'integral' deviates by more than their stated error at {beyond:.0%} of the radii"
+        exact = replace(exact, other=fitted)
     else:
         reason = f"smoother than the slopes that the solution carries, within their stated error ({exact.error:.1g})"
         return replace(fitted, reason=reason)

@@ -39,7 +39,8 @@ def judge(series: NodeSeries, folder: Path, rule: str, compare: bool) -> Iterato
     """One series, imported and transformed."""
     try:
         path = series.write(folder / "series.csv")
-        solution = read_series(path, series.body.problem, SeriesReading(area="projected", compare=compare))
+        reading = SeriesReading(area="projected" if series.area else "auto", compare=compare)
+        solution = read_series(path, series.body.problem, reading)
         result = analyse(solution, [series.w], rule)[0]
     except JkrError:
         yield from (Judged(series, control, np.nan, np.nan) for control in CONTROLS)

@@ -27,7 +27,7 @@ LAYER, HALF_SPACE = NAMED["bonded 0.45"], NAMED["half-space"]
 
 
 def read(given: NodeSeries, path: Path, compare: bool = True, load: float = 1.0, problem=None) -> Solution:
-    reading = SeriesReading(area="projected", compare=compare)
+    reading = SeriesReading(area="projected" if given.area else "auto", compare=compare)
     return read_series(given.write(path / "t.csv", load), problem or given.body.problem, reading)
 
 

@@ -225,13 +225,11 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     """How far the point moves where every second row is left out: scatter from row to row moves it as much, a smooth
     rule eight times as much as it errs. The functions are interpolated each for itself, which shows the scatter: what
     belongs to one energy smooths it away, but not what neighbouring rows share. Smoothing splines do not see what rows
-    share: their point is also compared with that of the slopes "integral"."""
+    share: their point is also compared with that of the slopes "integral", which errs itself."""
     slopes = curve.slopes
-    others = [
-        (other, 2**CURVE_ORDER if curve.smooth else 1)
-        for other in (_pull_off(half, curve, stiffness) for half in _apart(curve).halves)
-        if not isinstance(other, Unknown)
-    ]
+    halves = [_pull_off(half, curve, stiffness) for half in _apart(curve).halves]
+    order = 2**CURVE_ORDER if curve.smooth else 1
+    others = [_distance(other, point) / order for other in halves if not isinstance(other, Unknown)]
     if slopes.method != "exact":
         by_integral = _by_integral(curve)
         if isinstance(by_integral, Unknown):
@@ -239,10 +237,12 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         other = _pull_off(by_integral, curve, stiffness)
         if isinstance(other, Unknown):
             return Unknown("unknown: with the slopes 'integral' the point lies outside the solution")
-        others.append((other, 1))
+        theirs = error_of_rows(by_integral, other, stiffness)
+        error = 0.0 if isinstance(theirs, Unknown) else np.array(list(theirs.values()))
+        others.append(_distance(other, point) + error)
     if not others:
         return Unknown("not estimated: without every second row the point lies outside the solution")
-    moved: Array = np.max([_distance(other, point) / factor for other, factor in others], axis=0)
+    moved: Array = np.max(others, axis=0)
     return moved + _scatter(curve, point, stiffness) if slopes.method == "exact" and not curve.smooth else moved
 
 

@@ -710,13 +710,21 @@ def solved_below(
 
     first, a0 = float(np.sqrt((series.a[0] - series.a0) * (series.a[0] + series.a0))), series.a0
     floor = SOLVED_RIM * a0 if a0 else solution.record.z0
-    if first <= floor or least(series) > 0:
+    # A stiff top alone loses contact at a^3 = pi w R^2/(8 E*) (JKR): below the rows, maybe, at a fold of its own
+    R, E_star = solution.problem.indenter.tip_radius, modulus_factor * solution.problem.E_star
+    own = [(math.pi * w * R**2 / (8 * E_star)) ** (1 / 3) for w in works if w > 0 and R]
+    softer = series.S is not None and series.S[0] < 2 * solution.problem.E_star * series.a[0] * (1 - UNSEEN)
+    another = softer and min(own, default=math.inf) < series.a[0]
+    if first <= floor or (least(series) > 0 and not another):
         return solution
     steps = math.ceil(SOLVED_DECADE * math.log10(first / floor))
     below = np.hypot(a0, np.geomspace(floor, first, steps + 1)[:-1])
     try:
         rows = resolve_with(solution.problem, np.append(below, series.a), method, PATIENCE)
-        begin = np.searchsorted(below, least(rows.series)) - SOLVED_UNDER
+        lowest = least(rows.series)
+        if lowest > series.a[0]:  # nothing is lost below
+            return solution
+        begin = np.searchsorted(below, lowest) - SOLVED_UNDER
         if begin > 0:
             below = below[begin:]
             rows = resolve_with(solution.problem, np.append(below, series.a), method, PATIENCE)

@@ -57,7 +57,32 @@ def test_cones_have_a_pull_off_under_displacement_control(jkr: Callable, angle: 
 
 def test_a_contact_lost_within_its_series_is_not_solved_on(jkr: Callable) -> None:
     controls(jkr, 'shape = "paraboloid"\nradius = 1e-4', 0.05)
-    assert "solved below" not in jkr("transform", "body.toml", "--no-plots").out
+    assert "at smaller radii" not in jkr("transform", "body.toml", "--no-plots", "-v").out
     controls(jkr, 'shape = "cone"\nhalf_angle = "80 deg"', 1e-3)
     out = jkr("transform", "body.toml", "--no-plots", "--force").out
     assert "of them at smaller radii, for pull-off" in out
+
+
+FILM = """
+indenter = { shape = "paraboloid", radius = "100 um" }
+specimen.layers = [{ thickness = "1 um", E = "1 MPa", nu = 0.5 }]
+specimen.half_space = { E = "6 kPa", nu = 0.3 }
+adhesion.w = 1.65e-4
+"""
+
+
+def test_a_stiff_film_has_a_fold_of_its_own_below_the_first_row(jkr: Callable) -> None:
+    """Eight rows from 1.6 um on gave the fold of the soft half-space below, at 2.2 um and -344 nm."""
+    found = []
+    for points in (8, 100):
+        Path("body.toml").write_text(f"{FILM}loading = {{ radius = 13e-6, points = {points} }}")
+        held = json.loads(jkr("pull-off", "body.toml", "--json").out)["results"][0]["controls"][1]
+        found.append(held["pull_off"])
+        assert len(held["jumps_before_pull_off"]) == 1
+    assert found[0]["a_m"] == pytest.approx(8.1615e-7, rel=1e-4)
+    assert found[0]["delta_m"] == pytest.approx(found[1]["delta_m"], rel=1e-9)
+
+
+def test_a_stiff_film_without_a_fold_of_its_own_keeps_its_rows(jkr: Callable) -> None:
+    Path("body.toml").write_text(f"{FILM.replace('1 MPa', '10 kPa')}loading = {{ radius = 16e-6, points = 4 }}")
+    assert "at smaller radii" not in jkr("transform", "body.toml", "--no-plots", "-v").out

@@ -638,6 +638,7 @@ def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Arra
     own = np.array(SOLVED_OWN)[:, None] * kernel
     if companions is None:  # by the quadrature of F, where S is known much better: no spring
         own[0] = np.maximum(own[0], not_of[0])
+    own = np.hypot(own, SOLVED_SCATTER * values)  # rounding, which no two columns share
     covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
     return np.moveaxis(covariance, -1, 0) / HALF_WIDTH**2
 

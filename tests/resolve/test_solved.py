@@ -71,7 +71,8 @@ def test_points_are_solved_and_their_errors_are_near_the_truth(name: str, points
         for quantity, value in truth.items():
             error = abs(getattr(point, quantity) - value)
             assert error <= stated[quantity] + room[quantity] * abs(value)
-        assert stated[held] <= 1e-8 * abs(truth[held])
+        # columns scatter by 1e-11, and P, which does not follow the radius, was up to 2.4 times beyond 4e-12
+        assert 1e-11 * abs(truth[held]) <= stated[held] <= 1e-8 * abs(truth[held])
         assert stated[other] <= 1e-6 * abs(truth[other])
 
 

@@ -900,7 +900,9 @@ def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: 
     carried = np.linalg.eigvalsh(rows @ rows.T)
     share = float(np.sum(carried) ** 2 / max(carried.size * np.sum(carried**2), TINY))
     freedom = max((rows.size - fit.spent) * max(share, 1 / carried.size), 1.0)
-    quantile = float(stdtrit(freedom, (1 + LEVEL) / 2))
+    # scatter of a size that is known beforehand, that of nodes, is normal
+    known_size = settled.of_nodes and fit.phi <= fit.phi_floor
+    quantile = HALF_WIDTH if known_size else float(stdtrit(freedom, (1 + LEVEL) / 2))
     error = Unknown(TOO_FEW) if settled.hidden else shift_error(dS, covariance, quantile)
     known = {} if settled.hidden else {"covariance": covariance, "joint": joint}
     columns = {"delta": delta_H, "P": P_H, **known}

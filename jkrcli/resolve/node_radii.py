@@ -34,7 +34,7 @@ AHEAD_KNOWN = (0.0, 0.3)
 # and what the radius of another node, the nearest or the next one, adds; theory: as the nodes are counted
 AHEAD_NODES = (0.0, -0.5, -1.0)
 AHEAD_USUAL = 0.7  # choice: probability that it is the outermost node
-AHEAD_LEAST = 0.02  # elements that are left; tuned on node-based series, by `make node-study`
+AHEAD_LEAST = 0.01  # elements that are left; tuned on node-based series, by `make node-study`
 AHEAD_ROWS = 160  # choice: most rows that are asked, those next to another radius first
 AHEAD_FIRST = 2.5  # choice: elements, below which meshes do not tell where the edge is
 AHEAD_OUTLIER = 0.01  # choice: probability of a row that tells nothing

@@ -41,6 +41,8 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
     """
     from ..report.inverse import Look
 
+    if output.where is not None and not output.plots:
+        raise InputError("look: --output has no effect with --no-plots: leave one out")
     tip = inputs.tip_of("look", flags)
     targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
     readings.begin_reading("look", files)

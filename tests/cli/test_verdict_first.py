@@ -31,7 +31,7 @@ WORDS: tuple[tuple[object, ...], ...] = (
     ("transform", "gel.h5", "--no-plots"),
     ("pull-off", "gel.h5", "--w", "0.04"),
     ("export", "gel.h5", "--dem"),
-    ("look", RECORD, PROBE, "-o", "look", "--no-plots"),
+    ("look", RECORD, PROBE, "--no-plots"),
     ("show", "gel.h5"),
 )
 DEAR: tuple[tuple[object, ...], ...] = (

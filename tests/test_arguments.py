@@ -283,6 +283,9 @@ def test_series_and_texts_are_lists_of_numbers() -> None:
         (lambda gel: jkr.cycle_relaxing(gel, jkr.StandardSolid, "1 um/s"), "relaxation: .*the class StandardSolid"),
         (lambda gel: jkr.transform(gel, 0.04, modulus_factor=1e300), r"modulus_factor: must be >= 1e-12 and <= 1e\+12"),
         (lambda gel: jkr.study_map("rate", rate="n=0.5"), "rate must be a mapping"),
+        (lambda gel: jkr.Loading("radius", 1e-4, 5, "given", (1e-5, 1e-4)), "loading.values: are 2 up to 0.0001"),
+        (lambda gel: jkr.Loading("radius", 1e-4, 5, "given", (1e-5, 1e-3)), "points and maximum say 5 up to 0.0001"),
+        (lambda gel: jkr.Loading("radius", 1e-4, 2, values=(1e-5, 1e-4)), 'loading.values: are for spacing "given"'),
         (lambda gel: jkr.plot(jkr.transform(gel, 0.04), "curve.pdf"), "path: must end in .png or .svg, got curve.pdf"),
     ],
 )

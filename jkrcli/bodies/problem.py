@@ -1014,6 +1014,15 @@ class Loading:
             steps = [b - a for a, b in zip((0.0, *self.values), self.values, strict=False)]
             if not self.values or min(steps) <= 0:
                 raise InputError(f"loading.values: must be positive and increase, got {list(self.values)}")
+            if (self.points, self.maximum) != (len(self.values), self.values[-1]):
+                raise InputError(
+                    f"loading.values: are {len(self.values)} up to {self.values[-1]:g}, points and maximum say "
+                    f"{self.points} up to {self.maximum:g}: write Loading.given(to, values)"
+                )
+        elif self.values:
+            raise InputError(
+                'loading.values: are for spacing "given": leave them out, or write Loading.given(to, values)'
+            )
 
     @property
     def goal(self) -> str:

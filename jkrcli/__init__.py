@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .api import *  # noqa: F403
-    from .many.functions import *  # noqa: F403
+    from .many.maps import study_map as study_map
+    from .measured.functions import *  # noqa: F403
+    from .viscoelastic.functions import *  # noqa: F403
 
 __version__ = "0.2.0"
 

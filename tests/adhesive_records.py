@@ -18,7 +18,7 @@ from layer_contact import compliance
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, root
 
-from jkrcli.data.curve import Curve
+from jkrcli.measured.curve import Curve
 
 Array = np.ndarray
 INSIDE, ZONE = (np.polynomial.legendre.leggauss(n) for n in (24, 24))

@@ -12,10 +12,10 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.data.curve import Curve
-from jkrcli.fitting.forward_model import FittedBody
-from jkrcli.fitting.parameters import Parameter
-from jkrcli.fitting.settings import Settings
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.parameters import Parameter
+from jkrcli.measured.settings import Settings
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.solver import Layered
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from layer_contact import BondedLayer
 
-from jkrcli.data.curve import Curve
+from jkrcli.measured.curve import Curve
 
 R, H, NU, E_STAR = 10e-3, 1e-3, 0.5, 2e6
 LAYER = BondedLayer(H, NU)

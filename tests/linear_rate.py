@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from jkrcli.adhesion.rate import Speed, rate_law
+from jkrcli.viscoelastic.rate import Speed, rate_law
 
 
 @rate_law("linear")

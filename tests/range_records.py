@@ -61,9 +61,14 @@ def drawn(seed: tuple[int, ...], tabor: float | None = None) -> Ranged:
     turn, rows = float(position[-1]), int(10 ** rng.uniform(2.5, 3.5))
     far = min(float(position[0]), float(back[0])) - rng.uniform(0.5, 2) * (turn - float(back.min()))
     way = np.linspace(far, turn, rows)
-    into = np.searchsorted(reach, way).clip(0, end - 1)
-    out = (np.searchsorted(back, way, side="right") - 1).clip(0, end - 1)
-    loads = [np.where(way < position[0], 0.0, P[into]), np.where(way < back[0], 0.0, P[out])]
+    into = np.searchsorted(reach, way).clip(1, end - 1)
+    out = np.searchsorted(back, way, side="right").clip(1, end - 1)
+
+    def at(i: np.ndarray) -> np.ndarray:
+        share = (way - position[i - 1]) / (position[i] - position[i - 1])
+        return P[i - 1] + share.clip(0, 1) * (P[i] - P[i - 1])
+
+    loads = [np.where(way < position[0], 0.0, at(into)), np.where(way < back[0], 0.0, at(out))]
     z = np.append(way, way[::-1])
     noise = force * 10 ** rng.uniform(-3, -1.5)
     read = np.append(loads[0], loads[1][::-1]) + noise * rng.normal(size=z.size)

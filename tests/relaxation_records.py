@@ -8,7 +8,7 @@ import numpy as np
 from relaxing_rings import stepped
 
 from jkrcli.base.numerics import Array
-from jkrcli.data.curve import Curve
+from jkrcli.measured.curve import Curve
 
 RINGS, STEPS = 400, 1500
 

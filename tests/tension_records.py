@@ -13,7 +13,7 @@ from scipy.special import jv
 
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
-from jkrcli.data.curve import Curve
+from jkrcli.measured.curve import Curve
 
 DEGREES = 40  # radii at which a body of records is solved
 

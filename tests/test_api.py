@@ -16,7 +16,7 @@ import pytest
 
 import jkrcli as jkr_python
 from jkrcli import api
-from jkrcli.data.curve import Curve
+from jkrcli.measured.curve import Curve
 from jkrcli.report.tables import read_curve
 
 CASES = Path(__file__).parent.parent / "cases"

@@ -19,7 +19,7 @@ import jkrcli as jkr
 from jkrcli import api
 from jkrcli.base.arguments import as_arguments
 from jkrcli.base.units import Ranged
-from jkrcli.data.curve import Curve
+from jkrcli.measured.curve import Curve
 
 CASES = Path(__file__).parent.parent / "cases"
 GEL, PROBE = CASES / "gel.toml", CASES / "measured" / "gel-probe.csv"

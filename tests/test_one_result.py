@@ -16,7 +16,6 @@ from jkrcli.case import store
 from jkrcli.case.models import fem_of, method_of
 from jkrcli.case.store import solve
 from jkrcli.cli import VERBS
-from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.many.explorer import Explored, page, payload
 from jkrcli.many.studies import Bench, Convergence, converge
 from jkrcli.many.sweep import Means, alone, sweep
@@ -27,6 +26,7 @@ from jkrcli.report.check import Machine
 from jkrcli.report.export import Exported
 from jkrcli.report.forward import Fields
 from jkrcli.report.solved import Imported, Meshed, Solved
+from jkrcli.resolve.foreign import SeriesReading, read_series
 from jkrcli.resolve.resolve import sticking_effect
 from jkrcli.series import Solution
 

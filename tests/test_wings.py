@@ -19,7 +19,7 @@ WINGS = tomllib.loads((PACKAGE / "wings.toml").read_text(encoding="utf-8"))
 
 
 def test_what_is_refused_by_name_is_what_wings_register() -> None:
-    assert {wing.name: {"verbs": list(wing.verbs), "functions": list(wing.functions)} for wing in wings()} == WINGS
+    assert {wing.name: wing.names for wing in wings()} == WINGS
 
 
 @pytest.mark.parametrize("wing", WINGS)
@@ -51,11 +51,13 @@ def test_without_a_wing_the_core_gives_the_same(wing: str, tmp_path: Path) -> No
     shutil.rmtree(tmp_path / "jkrcli" / wing)
     assert curves() == whole
     told = jkr("--help").stdout
-    assert told
-    for verb in WINGS[wing]["verbs"]:
+    for verb in WINGS[wing].get("verbs", ()):
         assert f"  {verb} " not in told
         refused = jkr(verb)
         assert (refused.returncode, f'is of the wing "{wing}"' in refused.stderr) == (2, True)
+    for option in WINGS[wing].get("options", ()):
+        refused = jkr("fit" if option in ("--law", "--relaxation", "--terms") else "cycle", "gel.h5", option, "1")
+        assert (refused.returncode, f'is of the wing "{wing}"' in refused.stderr) == (2, True), option
     for name in WINGS[wing]["functions"]:
         program = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import jkrcli; jkrcli.{name}"
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

@@ -17,8 +17,8 @@ from adhesive_records import clean, record  # type: ignore[import-not-found]
 
 import jkrcli as jkr
 from jkrcli.base.errors import JkrError
-from jkrcli.fitting.forward_model import FittedBody, body_of
-from jkrcli.fitting.relaxation import relaxation_fit, relaxation_settings
+from jkrcli.measured.forward_model import FittedBody, body_of
+from jkrcli.viscoelastic.relaxation_fit import relaxation_fit, relaxation_settings
 
 from .relaxation_bounds import told
 

@@ -18,10 +18,10 @@ import numpy as np
 import jkrcli as jkr
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import TableProfile
-from jkrcli.data.curve import Curve
-from jkrcli.data.foreign import SeriesReading, read_series
+from jkrcli.measured.curve import Curve
 from jkrcli.methods.protocol import method_class
 from jkrcli.report.export import Exported
+from jkrcli.resolve.foreign import SeriesReading, read_series
 from jkrcli.series import Solution
 
 METHODS: tuple[tuple[str, dict[str, float]], ...] = (

@@ -23,12 +23,12 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
-from jkrcli.data.curve import Reading
-from jkrcli.data.measured import read
-from jkrcli.fitting.forward_model import FittedBody
-from jkrcli.fitting.procedure import fit
-from jkrcli.fitting.result import Fit
-from jkrcli.fitting.settings import settings_of
+from jkrcli.measured.curve import Reading
+from jkrcli.measured.files import read
+from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.result import Fit
+from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 
 FAR = 3.0  # half-widths, and 1 % of the truth, beyond which an answer without a flag is silently wrong

@@ -22,8 +22,8 @@ from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.numerics import Array
-from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import analyse
+from jkrcli.resolve.foreign import SeriesReading, read_series
 from jkrcli.series import Record, Series
 
 from .noise_cells import BODIES, Body

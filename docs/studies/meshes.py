@@ -17,8 +17,8 @@ from meshed_series import MESHES, MeshedSeries, drawn  # type: ignore[import-not
 
 from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.numerics import HALF_WIDTH, half_width
-from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import analyse
+from jkrcli.resolve.foreign import SeriesReading, read_series
 
 from .command import call, parser_of
 

@@ -16,8 +16,8 @@ import numpy as np
 from node_series import NodeSeries, many  # type: ignore[import-not-found]
 
 from jkrcli.base.errors import JkrError, Unknown
-from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import analyse
+from jkrcli.resolve.foreign import SeriesReading, read_series
 
 from .command import call, parser_of
 

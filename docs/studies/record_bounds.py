@@ -28,10 +28,10 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.data.curve import APPROACH, RETRACT, Curve
-from jkrcli.fitting.forward_model import FittedBody
-from jkrcli.fitting.procedure import fit
-from jkrcli.fitting.settings import settings_of
+from jkrcli.measured.curve import APPROACH, RETRACT, Curve
+from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 
 R = 5e-6  # tip radius [m]

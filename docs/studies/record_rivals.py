@@ -27,17 +27,17 @@ from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[impo
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.validity import LIMITS
 from jkrcli.base.errors import JkrError
-from jkrcli.base.lockstep import Flow, alone
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.data.curve import Curve
-from jkrcli.fitting import force_curve, record
-from jkrcli.fitting.alternative_tests import RecordAlternatives, alternatives_of_records, bounds, relative_errors
-from jkrcli.fitting.alternatives import ALTERNATIVES, AMOUNT, ChangedModel, FittedRecord, Perturbation
-from jkrcli.fitting.forward_model import FittedBody
-from jkrcli.fitting.procedure import fit
-from jkrcli.fitting.result import Fit
-from jkrcli.fitting.settings import settings_of
+from jkrcli.measured import force_curve, record
+from jkrcli.measured.alternative_tests import RecordAlternatives, alternatives_of_records, bounds, relative_errors
+from jkrcli.measured.alternatives import ALTERNATIVES, AMOUNT, ChangedModel, FittedRecord, Perturbation
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.lockstep import Flow, alone
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.result import Fit
+from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 
 # Right records by what disturbs them, and how they are fitted:

@@ -17,10 +17,10 @@ from relaxation_records import record  # type: ignore[import-not-found]
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import Nonadhesive
-from jkrcli.adhesion.relaxation import Depths
 from jkrcli.base.errors import JkrError
-from jkrcli.fitting.forward_model import FittedBody, body_of
-from jkrcli.fitting.relaxation import relaxation_fit, relaxation_settings
+from jkrcli.measured.forward_model import FittedBody, body_of
+from jkrcli.viscoelastic.relaxation import Depths
+from jkrcli.viscoelastic.relaxation_fit import relaxation_fit, relaxation_settings
 
 TRUTH = {"E_star": 1.0, "ratio": 0.25, "time": 1.0}
 

@@ -15,9 +15,9 @@ import numpy as np
 from wrong_records import WRONG, Drawn, right  # type: ignore[import-not-found]
 
 from jkrcli.base.numerics import Array
-from jkrcli.data.curve import APPROACH
-from jkrcli.fitting.force_curve import ForceCurveFit
-from jkrcli.fitting.result import Fit
+from jkrcli.measured.curve import APPROACH
+from jkrcli.measured.force_curve import ForceCurveFit
+from jkrcli.measured.result import Fit
 from jkrcli.report.plots import BLUE, ORANGE, WIDE, Axes, Figure, drawing, few_ticks
 from jkrcli.report.result import PICTURES
 

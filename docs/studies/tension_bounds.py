@@ -19,7 +19,7 @@ from tension_records import TenseBody, record  # type: ignore[import-not-found]
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Loading, Problem
-from jkrcli.fitting.surface_tension import tension_fit
+from jkrcli.measured.surface_tension import tension_fit
 
 from .relaxation_bounds import told
 

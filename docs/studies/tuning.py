@@ -31,11 +31,11 @@ from jkrcli.base.errors import SolveError, Unknown
 from jkrcli.base.executors import Pool, completed
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Exponential, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.data.curve import Curve
-from jkrcli.fitting.forward_model import FittedBody
-from jkrcli.fitting.parameters import Parameter
-from jkrcli.fitting.procedure import fit
-from jkrcli.fitting.settings import Settings
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.parameters import Parameter
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.settings import Settings
 from jkrcli.methods.protocol import METHODS, method_class
 
 from . import noise_cells

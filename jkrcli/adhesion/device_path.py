@@ -215,7 +215,7 @@ class Program:
         for name, kind in (("t", Time), ("x", AnyLength | AnyForce)):
             given = getattr(self, name)
             if isinstance(given, list | tuple) and any(isinstance(one, str) for one in given):
-                given = read(f"program: {name}", reader(tuple[kind, ...]), given)
+                given = read(f"program: {name}", reader(tuple.__class_getitem__((kind, ...))), given)
             values = read(f"program: {name}", numbers_of, given)
             values.setflags(write=False)
             object.__setattr__(self, name, values)

@@ -172,7 +172,8 @@ def _beside(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, a: flo
     between the two, which jumps at ``a`` by about what it errs."""
     sides = np.clip(a * (1 + np.array([-1e-3, 0.0, 1e-3])), curve.a[0], curve.a[-1])
     rates = np.stack(curve.rates(sides))
-    below, above = np.diff(position(*rates, stiffness)) / np.diff(sides)
+    of_delta, of_P = rates
+    below, above = np.diff(position(of_delta, of_P, stiffness)) / np.diff(sides)
     unsure = abs(above - below) / max(abs(above + below) / 2, TINY) * abs(point.a - a)
     return np.abs(rates[:, 1]) * unsure
 

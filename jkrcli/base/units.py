@@ -10,12 +10,12 @@ import numbers
 import operator
 import re
 import reprlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
-from .errors import did_you_mean
+from .errors import InputError, did_you_mean
 
 PREFIX = {"a": -18, "f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9, "T": 12}
 
@@ -171,22 +171,6 @@ def doubtful_work(w: float) -> str:
     )
 
 
-def implausible_work(w: float, E_star: float) -> str:
-    """A remark on a work of adhesion w > 0 [J/m^2] that was found of a specimen of modulus ``E_star`` [Pa] and that
-    surfaces hardly have; empty where many have it."""
-    check = "check units of the data and the radius of the indenter"
-    if w > LARGE_WORK:
-        return (
-            f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}: {check}"
-        )
-    if w < SMALL_WORK and E_star >= FIRM:
-        return (
-            f"w = {show(w, 'work')} is implausibly small for E* = {show(E_star, 'modulus')}: solids so stiff have a "
-            f"few mJ/m^2 in air and hardly less than {show(SMALL_WORK, 'work')} in liquids: {check}"
-        )
-    return ""
-
-
 def doubtful_modulus(E: float) -> str:
     """A remark on a bare number [Pa] that hardly any solid has as its modulus; empty where many have."""
     least, most = MODULI
@@ -283,3 +267,16 @@ def decades(dimension: str) -> dict[str, int]:
 def reached(a: float, delta: float, P: float) -> str:
     """A state of contact as people read it."""
     return f"a = {show(a, 'length')}, delta = {show(delta, 'length')}, P = {show(P, 'load')}"
+
+
+Named: TypeAlias = Mapping[str, float | str] | Iterable[tuple[str, float | str]]  # values of parameters, SI or text
+
+
+def texts_of(named: Named) -> list[tuple[str, str]]:
+    """Names and values as they are typed; a number is in SI, of all its digits."""
+    pairs = []
+    for name, value in named.items() if isinstance(named, Mapping) else named:
+        if not isinstance(value, str) and not is_number(plain(value)):
+            raise InputError(f"fit: {name}: must be a number, SI, or text with its unit, got {shortly(value)}")
+        pairs.append((name, value if isinstance(value, str) else repr(float(value))))
+    return pairs

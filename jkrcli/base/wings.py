@@ -13,48 +13,73 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
 PACKAGE = Path(__file__).parent.parent
 
 
 @dataclass(frozen=True)
 class Verb:
     """A verb of a wing: the ``section`` of the help and the verb ``after`` which it stands there, one line of ``help``,
-    and the ``module`` that holds it, imported when it is called."""
+    and the ``module`` that holds it, imported when it is called; ``of_core``: one of the core, with more options."""
 
     section: str
     after: str
     help: str
     module: str
+    of_core: bool = False
 
 
 @dataclass(frozen=True)
 class Wing:
-    """What a wing registers: ``verbs`` of the command line and ``functions`` of the Python interface, the latter with
-    the modules that hold them."""
+    """What a wing registers: ``verbs`` of the command line, or more of one of the core; ``options`` of these;
+    ``functions`` of the Python interface with the modules that hold them; ``uses``: what else one cannot do without it;
+    ``offers``: by the names that others ask for, what it adds to their results, as "module:name"."""
 
     name: str
     verbs: Mapping[str, Verb] = field(default_factory=dict)
     functions: Mapping[str, str] = field(default_factory=dict)
+    options: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()
+    offers: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def names(self) -> dict[str, list[str]]:
+        """All that is refused by name where the wing is not there, by kind."""
+        own = [name for name, verb in self.verbs.items() if not verb.of_core]
+        kinds = ("verbs", own), ("options", self.options), ("functions", self.functions), ("uses", self.uses)
+        return {kind: list(names) for kind, names in kinds if names}
 
 
 @cache
 def wings() -> tuple[Wing, ...]:
     """The wings whose folders are there, in the order of their names."""
-    folders = sorted(path.parent.name for path in PACKAGE.glob("*/wing.py"))
-    return tuple(import_module(f"jkrcli.{folder}.wing").WING for folder in folders)
+    folders = sorted(PACKAGE.glob("*/wing.py"))
+    return tuple(import_module(f"jkrcli.{path.parent.name}.wing").WING for path in folders)
 
 
-def wing_of(name: str) -> str | None:
-    """The wing that a verb or a function of Python called ``name`` belongs to, whether it is there or not."""
-    import tomllib
+def is_offered(name: str) -> bool:
+    """Whether a wing offers what is asked for by this ``name``."""
+    return any(name in wing.offers for wing in wings())
 
-    known = tomllib.loads((PACKAGE / "wings.toml").read_text(encoding="utf-8"))
-    return next((wing for wing, names in known.items() if any(name in some for some in names.values())), None)
+
+def offered(name: str) -> Any:
+    """What a wing offers by this ``name``, its engine imported now; None where no wing does."""
+    for wing in wings():
+        if name in wing.offers:
+            module, attribute = wing.offers[name].split(":")
+            return getattr(import_module(f"jkrcli.{module}"), attribute)
+    return None
 
 
 def absent(name: str) -> str:
     """The sentence that refuses a ``name`` of a wing that is not there; empty for any other."""
-    wing = wing_of(name)
-    if wing is None or wing in {each.name for each in wings()}:
-        return ""
-    return f'{name}: is of the wing "{wing}", which this installation lacks: install the whole of jkrcli'
+    import tomllib
+
+    known = tomllib.loads((PACKAGE / "wings.toml").read_text(encoding="utf-8"))
+    for wing, kinds in known.items():
+        if wing not in {each.name for each in wings()} and any(name in names for names in kinds.values()):
+            return f'{name}: is of the wing "{wing}", which this installation lacks: install the whole of jkrcli'
+    return ""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import itertools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeAlias, cast, runtime_checkable
 
@@ -1192,27 +1191,6 @@ def stacks(specimen: Specimen, indenter: Solid | None = None) -> tuple[Specimen,
     if isinstance(indenter, Coated):
         bodies.append(Specimen(indenter.layers, HalfSpace(indenter.core)))
     return tuple(body for body in bodies if body.layers)
-
-
-def changes_by(
-    name: str, centre: float, sigma: float, here: Mapping[str, float], outcome: Callable[[float], Mapping[str, float]]
-) -> dict[str, float]:
-    """Change of everything in ``outcome`` by a change of the input ``name`` by ``sigma`` from its value ``centre``,
-    where it is ``here``.
-
-    The input is moved to both sides, where that is possible, the body solved anew and the data fitted again; InputError
-    where it is uncertain by all of its value or more, but for Poisson's ratios.
-    """
-    if sigma >= centre and not name.startswith("nu"):
-        raise InputError(f"the uncertainty of {name} is {sigma / centre:.3g} times its value: give less than the value")
-    ends = [(centre, here)]
-    for value in (centre - sigma, centre + sigma):
-        with contextlib.suppress(InputError):  # beyond what the quantity can be, as nu > 1/2
-            ends.append((value, outcome(value)))
-    if len(ends) == 1:
-        raise InputError(f"{name} cannot be {sigma:g} off its value {centre:g} to either side")
-    (one, low), (two, high) = ends[-2:]
-    return {key: (high[key] - low[key]) / (two - one) * sigma for key in here}
 
 
 def checked_names(names: Sequence[str], allowed: Sequence[str], verb: str = "fit") -> None:

@@ -43,8 +43,6 @@ CORE = {
         "import": "Read P, delta and a that another program computed.",
         "transform": "JKR curve of each w (Eq. 13): CSV, JSON, plots.",
         "pull-off": "Pull-off force and stability; w from a measured force.",
-        "look": "What a force curve holds: base line, contact, adhesion.",
-        "fit": "E*, w and contact point of measured curves, with errors.",
     },
     "More of a case": {
         "mesh": "Write and draw the finite-element mesh.",
@@ -56,9 +54,7 @@ CORE = {
         "fields": "Displacement and stress in the body, for ParaView.",
         "export": "The contact law for particle codes: a C header and a table.",
     },
-    "More of a measurement": {
-        "work": "Energy release rate G along a measured curve.",
-    },
+    "More of a measurement": {},
     "More": {
         "show": "Print what a solution file holds.",
         "doctor": "Check what works on this machine, and how to get the rest.",
@@ -70,9 +66,7 @@ MODULES = {  # where each verb is
     for module, verbs in {
         "case_verbs": ("new", "check", "run", "import", "mesh"),
         "curve_verbs": ("transform", "pull-off", "profile", "fields", "export"),
-        "measured_verbs": ("look", "work"),
         "cycle": ("cycle",),
-        "fit": ("fit",),
         "file_verbs": ("compare", "show", "doctor", "completion"),
     }.items()
     for verb in verbs
@@ -80,14 +74,16 @@ MODULES = {  # where each verb is
 
 
 def _with_wings(core: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, str]]:
-    """The verbs of the ``core`` and of all wings, with a line each, by the sections of the help."""
+    """The verbs of the ``core`` and of all wings, with a line each, by the sections of the help; one of the core that a
+    wing can do more with keeps its place."""
     groups = {title: list(names.items()) for title, names in core.items()}
     for wing in wings():
         for verb, each in wing.verbs.items():
-            names = groups.setdefault(each.section, [])
-            before = [name for name, _ in names]
-            names.insert(before.index(each.after) + 1 if each.after in before else 0, (verb, each.help))
-    return {title: dict(names) for title, names in groups.items()}
+            before = [name for name, _ in groups[each.section]]
+            if verb not in before:
+                at = before.index(each.after) + 1 if each.after in before else 0
+                groups[each.section].insert(at, (verb, each.help))
+    return {title: dict(names) for title, names in groups.items() if names}
 
 
 GROUPS = _with_wings(CORE)
@@ -212,6 +208,8 @@ def call(arguments: Sequence[str] | None = None) -> int:
         click.echo(error.format_message())
         return 0
     except click.ClickException as error:
+        if isinstance(error, click.NoSuchOption) and (lacking := absent(error.option_name)):
+            return _fail([lacking], 2)
         message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
         message = re.sub(r"\. Did you mean (.*)\?$", r", did you mean \1?", message)
         if isinstance(error, click.UsageError) and error.ctx is not None:

@@ -15,10 +15,10 @@ from ..base.errors import InputError, counted
 from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_text
 from ..case.models import Case, CaseModel, LoadingTable, fem_of, load_case, parse_case
 from ..case.store import record_of, solve, write_solution
-from ..data.foreign import NAMES, SeriesReading, read_series
 from ..methods.protocol import METHODS, Limits, long_look
 from ..report.result import Output
 from ..report.solved import Imported, Meshed, Solved
+from ..resolve.foreign import NAMES, SeriesReading, read_series
 from ..resolve.resolve import effect_facts, sticking_effect
 from ..tables import rows_of_text
 from . import options

@@ -10,12 +10,9 @@ from pathlib import Path
 import click
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from ..adhesion.finite_range import without_range
-from ..adhesion.from_rest import Rest
 from ..base.errors import InputError
 from ..base.files import atomic, together, write_text
-from ..base.registry import Result
-from ..bodies.problem import relaxing
+from ..base.wings import offered
 from ..methods.protocol import Limits
 from ..report import forward, tables
 from ..report.result import PICTURES, Files, Output, Results
@@ -121,7 +118,8 @@ def _files(
 # --------------------------------------------------------------------------------------------------
 # ``jkr pull-off``: where contact is lost, under every control; and the work of adhesion behind a measured pull-off.
 
-SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
+# Of a wing that knows what a measured force means, where it is there
+force_options: options.Options = offered("options of a measured pull-off") or options.several()
 
 
 @options.verb("[files...]", "pull-off")
@@ -130,10 +128,7 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 @click.option("--stiffness", "stiffnesses", multiple=True, type=options.CONTROL,
               help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].'
 )  # fmt: skip
-@click.option("--load", "force", type=options.LOAD, help='A measured pull-off force, "12 uN": which w does it mean?')
-@click.option("--uncertain", multiple=True, type=options.NAMED,
-              help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um."
-)  # fmt: skip
+@force_options
 @click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
               "instantly [default: at rest at P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta.")
@@ -141,9 +136,9 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 @options.limits_options
 @options.json_option
 def pull_off(
-    files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], force: float | None,
-    uncertain: tuple[tuple[str, str], ...], rest_load: float | None, rest_depth: float | None,
-    how: options.CurveOptions, limits: Limits, flags: inputs.Flags, as_json: bool,
+    files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], rest_load: float | None,
+    rest_depth: float | None, how: options.CurveOptions, limits: Limits, flags: inputs.Flags, as_json: bool,
+    force: float | None = None, uncertain: tuple[tuple[str, str], ...] = (),
 ) -> None:  # fmt: skip
     """Print pull-off and jump-in of each FILE, a case or a solution, or of a specimen from options, under load control,
     displacement control and each --stiffness, with the energy lost in a cycle.
@@ -157,9 +152,8 @@ def pull_off(
     """
     if force is not None and works:
         raise InputError("pull-off: give either --w or --load, not both")
-    from ..resolve.measured_work import refuse_idle
-
-    refuse_idle(force, uncertain, how.stress, how.length, options.flag)
+    if force is not None or uncertain:
+        offered("idle options of a measured pull-off")(force, uncertain, how.stress, how.length, options.flag)
     rest = rest_of(rest_load, rest_depth, options.flag)
     if inputs.by_flags("pull-off", flags, files):
         solutions = [_by_flags(flags, works, force, stiffnesses, how)]
@@ -170,7 +164,8 @@ def pull_off(
             "pull-off: give FILES, a case or a solution, or the specimen from options: --radius, --E, --nu"
         )
     if force is not None:
-        give(_means(solutions, abs(force), stiffnesses, uncertain, rest, how, limits), as_json)
+        measured = offered("work of a measured pull-off")
+        give(measured(solutions, abs(force), stiffnesses, uncertain, rest, how, limits), as_json)
         return
     for solution in solutions:
         checked_histories(solution, rest)
@@ -183,38 +178,6 @@ def pull_off(
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
     results = [forward.PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
     give(Results(results, list(dict.fromkeys(text for one in results for text in one.warnings))), as_json)
-
-
-def _means(
-    solutions: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
-    rest: Rest | None, how: options.CurveOptions, limits: Limits,
-) -> Results:  # fmt: skip
-    """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
-    from ..resolve.measured_work import measured_work, seconds_of_inputs, works_by_history
-
-    controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
-    for solution in solutions:
-        without_range(solution.record, "pull-off: --load")
-    seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in solutions)
-    tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
-    inputs.begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
-    results, warnings = list[Result](), list[str]()
-    for solution in solutions:
-        settings = how.slopes, how.modulus_factor, uncertain
-        by_history = [works_by_history(solution, force, one, rest, *settings) for one in controls]
-        if all(isinstance(one, list) for one in by_history):
-            for k, found in zip(controls, by_history, strict=True):
-                assert isinstance(found, list)
-                results.append(forward.MeasuredByHistory.of(solution, force, k, found, how.slopes, how.modulus_factor))
-            continue
-        warnings += [f"{solution.record.path}: {text}" for text in relaxing(solution.problem.specimen.relaxation)]
-        means = [measured_work(solution, force, one, *settings) for one in controls]
-        effect = effect_on(solution, [means[0].work.w])
-        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        measured = [forward.MeasuredPullOff(one) for one in means]
-        warnings += dict.fromkeys(text for one in measured for text in one.warnings)
-        results += measured
-    return Results(results, warnings)
 
 
 def _by_flags(

@@ -16,7 +16,6 @@ from ..adhesion.finite_range import RangeRequest, without_range
 from ..base.errors import InputError, counted, writable
 from ..base.files import check_series_target
 from ..base.units import doubtful_modulus
-from ..bodies.indenters import Indenter
 from ..bodies.problem import relaxing
 from ..case.models import Case, load_case, other_tables, parse_case
 from ..case.store import NO_DIGEST, read_solution, record_of, solve, write_solution
@@ -52,7 +51,6 @@ OPTIONS = (
 
 
 body_options = as_one("flags", dict, *OPTIONS)
-tip_options = as_one("flags", dict, *OPTIONS[:4])
 
 
 def flag(name: str) -> str:
@@ -86,14 +84,6 @@ def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **
         return parse_case(content, verb)
     except InputError as error:
         raise InputError([KEYS.sub(lambda key: flag(FLAG_OF[key[1]]), line, count=1) for line in error.lines]) from None
-
-
-def tip_of(verb: str, flags: Flags) -> Indenter | None:
-    """The tip of the ``tip_options``; None where none is given."""
-    if not any(flags.values()):
-        return None
-    body = dict.fromkeys(FLAGS) | dict(flags) | {"modulus": "1 MPa", "nu": "0.5"}  # any: the tip is rigid
-    return case_of(verb, body, "", loading={"radius": 1.0}).model.problem().indenter
 
 
 def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict[str, Any]:

@@ -15,14 +15,15 @@ from .. import __version__
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, transform
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
-from ..adhesion.rate import RateContact, rate_law_of
-from ..base.arguments import reader
+from ..base.arguments import checked, reader
 from ..base.errors import InputError, JkrError, SolveError, Unknown, counted, known
 from ..base.executors import Pool, in_order
 from ..base.files import lists
 from ..base.numerics import MOST_STEPS, Array, pchip
+from ..base.process import one_thread
 from ..base.registry import Result
 from ..base.units import Ranged
+from ..base.wings import is_offered, offered
 from ..bodies.indenters import Paraboloid
 from ..bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ..formulas import wetting_radius
@@ -37,8 +38,9 @@ MAPS = {
     "sticking": "What sticking changes on a layer: S and load over those of sliding, over a/h.",
     "transition": "The pull-off force on a layer between JKR and DMT, over the range of adhesion.",
     "adhesion": "Which model of adhesion holds on a layer, over its range and the load.",
-    "rate": "Pull-off force and energy lost over speed, stiffness and body.",
 }
+if is_offered("contact of a law over speed"):
+    MAPS["rate"] = "Pull-off force and energy lost over speed, stiffness and body."
 
 
 # --------------------------------------------------------------------------------------------------
@@ -439,7 +441,7 @@ def _rate_points(values: Values, thickness: float) -> Columns:
     devices = list(product(values["stiffness"], values["speed"]))
     (k, V), points = np.transpose(devices), list[tuple[float, float, float]]()
     for stiffness, speed in devices:
-        contact = RateContact(body, values["rate"], 1.0, 1.0, stiffness)
+        contact = offered("contact of a law over speed")(body, values["rate"], 1.0, 1.0, stiffness)
         history = contact.history(Program.on(float(contact.edge.position_at(np.array(a), 1.0)), -speed), a)
         force, lost = -history.pull_off.P / math.pi, history.dissipated / (math.pi * a**2)
         points.append((force, lost, known(history.error["P"]) or 0.0))
@@ -497,7 +499,7 @@ RATE_MAP = Map(
             {"n": "0.6"},
             "The law in units of w0 and v0: n=0.6; law=log,b=0.3.",
             several=False,
-            read=lambda keys: rate_law_of({"v0": 1.0} | reader(Mapping[str, Any])(keys), "--rate"),
+            read=lambda keys: offered("a law of w over speed")({"v0": 1.0} | reader(Mapping[str, Any])(keys), "--rate"),
         ),
         "thickness": Axis((0.3,), "Of a bonded layer on a rigid substrate, in R; repeatable.", POSITIVE, family=True),
         "nu": Axis(0.3, "Poisson's ratio of the layers.", POISSON, several=False),
@@ -678,3 +680,27 @@ TRANSITION_MAP = Map(
      ("jkr_minus_P_over_pi_w_R", "JKR", "8.4f"), ("a_over_h", "a/h", "9.4g"), ("c_over_h", "c/h", "9.4g")],
     _transition_figure,
 )  # fmt: skip
+
+
+@checked
+def study_map(name: str, **axes: Any) -> MapResult:
+    """Compute a map of results over parameters, as ``jkr study <name>-map`` does.
+
+    Parameters
+    ----------
+    name : str
+        "pull-off", "sticking", "transition", "adhesion" or "rate".
+    **axes
+        Values of its parameters: ``study_map("pull-off", nu=[0.3], q=[0.1, 1])``.
+
+    Returns
+    -------
+    MapResult
+        ``columns``, ``summary()`` and ``figure()``.
+
+    Raises
+    ------
+    InputError
+        Where an axis is unknown, or a value is out of its range.
+    """
+    return one_thread()(map_of(name).over)(**axes)

@@ -1,4 +1,4 @@
-"""Verbs of many problems: ``study`` (maps and meshes), ``sweep`` and ``bench``."""
+"""Verbs of many problems: ``study`` (maps and meshes), ``sweep``, ``bench`` and ``explore``."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ from typing import Any, ClassVar
 
 import click
 
+from ..adhesion.finite_range import without_range
 from ..base.errors import InputError
 from ..base.executors import executor
+from ..base.files import write_text
+from ..base.wings import absent, offered
 from ..case.models import load_case, method_of, plain_toml
 from ..case.store import solve
-from ..cli import LateGroup, options
+from ..cli import LateGroup, inputs, options
 from ..cli.printing import announce, answer, give, note, progress
 from ..methods.protocol import METHODS, Limits
 from ..report.result import PICTURES, Output
+from ..resolve.analysis import analyse, seconds_of_page
 from . import maps
 from . import sweep as running
 from . import sweep_plan as plans
@@ -198,3 +202,56 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
     choice, solution = solve(loaded, method, limits, note)
     announce(f"bench of {repeat} runs", (repeat + min(repeat, FEW)) * sum(solution.timings.values()))
     give(Bench.of(case, loaded, choice.name, type(choice.method).__module__, repeat), as_json)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr explore``: one page with sliders.
+
+# Of a wing that reads measured curves, where it is there
+reading_options: options.Options = offered("options of a reading") or options.several()
+
+
+@options.verb("file [data...]")
+@options.into_file("The page [default: <file>-explore.html].")
+@click.option("--w", "work", type=options.WORK, help="To begin with [default: the case's first].")
+@options.slopes_option
+@reading_options
+@options.limits_options
+@options.output_options(force=options.ONE_FILE, json="Print what was written as JSON.")
+def explore(
+    file: Path, data: tuple[Path, ...], work: float | None, slopes: str, limits: Limits, output: Output,
+    reading: Any = None,
+) -> None:  # fmt: skip
+    """Make one self-contained page with sliders from FILE, a case or a solution, with measured DATA (CSV) drawn over
+    the curve.
+
+    It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
+    the machine's stiffness and the data's contact point; stable and unstable branches, pull-off, the commands that give
+    the same numbers, a button that saves the curve as CSV.
+
+    \b
+    jkr explore data.h5
+    jkr explore gel.h5 measured.csv -o gel.html
+    """
+    from .explorer import Explored, page, payload, start_work
+
+    if data and reading is None:
+        raise InputError(f"explore: {absent('measured curves')}")
+    if work == 0:
+        raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
+    if output.where is not None:
+        output.file(output.where, [file, *data])
+    file = inputs.series_file(file)
+    target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
+    solution = inputs.read_series(file)
+    inputs.warn_of_constant_moduli(solution)
+    without_range(solution.record, "explore")
+    curves = [] if reading is None else offered("measured curves")("explore", data, reading, limits)
+    works = (work,) if work else tuple(w for w in solution.record.w if w > 0)[:1]
+    inputs.begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
+    result = analyse(solution, works or (1.0,), slopes)[0]
+    if not works:
+        result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
+    text = page(payload(result, curves, slopes))
+    write_text(target, text)
+    give(Explored(file, target, result.w, len(result.curve.series), len(curves), sum(map(len, curves))), output.json)

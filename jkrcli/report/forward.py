@@ -13,27 +13,26 @@ import numpy as np
 from ..adhesion import device_path
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, control
 from ..adhesion.device_path import Jump, Program, cycle, trace
-from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
+from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory, Rest
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, faces, strain_words, yield_warning
-from ..base.errors import Estimate, InputError, Unknown, known
+from ..base.errors import Estimate, InputError, Unknown
 from ..base.files import lists
 from ..base.numerics import LEVEL, ROWS, Array
 from ..base.registry import FIGURES, Result
-from ..base.units import implausible_work, show, show_within
+from ..base.units import show
 from ..bodies.problem import relaxing
-from ..resolve.analysis import Analysis, Lost, analyse
-from ..resolve.histories import LostByHistory, strains_after
+from ..resolve.analysis import Analysis, Lost
+from ..resolve.histories import LostByHistory, checked_histories, strains_after
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
-from .result import Figure
+from .result import Figure, Several
 from .tables import Scales, accuracy, format_state, is_refined, quantities, read_curve, transpose_rows
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..methods.fem import FEM
     from ..methods.fem.fields import ContactState
-    from ..resolve.measured_work import MeasuredWork
 
 
 @FIGURES.register(Analysis)
@@ -52,11 +51,10 @@ def draw_curves(curves: Sequence[Analysis], scales: Scales | None = None) -> Fig
 
 
 # --------------------------------------------------------------------------------------------------
-# Where contact is lost, and the work of adhesion behind a measured pull-off, in words and as JSON.
+# Where contact is lost, in words and as JSON.
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
          "theta": "edge_angle"}  # fmt: skip
-OF_INPUTS = "errors of load, tip and specimen not included: --uncertain load=5%, R=3%, E=10%"
 ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
 
 
@@ -97,9 +95,9 @@ class PullOff(Result):
         if isinstance(self.histories, Unknown):
             return {"histories": None, "histories_reason": self.histories.reason}
         return {"histories": [
-            _history_as_json(one.history, one.curve)
+            history_summary(one.history, one.curve)
             | {"controls": [
-                tables.device(k) | {"pull_off": tables.point(point) | tables.errors(error) | _no_depth(one.history)}
+                tables.device(k) | {"pull_off": tables.point(point) | tables.errors(error) | no_depth(one.history)}
                 for k, (point, error) in one.lost.items()
             ]}
             for one in self.histories
@@ -118,11 +116,11 @@ class PullOff(Result):
 
     def words(self) -> list[str]:
         result, points = self.result, {control(means.stiffness): (means.pull_off, error) for means, error in self.lost}
-        lines = [*tables.format_pull_off(result, points), *_validity(result, *self._points)]
+        lines = [*tables.format_pull_off(result, points), *validity_lines(result, *self._points)]
         if isinstance(self.histories, Unknown):
             lines.insert(1, f"  after other histories: none: {self.histories}")
         elif self.histories:
-            lines = [*_by_history(result, self.histories), *_validity(result, *self._points)]
+            lines = [*_by_history(result, self.histories), *validity_lines(result, *self._points)]
             lines.append(f"  {self.histories[0].history.words}:")
         return lines + [line for means, error in self.lost for line in _control(result, means, error)]
 
@@ -168,164 +166,16 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
     return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} ({tables.AT_LEVEL} confidence)"])
 
 
-def _no_depth(history: LoadingHistory) -> dict[str, Any]:
+def no_depth(history: LoadingHistory) -> dict[str, Any]:
     """The displacement of the largest force of any history, which depends on it."""
     return {"delta_m": None, "delta_err_m": None} if history.name == AT_MOST else {}
 
 
-def _history_as_json(history: LoadingHistory, curve: AdhesiveCurve | FromRest | Unknown) -> dict[str, Any]:
+def history_summary(history: LoadingHistory, curve: AdhesiveCurve | FromRest | Unknown) -> dict[str, Any]:
     """A history, its share of the moduli and of the profile, and the state at rest."""
     rest = {"rest": tables.point(curve.rest)} if isinstance(curve, FromRest) else {}
     shares = {"moduli": history.moduli, "profile": history.profile}
     return {"history": history.name, "words": history.words, **shares, **rest}
-
-
-@dataclass(frozen=True, eq=False)
-class MeasuredByHistory(Result):
-    """What a measured pull-off force of a viscoelastic specimen means after each history."""
-
-    load: float
-    stiffness: float
-    result: Analysis
-    found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]]
-
-    @classmethod
-    def of(
-        cls, solution: Solution, load: float, stiffness: float,
-        found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]], slopes: str = "auto",
-        modulus_factor: float = 1.0,
-    ) -> MeasuredByHistory:  # fmt: skip
-        """What was ``found`` of the pull-off force ``load`` [N] by a device of ``stiffness`` [N/m]; where the theory
-        holds is judged with the largest w."""
-        works = [one.work.w for _, one in found if not isinstance(one, Unknown)]
-        if not works:
-            raise InputError([f"{solution.record.path}: {history.words}: {one}" for history, one in found])
-        return cls(load, stiffness, analyse(solution, [max(works)], slopes, modulus_factor)[0], found)
-
-    @property
-    def _works(self) -> dict[str, float]:
-        """w [J/m^2] by the name of the history, of those that have one."""
-        return {history.name: one.work.w for history, one in self.found if not isinstance(one, Unknown)}
-
-    @property
-    def range(self) -> tuple[float | None, float | None]:
-        """The least and the largest w [J/m^2] of these histories; the least only where it is that of any history."""
-        works = self._works
-        return works.get(AT_MOST), max(works.values(), default=None)
-
-    def summary(self) -> dict[str, Any]:
-        rows = []
-        for history, one in self.found:
-            row = _history_as_json(history, Unknown("") if isinstance(one, Unknown) else one.work.curve)
-            if isinstance(one, Unknown):
-                row |= {"w_J_per_m2": None, "reason": one.reason}
-            else:
-                measured = _measured_as_json(one)
-                row |= measured | {"pull_off": measured["pull_off"] | _no_depth(history)}
-            rows.append(row)
-        return {
-            "file": str(self.result.path),
-            "level": LEVEL,
-            "load_N": self.load,
-            **tables.device(self.stiffness),
-            "w_J_per_m2": self._works.get(FROM_REST),
-            "w_range_J_per_m2": list(self.range),
-            "histories": rows,
-            "validity": tables.validity(self.result),
-        }
-
-    def words(self) -> list[str]:
-        low, high = (None if w is None else show(w, "work") for w in self.range)
-        span = low if low == high else f"at least {low}" if high is None else f"{low or 'unknown'} to {high}"
-        lines = [
-            f"w = {span}, by the history of the specimen: the pull-off force {show(self.load, 'load')} of "
-            f"{self.result.path} ({control(self.stiffness)})"
-        ]
-        for history, one in self.found:
-            words = history.words + ": at least" * (history.name == AT_MOST)
-            if isinstance(one, Unknown):
-                lines.append(f"  {words}: none: {one}")
-                continue
-            if isinstance(one.error, Unknown) or not one.parts:
-                w = show(one.work.w, "work")
-            else:
-                w = show_within(one.work.w, one.error, "work")
-            series = one.series if isinstance(one.series, Unknown) else one.series / one.work.w
-            lines.append(
-                f"  {words}: w = {w}, {tables.format_state(one.work.point, 'a')}; "
-                f"{tables.error_words(series, one.large_strains)}"
-            )
-        if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
-            lines.append(f"  {OF_INPUTS}")
-        return lines + _validity(self.result)
-
-
-def _measured_as_json(means: MeasuredWork) -> dict[str, Any]:
-    """w and its errors [J/m^2], and where contact is lost with it."""
-    data = {
-        "w_J_per_m2": means.work.w,
-        "w_err_J_per_m2": known(means.error),
-        "w_err_by_input_J_per_m2": dict(means.parts),
-        "w_err_of_series_J_per_m2": known(means.series),
-        "pull_off": tables.point(means.work.point),
-        **tables.strains(means.large_strains),
-    }
-    return data | ({"error": means.error.reason} if isinstance(means.error, Unknown) else {})
-
-
-@dataclass(frozen=True, eq=False)
-class MeasuredPullOff(Result):
-    """What a measured pull-off force means."""
-
-    means: MeasuredWork
-
-    @property
-    def warnings(self) -> list[str]:
-        means = self.means
-        doubt = implausible_work(means.work.w, means.result.problem.E_star)
-        return [f"{means.result.path}: {doubt}"] if doubt else []
-
-    def summary(self) -> dict[str, Any]:
-        means, work = self.means, self.means.work
-        return {
-            "file": str(means.result.path),
-            "level": LEVEL,
-            "load_N": work.load,
-            **tables.device(work.stiffness),
-            **_measured_as_json(means),
-            "w_half_space_J_per_m2": work.half_space,
-            "validity": tables.validity(means.result, work.point),
-        }
-
-    def words(self) -> list[str]:
-        means, work = self.means, self.means.work
-        change = means.large_strains
-        digits = tables.digits(work.w, change)
-        if isinstance(means.error, Unknown) or not means.parts:
-            w = show(work.w, "work", digits)
-        else:
-            w = show_within(work.w, means.error, "work", digits)
-        lines = [
-            f"w = {w}: the pull-off force "
-            f"{show(work.load, 'load')} of {means.result.path} ({control(work.stiffness)}, "
-            f"{tables.format_state(work.point, 'a')})"
-        ]
-        if means.parts:
-            parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
-            lines.append(f"  error at {tables.AT_LEVEL} from {', '.join(parts)}")
-        else:
-            lines.append(f"  {OF_INPUTS}")
-        series = means.series if isinstance(means.series, Unknown) else means.series / work.w
-        lines.append(f"  {tables.error_words(series, change)}")
-        if work.half_space is None:
-            lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
-        else:
-            under = "" if work.stiffness == LOAD_CONTROL else " under load control"
-            lines.append(
-                f"  1.5 pi w R of a half-space{under} would have given {show(work.half_space, 'work')}, "
-                f"{work.half_space / work.w:.3g} times that of this specimen"
-            )
-        return lines + _validity(means.result, work.point)
 
 
 def _solved(result: Analysis, behaviour: device_path.Stability) -> bool:
@@ -370,7 +220,7 @@ def _point(point: Equilibrium | Unknown, digits: int = 4) -> str:
     return f"P = {P:<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}{c}"
 
 
-def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
+def validity_lines(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
     """JKR holds, is doubtful or does not: by every number that the body has, with pull-off at ``points``, then the
     other warnings."""
     judged = result.validity_at(*points)
@@ -793,3 +643,54 @@ class Fields(Result):
         write_vtu(state.grid, target, data, errors, state.middles)
         with target.open("a") as file:
             file.write(mark)
+
+
+# --------------------------------------------------------------------------------------------------
+# Cycles of a specimen that relaxes after each history of loading that is known.
+
+
+@dataclass(frozen=True, eq=False)
+class CycledInLimits(Several):
+    """The cycles of a viscoelastic specimen with adhesion after each history that is known, by its name."""
+
+    file: Path
+    limits: Mapping[str, tuple[LoadingHistory, Result]]
+
+    @classmethod
+    def of(
+        cls, file: Path, known: Iterable[LoadingHistory], cycle: Callable[[LoadingHistory], Result]
+    ) -> CycledInLimits:
+        """For each history that is ``known`` the ``cycle`` of it."""
+        return cls(file, {one.name: (one, cycle(one)) for one in known})
+
+    def summary(self) -> dict[str, Any]:
+        limits = {
+            name: {"history": one.words, "moduli": one.moduli, "profile": one.profile} | result.summary()
+            for name, (one, result) in self.limits.items()
+        }
+        return {"file": str(self.file), "limits": limits}
+
+    @property
+    def parts(self) -> Sequence[Sequence[str]]:
+        found = list[Sequence[str]]()
+        for one, result in self.limits.values():
+            first, *rest = result.words()
+            doubt = strain_words(getattr(result, "large_strains", None))  # of several results first lines are seen
+            found.append([f"{one.words}: {first}{f'; {doubt} (model)' if doubt else ''}", *rest])
+        return found
+
+    @property
+    def warnings(self) -> list[str]:
+        return list(dict.fromkeys(line for _, result in self.limits.values() for line in result.warnings))
+
+
+def traced_histories(
+    solution: Solution, rest: Rest | None, load: float | None = None, depth: float | None = None, rests: bool = True
+) -> tuple[LoadingHistory, ...]:  # fmt: skip
+    """The histories of a viscoelastic specimen that are traced: at rest at the turn, at a ``load`` [N] or ``depth``
+    [m], where there is one, unless ``rest`` says otherwise; not from rest where the trace has no ``rests``."""
+    rest = rest or (Rest(load or 0.0) if depth is None else Rest(depth=depth))
+    known = checked_histories(solution, rest)
+    if isinstance(known, Unknown):
+        raise InputError(f"cycle: {known.reason}, or no adhesion, --w-approach 0")
+    return tuple(one for one in known or () if one.name != AT_MOST and (rests or one.name != FROM_REST))

@@ -14,20 +14,19 @@ from ..adhesion import device_path
 from ..adhesion.curve import (
     CONTROLS,
     DISPLACEMENT_CONTROL,
-    LOAD_CONTROL,
     AdhesiveCurve,
     CriticalPoint,
     Equilibrium,
     EquilibriumCurve,
     control,
 )
-from ..adhesion.device_path import Jump, Program, Stability, TimedState, branch
+from ..adhesion.device_path import Jump, Stability, TimedState, branch
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
 from ..base.errors import Estimate, InputError, Unknown, counted, known
 from ..base.files import read_bytes
-from ..base.numerics import LEVEL, REMEMBERED, SAME, Array
+from ..base.numerics import LEVEL, REMEMBERED, Array
 from ..base.process import check_text
 from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
@@ -376,20 +375,6 @@ def cycle_title(how: str, approach: float, retraction: float, *more: str) -> str
     second = "; ".join(filter(None, more))
     adhesion = f"w = {show(approach, 'work')}{back}" if max(approach, retraction) > 0 else "no adhesion"
     return f"{how}, {adhesion}" + (f"\n{second}" if second else "")
-
-
-def speed_words(program: Program, stiffness: float) -> str:
-    """How fast a device of ``stiffness`` [N/m] goes in and out under ``program``; steps have no speed."""
-    lasts, ways = np.diff(program.t), np.diff(program.x)
-    rates = np.append(ways[lasts > 0] / lasts[lasts > 0], program.rate or 0.0)
-    dimension = "load rate" if stiffness == LOAD_CONTROL else "speed"
-    words = list[str]()
-    for sense in (1, -1):
-        there = np.abs(rates[sense * rates > 0])
-        if there.size:
-            most = "" if np.ptp(there) <= SAME * there.max() else "up to "
-            words.append(f"{most}{show(float(there.max()), dimension, 3)}")
-    return " in, ".join(words) + " out" if len(set(words)) > 1 else words[0] if words else "at rest"
 
 
 # --------------------------------------------------------------------------------------------------

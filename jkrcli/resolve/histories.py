@@ -7,11 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, mask_below_atomic_spacing
-from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import (
-    FAST,
-    FROM_REST,
-    SLOW,
     FromRest,
     LoadingHistory,
     Rest,
@@ -30,7 +26,7 @@ from ..formulas import adhesive_half_space
 from ..methods.layered.solver import Layered
 from ..methods.radii import ROOM
 from ..series import Solution
-from .analysis import Analysis, analyse, forecast, method_behind, nonadhesive, refined, solver_of
+from .analysis import Analysis, forecast, method_behind, nonadhesive, refined, solver_of
 from .neglected import LEFT_OUT_ACCURACY
 from .resolve import resolve_with
 
@@ -262,39 +258,6 @@ def curves_from_rest(
     if isinstance(lost, Unknown):
         return relaxed, pulled, None
     return relaxed, pulled, strains_after(solution.problem, outwards, history, lost, stiffness == LOAD_CONTROL)
-
-
-def pull_off_in_limits(
-    solution: Solution, w: float, range_: RangeRequest, history: LoadingHistory | None, slopes: str = "auto",
-    modulus_factor: float = 1.0,
-) -> dict[str, CriticalPoint | Unknown]:  # fmt: skip
-    """The pull-off points under load of what a viscoelastic specimen is between, for a work of adhesion ``w``
-    [J/m^2]: very fast and very slow cycles with adhesion of finite range, and, without a range, the ``history`` from
-    rest (None: nothing is at rest)."""
-    relaxation = solution.problem.specimen.relaxation
-    shares = {FAST: 1.0} | ({SLOW: relaxation.relaxed} if relaxation and relaxation.relaxed else {})
-    points = {
-        name: analyse(solution, [w], slopes, modulus_factor * share, range_)[0].curve.pull_off(LOAD_CONTROL)
-        for name, share in shares.items()
-    }
-    if history is not None:
-        try:
-            _, curve, _ = curves_from_rest(solution, (w, w), history, slopes, modulus_factor, LOAD_CONTROL)
-            points[FROM_REST] = curve.pull_off(LOAD_CONTROL)
-        except InputError as error:
-            points[FROM_REST] = Unknown(str(error))
-    return points
-
-
-def relaxed_specimen(solution: Solution, radius: float, slopes: str, modulus_factor: float = 1.0) -> Nonadhesive:
-    """The w-free functions of a viscoelastic specimen whose moduli are relaxed, solved up to a contact ``radius`` [m]
-    at least where that is not long."""
-    relaxation = solution.problem.specimen.relaxation
-    if relaxation is None or not relaxation.relaxed:
-        raise InputError("cycle: --compare-rate needs a relaxed modulus above zero: a fluid has none")
-    unit = nonadhesive(solution, slopes).scaled(modulus_factor)
-    _, unit = solved_on(solution.scaled(modulus_factor), unit, lambda body: bool(body.a[-1] > radius), slopes)
-    return unit.scaled(relaxation.relaxed)
 
 
 def solved_on(

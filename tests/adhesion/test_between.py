@@ -11,7 +11,6 @@ from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import Nonadhesive, Rows
 from jkrcli.adhesion.device_path import there_and_back
-from jkrcli.adhesion.rate import PowerRate, RateContact
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
@@ -19,6 +18,7 @@ from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Speci
 from jkrcli.formulas import hertz
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
+from jkrcli.viscoelastic.rate import PowerRate, RateContact
 
 GEL = Specimen((Layer(Elastic(15e3, 0.499), 0.36e-3),), Rigid(True))
 

@@ -83,8 +83,8 @@ def test_transform_names_its_files_by_it(jkr: Callable, pair: tuple[Path, Path])
 
 
 @pytest.mark.parametrize(("text", "said"), [
-    ("0", "must be > 0, got 0"),
-    ("-2", "must be > 0, got -2"),
+    ("0", "must be >= 1e-12 and <= 1e+12, got 0"),
+    ("-2", "must be >= 1e-12 and <= 1e+12, got -2"),
     ("nan", 'must be a plain number, such as "0.3", got "nan"'),
 ])  # fmt: skip
 def test_wrong_factors_are_one_line(jkr: Callable, text: str, said: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import SolveError
-from jkrcli.base.lockstep import Flow, alone, ask, quiet, together
+from jkrcli.measured.lockstep import Flow, alone, ask, quiet, together
 
 
 def squares(asked: list[float]) -> list[float | Exception]:

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.base.units import implausible_work
 from jkrcli.cli.inputs import tables_of
+from jkrcli.measured.parameters import implausible_work
 
 BODY = {"shape": None, "half_angle": None, "cap": None, "thickness": None, "base": None, "radius": "10 um", "nu": "0.5"}
 

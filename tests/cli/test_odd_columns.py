@@ -17,8 +17,8 @@ import pytest
 import jkrcli as python
 from jkrcli.base import files
 from jkrcli.base.errors import InputError
-from jkrcli.data.curve import Reading
-from jkrcli.data.foreign import SeriesReading
+from jkrcli.measured.curve import Reading
+from jkrcli.resolve.foreign import SeriesReading
 from jkrcli.tables import read_table
 
 DEPTH = np.linspace(-1.0, 0.3, 40)  # um

@@ -260,8 +260,8 @@ def test_long_fits_and_states_are_announced(
         raise SolveError("no start matches")
 
     tuned("jkrcli.base.process.SILENCE", 0.0)
-    monkeypatch.setattr("jkrcli.fitting.rate._Problem.starts", lambda _: [None, None])
-    monkeypatch.setattr("jkrcli.fitting.rate._Problem.minimise", unmatched)
+    monkeypatch.setattr("jkrcli.viscoelastic.rate_fit._Problem.starts", lambda _: [None, None])
+    monkeypatch.setattr("jkrcli.viscoelastic.rate_fit._Problem.minimise", unmatched)
     done = jkr("fit", "gel.h5", "probe.csv", "--law", "power", "--no-plots")
     assert re.search(r"fit of a law to \d+ readings from 2 starts: about .* of CPU time", done.err), done.err
     monkeypatch.setattr("jkrcli.cli.curve_verbs.profile_columns", begun)

@@ -21,8 +21,8 @@ from jkrcli.base.files import is_ours
 from jkrcli.base.numerics import DRAWN
 from jkrcli.case import store
 from jkrcli.cli import call
-from jkrcli.data.curve import Curve
 from jkrcli.many.explorer import payload
+from jkrcli.measured.curve import Curve
 from jkrcli.resolve.analysis import adhesive, analyse, nonadhesive
 
 pytest.importorskip("plotly")

@@ -315,7 +315,8 @@ KINDS = {
         {**CLOSED, "indenter": ELASTIC}, LAYERED),
     "closed-form: thick layer": kind("method closed-form: the thin-layer formula errs by {} between a/h = {} and {}, "
         "more than 5%: use method layered", CLOSED, LAYERED),
-    "closed-form: not checked": kind("method closed-form: the thin-layer formula could not be checked: " + MUCH + "{}",
+    "closed-form: not checked": kind("method closed-form: the thin-layer formula could not be checked: the exact layer "
+        "at a = {} is refused (" + MUCH + "{})",
         {**CLOSED, "specimen": {"layers": [layer("1 um", nu=0.2)]},
          "loading": {"radius": ["80 um", "100 um"], "points": None}},
         {"loading": {"radius": ["50 um", "60 um"]}}, near=0.05,

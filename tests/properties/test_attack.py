@@ -366,7 +366,7 @@ def test_many_works_of_adhesion_are_refused_before_they_begin(jkr, series: Path)
     words = [word for i in range(20_000) for word in ("--w", str(0.01 + 1e-6 * i))]
     done = jkr("transform", series.name, *words)
     assert done.code == 2
-    assert "works of adhesion would need about 12.2 GiB of memory and 3.51 h of CPU time, the limit is" in done.err
+    assert "works of adhesion would need about 12.3 GiB of memory and 3.51 h of CPU time, the limit is" in done.err
 
 
 @pytest.mark.parametrize("verb", ["check", "run"])

@@ -18,7 +18,8 @@ from jkrcli.bodies.problem import Problem
 from jkrcli.case import store
 from jkrcli.case.models import Case, load_case, parse_case, plain_toml
 from jkrcli.case.store import solve
-from jkrcli.data import foreign, measured
+from jkrcli.measured import files as measured
+from jkrcli.resolve import foreign
 
 CORPUS = Path(__file__).parent / "corpus"
 BODY = b"""

@@ -23,7 +23,7 @@ import signal, sys
 from pathlib import Path
 from jkrcli.base.errors import InputError
 from jkrcli.case.store import read_solution
-from jkrcli.data import measured
+from jkrcli.measured import files as measured
 path, whole = Path(sys.argv[1]), Path(sys.argv[1]).read_bytes()
 read = read_solution if sys.argv[2] == "solution" else lambda path: list(measured.each(path))
 for line in sys.stdin:

@@ -18,14 +18,16 @@ from jkrcli.base.process import SILENCE
 from jkrcli.case.models import parse_case
 from jkrcli.cli import MOST_WORDS
 from jkrcli.cli.inputs import TABLE_PER_ROW
-from jkrcli.cli.readings import begin_reading
-from jkrcli.data import foreign, instruments, measured
-from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.many.sweep import forecast
 from jkrcli.many.sweep_plan import Wanted, load_plan, solve_group
+from jkrcli.measured import files as measured
+from jkrcli.measured import instruments
+from jkrcli.measured.afm_formats import estimate_rows
+from jkrcli.measured.readings import begin_reading
 from jkrcli.methods.fem import FEM
 from jkrcli.methods.protocol import Limits
 from jkrcli.report.tables import read_curve
+from jkrcli.resolve import foreign
 from jkrcli.series import RawSeries
 from jkrcli.tables import MOST_COLUMNS, Dialect, read_table
 
@@ -67,10 +69,10 @@ def test_long_tables_are_announced_before_they_are_read(
     def reading(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jkrcli.fitting.work.each", reading)  # first: what it imports is no patch
-    monkeypatch.setattr("jkrcli.data.measured.each", reading)
+    monkeypatch.setattr("jkrcli.measured.work.each", reading)  # first: what it imports is no patch
+    monkeypatch.setattr("jkrcli.measured.files.each", reading)
     monkeypatch.setattr("jkrcli.report.forward.read_curve", reading)
-    monkeypatch.setattr("jkrcli.cli.fit.fitted_body", reading)
+    monkeypatch.setattr("jkrcli.measured.fits.fitted_body", reading)
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
     done = jkr(*verb, "long.csv")
@@ -129,7 +131,7 @@ def test_intervals_are_announced_and_refused_before_anything_is_read(
     jkr, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], told: str
 ) -> None:
     """A bootstrap of 100,000 samples took 22 min without a word."""
-    stopped(monkeypatch, "jkrcli.fitting.work.each", "jkrcli.data.measured.each", "jkrcli.cli.fit.fitted_body")
+    stopped(monkeypatch, "jkrcli.measured.work.each", "jkrcli.measured.files.each", "jkrcli.measured.fits.fitted_body")
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("x.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 50)
     assert told in jkr("fit", "s.toml", "x.csv", *words).err
@@ -152,7 +154,7 @@ def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypa
     """30 s for 10,000 rows."""
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("x.csv").write_text("t_s,x_m\n" + "".join(f"{i:05d},1e-6\n" for i in range(10_000)))
-    stopped(monkeypatch, "jkrcli.data.foreign.read_program")
+    stopped(monkeypatch, "jkrcli.resolve.foreign.read_program")
     words = ("cycle", "s.toml", "--rate", "v0=1e-6,n=0.6", "--program", "x.csv")
     assert "cycle --program of about 10,000 rows needs about 0.495 GiB of memory and 2 min" in jkr(*words).err
     done = jkr(*words, "--limit-time", "0.01")

@@ -24,9 +24,9 @@ from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import SHORTEST, beside
 from jkrcli.base.process import LINE_ENDS
-from jkrcli.data import measured
-from jkrcli.data.afm_formats import estimate_rows
-from jkrcli.data.curve import Curve, Reading
+from jkrcli.measured import files as measured
+from jkrcli.measured.afm_formats import estimate_rows
+from jkrcli.measured.curve import Curve, Reading
 from jkrcli.report import archive
 
 Run = Callable[..., Outcome]
@@ -380,7 +380,7 @@ def test_an_archive_of_very_many_members_is_read(tmp_path: Path, monkeypatch: py
 
 def test_curves_of_long_names_are_fitted_and_drawn(jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A name of 300 letters failed after all work."""
-    monkeypatch.setattr("jkrcli.report.plots.inverse.fit_figure", lambda item: Figure())  # its files are named before
+    monkeypatch.setattr("jkrcli.measured.figures.fit_figure", lambda item: Figure())  # its files are named before
     a = np.linspace(2e-5, 9e-5, 40)
     P = 4e6 / 0.91 * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05e6 / 0.91)
     rows = "".join(f"{x},{y}\n" for x, y in zip(a.tolist(), P.tolist(), strict=True)).encode()
@@ -405,7 +405,7 @@ def test_names_that_others_gave_become_different_names_of_files(tmp_path: Path) 
 def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_work(
     jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("jkrcli.cli.fit.fitted_body", lambda *_: pytest.fail("work was begun"))
+    monkeypatch.setattr("jkrcli.measured.fits.fitted_body", lambda *_: pytest.fail("work was begun"))
     Path("m.csv").write_bytes(TABLE)
     body = series.rename("b" * (255 - len("-fit-.png") - SHORTEST + 1) + ".h5")
     refused(jkr("fit", body, "m.csv"), "cannot be written (File name too long)")

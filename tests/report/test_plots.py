@@ -27,11 +27,11 @@ from matplotlib.transforms import Bbox
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.case import store
 from jkrcli.many.studies import Cost
+from jkrcli.measured.archive import Map
+from jkrcli.measured.figures import _broken, map_figure
 from jkrcli.report import plots
 from jkrcli.report import plots as looks
-from jkrcli.report.archive import Map
 from jkrcli.report.plots.forward import curve_figure, differences_figure, physical_units
-from jkrcli.report.plots.inverse import _broken, map_figure
 from jkrcli.report.result import Files
 from jkrcli.resolve.analysis import Analysis, analyse
 from jkrcli.series import Difference

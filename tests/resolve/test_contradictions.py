@@ -12,8 +12,8 @@ from jkrcli.adhesion.curve import LOAD_CONTROL, AdhesiveCurve, Nonadhesive
 from jkrcli.adhesion.pull_off_error import error_of_rows, pull_off_error
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import Unknown
-from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import Analysis, analyse
+from jkrcli.resolve.foreign import SeriesReading, read_series
 from jkrcli.series import Series
 
 # Of radii and loads: what is wrong with the series, and what the cause is called

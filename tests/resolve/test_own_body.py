@@ -12,9 +12,9 @@ from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import RoundedFlat
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
-from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.formulas import rounded_flat
 from jkrcli.resolve.analysis import nonadhesive
+from jkrcli.resolve.foreign import SeriesReading, read_series
 from jkrcli.resolve.resolve import own_solution
 from jkrcli.series import Series
 from studies.disturbed import cell, disturbed

@@ -23,7 +23,6 @@ from ...base.errors import InputError, Unknown, counted, installs
 from ...base.numerics import DRAWN, LEVEL, Array
 from ...base.registry import Result
 from ...base.units import SI, UNITS, decades, scale
-from ...data.curve import Curve
 from ...formulas import MEASURED, strained_pull_off
 from ...resolve import analysis
 from ...resolve.analysis import Analysis, nonadhesive
@@ -64,7 +63,7 @@ class Control:
         return cls(0.0, -extent, extent, False, unit, power)
 
 
-def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "auto") -> dict[str, Any]:
+def payload(result: Analysis, measured: Sequence[Any], slopes_option: str = "auto") -> dict[str, Any]:
     """Everything the page shows, as plain lists, numbers and words.
 
     ``result`` gives the work of adhesion to begin with, which must be > 0; its modulus factor must be 1.
@@ -192,7 +191,7 @@ def _relaxed(result: Analysis) -> float | None:
     return (None if law is None else law.relaxed) or None
 
 
-def _controls(curve: AdhesiveCurve, measured: Sequence[Curve], tension: float) -> dict[str, Control]:
+def _controls(curve: AdhesiveCurve, measured: Sequence[Any], tension: float) -> dict[str, Control]:
     """The sliders; that of w ends where a surface ``tension`` [N/m] leaves no contact angle."""
     # Distance from the smallest to the largest measured value; 0 where there is none.
     spans = {
@@ -230,7 +229,7 @@ def _unit(value: float, dimension: str) -> tuple[str, int]:
     return unit, round(math.log10(factor))
 
 
-def _thinned(measured: Sequence[Curve]) -> tuple[list[dict[str, Any]], int]:
+def _thinned(measured: Sequence[Any]) -> tuple[list[dict[str, Any]], int]:
     """The measured curves with every so many rows left out, and how many rows there were."""
     total = sum(map(len, measured))
     every = max(1, math.ceil(total / DRAWN))

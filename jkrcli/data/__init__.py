@@ -1,1 +1,0 @@
-"""What others measured or computed, read into SI."""

@@ -1,0 +1,487 @@
+"""``jkr fit``: E*, w and the zero points from measured curves."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
+
+import click
+
+from ..base import files
+from ..base.errors import InputError, JkrError, SolveError, counted
+from ..base.executors import executor
+from ..base.files import beside, together, write_text
+from ..base.numerics import LEVEL
+from ..base.process import one_thread
+from ..base.registry import Result
+from ..base.wings import offered
+from ..bodies.problem import RELAXATIONS
+from ..cli import options
+from ..cli.inputs import Flags, body_options
+from ..cli.options import Parallel, as_one, begin, flag, several, verb
+from ..cli.printing import give, note, progress, say, warn
+from ..methods.protocol import Forecast, Limits
+from ..report.result import PICTURES, SHOWN, Files, Output
+from ..tables import some
+from . import files as measured
+from .curve import Curve, Reading
+from .files import holds_map, usable
+from .forward_model import FittedBody
+from .joint import joint_fit, shared_of, with_radii
+from .parameters import ALIAS, Answer
+from .procedure import Failure, fit_all, friction_warnings, memory_of, planned, preferences
+from .readings import (
+    TABLE_CARRIED,
+    TABLE_FIT_PER_CURVE,
+    TABLE_FIT_PER_ROW,
+    TABLE_PROFILED,
+    TABLE_REFIT,
+    TABLE_REFIT_PER_ROW,
+    begin_reading,
+    body_and_measured,
+    fitted_body,
+    reading_options,
+)
+from .report import Fits, alternatives_table, plan_table
+from .result import Fit, attempted, left_out
+from .segmentation import segment_force_curve
+from .settings import (
+    EACH,
+    LAW,
+    RELAXATION,
+    SHARED,
+    TENSION,
+    USUALLY_FREE,
+    BaseLineName,
+    BranchName,
+    ConfidenceName,
+    Loss,
+    ModelName,
+    SegmentName,
+    Settings,
+    check_unused,
+    settings_of,
+)
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr fit`` of records together: what they share, a law of w over the edge's speed, a surface tension; and of laws
+# of relaxation.
+
+Beside = TypeVar("Beside")
+
+
+Pairs: TypeAlias = tuple[tuple[str, Any], ...]  # NAME=VALUE
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitOptions:
+    """What was asked of a fit, by the options of the same names."""
+
+    free: tuple[tuple[str, ...], ...]
+    fix: Pairs
+    start: Pairs
+    bound: Pairs
+    law: str | None = None
+    relaxation: str | None = None
+    terms: int | None = None
+    segment: str | None
+    base_line: str
+    branch: str
+    noise: Pairs
+    loss: str
+    confidence: str
+    model: str
+    rivals: bool
+    plan: bool
+    level: float
+    samples: int
+    seed: int
+    shared: tuple[tuple[str, ...], ...]
+    own: tuple[tuple[str, ...], ...]
+    tip_radius: tuple[float, ...]
+    surface: str | None
+    uncertain: Pairs
+
+
+@dataclass(frozen=True, eq=False)
+class FitRequest:
+    """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
+    ``body_words``: the ``body`` in words; ``inputs``: files not to write over."""
+
+    body: FittedBody
+    measured: Sequence[Path]
+    reading: Reading
+    names: Sequence[str]
+    options: FitOptions
+    targets: Files
+    body_words: str
+    output: Output
+    inputs: Sequence[Path]
+
+    def curves(self, beside: Sequence[Beside]) -> tuple[list[Curve], list[Beside]]:
+        """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""
+        pairs = [(item, one) for path, one in zip(self.measured, beside, strict=True)
+                 for item in measured.each(path, self.reading)]  # fmt: skip
+        for item, _ in pairs:
+            if isinstance(item, InputError):
+                raise item
+        return [item for item, _ in pairs if not isinstance(item, InputError)], [one for _, one in pairs]
+
+    def conclude(self, fit: Callable[[], Answer]) -> None:
+        """One ``fit`` of all curves: its table, summary and, where it has one, picture."""
+        try:
+            with one_thread():
+                result = replace(fit(), body=self.body_words)
+        except SolveError as error:
+            raise InputError(f"{self.measured[0]}: {error}") from None
+        self.write(result)
+
+    def write(self, result: Result) -> None:
+        """The files of a ``result``, and what is said of it."""
+        self.targets.write(result.columns, result.summary(), self.targets.draw(result.figure))
+        give(result, self.output.json, f"  written {self.targets}")
+
+
+def fit_joint(request: FitRequest, settings: Settings) -> None:
+    """What all records have in common, from all of them together."""
+    shared, own = (_flat(groups) for groups in (request.options.shared, request.options.own))
+    names = shared_of(shared, own, settings)
+    curves, bodies = request.curves(with_radii(request.body, request.options.tip_radius, len(request.measured)))
+    request.conclude(lambda: joint_fit(bodies, curves, settings, names))
+
+
+def has_tension(request: FitRequest) -> bool:
+    """Whether surface tension has a part in the fit."""
+    named = TENSION in request.names or TENSION in dict(request.options.fix)
+    return named or request.body.problem.specimen.surface_tension > 0
+
+
+def fit_tension(request: FitRequest) -> None:
+    """The surface tension, E*, w and zeros from records by tips of several radii."""
+    from .surface_tension import known_values, radii_of, tension_fit
+
+    problem, level = request.body.problem, request.options.level
+    fixed = known_values(problem, request.names, request.options.fix)
+    curves, tips = request.curves(radii_of(problem, request.options.tip_radius, len(request.measured)))
+    request.conclude(lambda: tension_fit(problem, curves, tips, fixed, level))
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr fit`` of curves one by one: their table, summary, archive and pictures.
+
+Outcome: TypeAlias = "Fit | Failure"
+Pictures: TypeAlias = "list[tuple[Outcome, Files]]"
+FEWER = "fewer rows, curves or samples"
+
+
+def refits_of(confidence: str, samples: int, uncertain: int) -> int:
+    """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
+    anew = {"covariance": 0, "profile": TABLE_PROFILED, "bootstrap": samples}
+    return anew[confidence] + TABLE_CARRIED * uncertain
+
+
+def fit_curves(
+    request: FitRequest, bodies: list[FittedBody], settings: Settings, refits: int, limits: Limits,
+    parallel: Parallel,
+) -> None:  # fmt: skip
+    """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
+
+    output = request.output
+    curves, unread = usable(request.measured, request.reading)
+    each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
+    seconds = sum(each_curve)
+    forecast = Forecast(len(bodies) * seconds, memory_of(curves, len(bodies), parallel[0]), 0.0)
+    begin(f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
+    each = []
+    for one in bodies:
+        with executor(*parallel, progress, seconds) as pool:
+            each.append(fit_all(one, curves, settings, pool))
+    outcomes = [item for items in each for item in items]
+    if request.options.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
+        raise InputError("fit: --rivals is for raw force curves, and none of these is one: leave it out")
+    if request.options.plan:
+        outcomes = [planned(one, item) if isinstance(item, Fit) else item
+                 for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
+    reasons = unread + [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
+    pictures = _pictures(request, each, bodies) if output.plots else []
+    left, none, several = list[str](), list[str](), len(bodies) > 1
+    prefer, friction = partial(preferences, outcomes), partial(friction_warnings, request.body, outcomes)
+    what, words = ("which surface is preferred", prefer) if several else ("whether sticking matters", friction)
+    told = attempted(what, lambda: list(words()), none, left)
+    preferred, friction_words = (told, none) if several else (none, told)
+    result = Fits(outcomes, request.body_words, friction_words, unread)
+    count, more_files = _write(request, result, reasons, pictures, left)
+    for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
+        warn(line)
+    drawn = f", {counted(count, 'picture')}" if count else ""
+    more = f"; the table has all {len(result.outcomes):,} curves" if len(result.fits) > SHOWN else ""
+    give(result, output.json, f"  written {request.targets}{drawn}{more_files}{more}")
+    for item in result.fits[:SHOWN] if not output.json else []:
+        if lines := [*(alternatives_table(item) if request.options.rivals else []), *plan_table(item)]:
+            say("\n".join(lines))
+    for line in preferred:
+        (note if output.json else say)(line)
+
+
+def _write(
+    request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures, left: list[str]
+) -> tuple[int, str]:
+    """Write table, summary, archive and pictures, but for what goes to ``left`` with the reason; how many pictures, and
+    what is said of the page of curves and the map. InputError, when all that can be written is, where no curve could be
+    used."""
+    from . import archive
+
+    if not result.outcomes:
+        raise InputError(some(reasons))
+    targets, output, summary = request.targets, request.output, result.summary()
+    scan = archive.map_of(result.outcomes) if output.plots else None
+    alone = scan is None and (
+        len(result.outcomes) < archive.LEAST_CURVES
+        or not result.fits
+        or len({item.surface for item in result.fits}) > 1
+    )
+    of_map = None if alone or not output.plots else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
+    several = output.plots and len(result.outcomes) > 1
+    of_curves = output.files(Path(f"{targets.stem}-curves"), (".html",) if several else (), request.inputs)
+    with together():
+        lines = [files.json_line(one) for one in summary["curves"]]
+        targets.write(result.columns, summary, lines=lines)
+        archive.write_fits(targets[".h5"], result.outcomes, result.body, lines)
+        count = _draw(pictures, left) if pictures else 0
+        if several:
+            from .curve_page import page
+
+            words = partial(page, result.outcomes, f"fit to {request.body_words}")
+            if text := attempted("the page of all curves", words, "", left):
+                write_text(of_curves[".html"], text)
+            several = bool(text)
+        if of_map is not None:
+            from .figures import curves_figure, map_figure
+
+            figure = partial(curves_figure, result.outcomes) if scan is None else partial(map_figure, scan)
+            of_map = of_map if _picture("the map", of_map, figure, left) else None
+    if not result.fits:
+        raise InputError(some(reasons))
+    page_words = f", all curves in {of_curves}" if several else ""
+    return count, f"{page_words}, the map in {of_map}" if of_map else page_words
+
+
+def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[FittedBody]) -> Pictures:
+    """Curves to draw, fitted or not, each with its files, named after its file, itself where it is not alone, and, of
+    several, the surface; none where they are many."""
+    named: list[tuple[Outcome, str]] = []
+    for items, body in zip(each, bodies, strict=True):
+        shown = [item for item in items if isinstance(item, Fit) or {"delta", "P"} <= set(item.curve.measured)]
+        for item in shown if len(shown) <= SHOWN else []:
+            file, name = (item.file, item.name) if isinstance(item, Fit) else (item.curve.origin, item.curve.name)
+            words = [Path(file or "").stem, *[name] * (len(shown) > 1), *[body.problem.surface] * (len(bodies) > 1)]
+            named.append((item, "-".join(words)))
+    stems = beside(request.targets.stem, [name for _, name in named])
+    return [(item, request.output.files(stem, PICTURES, request.inputs))
+            for (item, _), stem in zip(named, stems, strict=True)]  # fmt: skip
+
+
+def _draw(drawn: Pictures, left: list[str]) -> int:
+    """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart. How
+    many are drawn."""
+    from .figures import fit_figure, record_figure
+
+    count = 0
+    for item, target in drawn:
+        what = f"the picture of {item.curve.where if isinstance(item, Failure) else item.where}"
+        if not isinstance(item, Failure):
+            count += _picture(what, target, partial(fit_figure, item), left)
+            continue
+        with contextlib.suppress(InputError):
+            count += _picture(what, target, partial(record_figure, [segment_force_curve(item.curve)]), left)
+    return count
+
+
+def _picture(what: str, target: Files, figure: Callable[[], Any], left: list[str]) -> bool:
+    """Whether a picture could be drawn and written, which else is left out; files that cannot be written are refused as
+    those of results are."""
+    if (made := attempted(what, figure, None, left)) is None:
+        return False
+    try:
+        target.write(figure=made)
+    except (JkrError, OSError):
+        raise
+    except Exception as error:
+        left.append(left_out(what, error))
+        return False
+    return True
+
+
+SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
+HOW = ("segment", "base_line", "branch", "loss", "confidence", "model", "level", "samples", "seed")
+NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, stress and capillary out"
+
+
+class NamesType(options.ParsedType):
+    """One or several names, separated by commas."""
+
+    name = "NAME,..."
+
+    def parsed(self, text: str) -> Any:
+        return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+# Of laws over time, where a wing fits them.
+RATE_LAWS = offered("laws of w over speed") or ()
+OVER_TIME = (
+    (
+        click.option(
+            "--law",
+            type=click.Choice(list(RATE_LAWS)),
+            help="w depends on the speed of the contact line: w0 and the law's v0, n (or v0, b) are free too, all "
+            "force curves are fitted together; needs t, delta, P.",
+        ),
+        click.option(
+            "--relaxation",
+            type=click.Choice(list(RELAXATIONS)),
+            help="Viscoelastic specimen: modulus, "
+            "law and contact point from t, delta, P of indentation, dwell and retraction; with --free w and "
+            "--fix stress=... or range=... of adhesive cycles.",
+        ),
+        click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
+    )
+    if RATE_LAWS
+    else ()
+)
+
+# Of the fit.
+ASKED = as_one(
+    "asked",
+    FitOptions,
+    click.option("--free", multiple=True, type=NamesType(),
+                 help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
+                 "hysteresis, creep (of the piezo), surface_tension."),
+    click.option("--fix", multiple=True, type=options.NAMED,
+                 help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
+    click.option("--start", multiple=True, type=options.NAMED,
+                 help="Starting value, in addition to those estimated from the data."),
+    click.option("--bound", multiple=True, type=options.NAMED,
+                 help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
+                 'Of what is not fitted what is known: range="..10 nm", surface_tension="..30 mN/m".'),
+    *OVER_TIME,
+    click.option("--segment", type=options.choice(SegmentName),
+                 help="Directions to fit [default: both; with --law retract]."),
+    click.option("--base-line", type=options.choice(BaseLineName), default="straight", show_default=True,
+                 help="Of a raw force curve; sine: with optical interference."),
+    click.option("--branch", type=options.choice(BranchName), default="all", show_default=True,
+                 help="compressive: rows under compression only."),
+    click.option("--noise", multiple=True, type=options.SCALE,
+                 help='Standard deviation of the readings, P="2 nN" [default: from the force curve].'),
+    click.option("--loss", type=options.choice(Loss), default="linear",
+                 show_default=True, help="Anything but linear is robust against outliers."),
+    click.option("--confidence", type=options.choice(ConfidenceName), default="covariance",
+                 show_default=True, help="How the intervals are found."),
+    click.option("--model", type=options.choice(ModelName), default="jkr", show_default=True,
+                 help="Of a raw force curve; auto: the best other models too, where its data favour one."),
+    click.option("--alternatives", "--rivals", "rivals", is_flag=True,
+                 help="Print what the data of a raw force curve say of each other model."),
+    click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
+    click.option("--level", type=float, default=LEVEL, show_default=True, help="Of the intervals."),
+    click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True,
+                 help="Number of bootstrap resamples."),
+    click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples."),
+    click.option("--shared", multiple=True, type=NamesType(),
+                 help="Fit all force curves together: parameters that they share, such as E_star,w."),
+    click.option("--own", multiple=True, type=NamesType(),
+                 help="With --shared: those of each force curve, delta0,P0 [default: all other free ones]."),
+    click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
+                 help="With --shared or surface_tension: tip radius of each file, or of all [default: BODY's]."),
+    click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
+                 help="Of the body, instead of its own; both: under either, and what the data favour."),
+    click.option("--uncertain", multiple=True, type=options.NAMED,
+                 help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, thickness=5%."),
+)  # fmt: skip
+
+# Of the body, of the fit, of the reading, of what is written.
+OPTIONS = several(
+    body_options,
+    ASKED,
+    options.slopes_option,
+    reading_options,
+    options.limits_options,
+    options.parallel_options,
+    options.into_folder("Folder [default: BODY's]."),
+    options.output_options(f"Draw nothing (else up to {SHOWN} curves are drawn).", "Print the summary as JSON."),
+)  # fmt: skip
+
+
+@verb("body [measured...]")
+@OPTIONS
+def fit(
+    body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: options.Parallel,
+    limits: Limits, output: Output, asked: FitOptions,
+) -> None:  # fmt: skip
+    """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
+
+    BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
+    measured: a force curve, or a table of two or three of a, delta, P; a folder is a map. Further unknowns by --free,
+    such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map <MAP>-fit.csv (a row per curve), .json, .h5 and
+    pictures of each curve and of all; of several a page to click through them.
+
+    \b
+    jkr fit curve.jpk-force --radius "5 um" --nu 0.5
+    jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
+    """
+    source, paths = body_and_measured(body, measured, flags)
+    inputs = (body, *measured)
+    # The kind of fit by its options; that of a surface tension shows in the parameters.
+    if asked.relaxation is None and "relaxation" in _flat(asked.free):
+        raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
+    kinds = {RELAXATION: asked.relaxation, LAW: asked.law, SHARED: asked.shared}
+    typed, kind = options.typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
+    if kind != EACH:
+        check_unused(kind, typed, flag)
+    # What is written, but for pictures of curves, whose names are known when they are read.
+    timed = kind != EACH
+    endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
+    named = measured[0] if len(measured) == 1 and holds_map(measured[0]) else body
+    stem = named.name if named.is_dir() else named.stem
+    targets = output.files(output.folder(body.parent) / f"{stem}-fit", endings, inputs)
+    for longest in [] if timed else beside(targets.stem, ["x" * files.SHORTEST]):
+        output.files(longest, PICTURES, inputs)
+    refits = refits_of(asked.confidence, asked.samples, len(asked.uncertain))
+    surfaces = SURFACES.get(asked.surface or "", ("",))
+    per_row, per_file = TABLE_FIT_PER_ROW + refits * TABLE_REFIT_PER_ROW, refits * TABLE_REFIT
+    begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
+    fitted = fitted_body(source, slopes, limits)
+    adheres = "w" in _flat(asked.free) or "w" in dict(asked.fix)
+    if fitted.range_of_case and (kind == LAW or (kind == RELAXATION and not adheres)):
+        raise InputError(f"fit: {kind} {NO_RANGE}")
+    words = str(source) if isinstance(source, Path) else fitted.problem.words
+    # The parameters that are free beside the usual ones, those that records share or have each among them.
+    known = (*USUALLY_FREE, ALIAS, *dict(asked.fix))
+    own = [name for name in _flat((*asked.shared, *asked.own)) if name not in known]
+    request = FitRequest(fitted, paths, reading, [*_flat(asked.free), *own], asked, targets, words, output, inputs)
+    if kind in (EACH, SHARED):
+        kind = TENSION if has_tension(request) else kind
+        check_unused(kind, typed, flag)
+        request = replace(request, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
+    if kind in (RELAXATION, LAW):
+        offered(f"fit of {kind}")(request)
+    elif kind == TENSION:
+        fit_tension(replace(request, targets=output.files(targets.stem, (".csv", ".json"), inputs)))
+    elif kind == SHARED:
+        fit_joint(request, _settings(request, reading.contact))
+    else:
+        bodies = [fitted.on_surface(one) for one in SURFACES[asked.surface or fitted.problem.surface]]
+        fit_curves(request, bodies, _settings(request, reading.contact), refits, limits, parallel)
+
+
+def _settings(request: FitRequest, contact: str) -> Settings:
+    """What is fitted and how."""
+    asked = request.options
+    how = {name: getattr(asked, name) for name in HOW} | {"noise": dict(asked.noise), "contact": contact}
+    return settings_of(request.body, request.names, asked.fix, asked.start, asked.bound, asked.uncertain, **how)
+
+
+def _flat(groups: Iterable[Sequence[str]]) -> list[str]:
+    return [name for group in groups for name in group]

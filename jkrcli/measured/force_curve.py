@@ -1,0 +1,1341 @@
+"""One statistical model of a whole force curve: base line, contact point, modulus and work of adhesion together.
+
+The reading at device position z is that of a contact on its path (``branches``) over a straight base line; all
+scatter is in the load:
+
+    reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
+
+P is 0 where a row is free. On approach the edge advances with its own w; from the turning point on it rests, then
+recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
+``turn`` of its own. Each direction has its own base line (drag, drift of the load), on request with a wave c cos + s
+sin of 2 pi (z - at)/period (interference). On request positions err by a drift, hysteresis or creep, 0 at the turning
+point: in one direction alone they cannot be separated from another modulus.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache, partial
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from ..base.errors import SolveError, known
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median, pchip
+from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
+from .curve import APPROACH, RETRACT, Curve
+from .forward_model import Family, on_grid
+from .least_squares import (
+    TURNS,
+    Least,
+    LeastSquares,
+    Spectrum,
+    Spread,
+    State,
+    TimeOrder,
+    covariance_coloured,
+    influence,
+    robust_scale,
+)
+from .lockstep import Flow, alone, ask
+from .rows import in_contact, noise_from_third_differences
+from .segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
+from .settings import Loss
+
+# --------------------------------------------------------------------------------------------------
+# The sine in a base line: light reflected by the specimen interferes with that of the cantilever.
+#
+# The reading repeats itself whenever the device has moved by half a wavelength of the light. Amplitude and phase are
+# of each direction; the period is of the light and common to both.
+
+# Where a sine is searched, and when it is no noise.
+INTERFERENCE_BLOCKS = 2000  # choice: means of successive free rows that are transformed
+INTERFERENCE_SHORTEST = 6  # theory: of them in a period; their means leave sinc(1/6) = 95 % of the wave
+INTERFERENCE_FINER = (
+    4  # theory: frequencies tried for each that the free way tells apart; sinc(1/8)^2 leaves 95 % between
+)
+# choice: of the free rows, in rounds; a large wave hides their end
+INTERFERENCE_SHARES = (0.5, 1.0, 1.0)
+INTERFERENCE_CLEAR = (
+    14.0  # theory: once in a thousand by chance of a thousand frequencies (Scargle, ApJ 263, 835, 1982)
+)
+
+
+@dataclass(frozen=True)
+class Wave:
+    """``cos`` and ``sin`` [N] of 2 pi (z - at)/period over the device's position z; ``period, at`` in m."""
+
+    period: float
+    at: float
+    cos: float
+    sin: float
+
+    def __call__(self, z: Array) -> Array:
+        return parts(z - self.at, self.period) @ (self.cos, self.sin)
+
+
+def parts(along: Array, period: float) -> Array:
+    """Cosine and sine of a way ``along`` [m] over the period, (rows, 2)."""
+    phase = 2 * math.pi * along / period
+    return np.stack([np.cos(phase), np.sin(phase)], axis=-1)
+
+
+def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
+    """The record examined again without the sine of its base lines, and that of each direction by its kind; the record
+    itself and none where no sine exceeds the noise.
+
+    Without the wave the free rows are determined better, and by them the wave.
+    """
+    curve, waves = record.curve, dict[str, Wave]()
+    for share in INTERFERENCE_SHARES:
+        sides = [side for side in record.directions if side.base.rows >= FEWEST_ROWS]
+        free = {side.segment.kind: _free(curve, side, share) for side in sides}
+        period = _period(list(free.values())) if free else None
+        if period is None:
+            return segment_force_curve(curve), {}
+        waves = {kind: _wave(z, off, period) for kind, (z, off) in free.items()}
+        record = segment_force_curve(_without(curve, sides, waves))
+    return record, waves
+
+
+def _without(curve: Curve, directions: Sequence[Direction], waves: Mapping[str, Wave]) -> Curve:
+    """The curve less its waves; the device stays where it is."""
+    z, P = curve.device, curve.load.copy()
+    for side in directions:
+        rows = side.segment.rows
+        P[rows] -= waves[side.segment.kind](z[rows])
+    return replace(curve, delta=z if curve.stiffness is None else z - P / curve.stiffness, P=P)
+
+
+def _free(curve: Curve, side: Direction, share: float) -> tuple[Array, Array]:
+    """Positions [m] of a share of the free rows of a direction, from the far end on, and their loads over its base line
+    [N], in means of some rows."""
+    order, end = 1 if side.segment.kind == APPROACH else -1, round(share * side.base.rows)
+    z, off = (column[side.segment.rows][::order][:end] for column in (curve.device, curve.load))
+    off = off - np.polynomial.Polynomial.fit(z, off, 1)(z)
+    size = max(1, z.size // INTERFERENCE_BLOCKS)
+    along, loads = (column[: z.size // size * size].reshape(-1, size).mean(axis=1) for column in (z, off))
+    return along, loads
+
+
+def _period(free: list[tuple[Array, Array]]) -> float | None:
+    """The period that explains most, among those of which one or more lie in the free way; None where none explains
+    more than chance does."""
+    way, count = max(float(np.ptp(z)) for z, _ in free), max(z.size for z, _ in free)
+    size, total, rows = INTERFERENCE_FINER * count, 0.0, 0
+    power = np.zeros(size // 2 + 1)
+    for z, off in free:
+        order = np.argsort(z)
+        even = np.interp(np.arange(z[order[0]], z[order[-1]], way / count), z[order], off[order])
+        power += 2 / even.size * np.abs(np.fft.rfft(even, size)) ** 2
+        total, rows = total + float(even @ even), rows + even.size
+    periods = way * INTERFERENCE_FINER / np.maximum(np.arange(power.size), 1)
+    power = np.where((periods <= way) & (periods >= INTERFERENCE_SHORTEST * way / count), power, 0.0)
+    best = int(np.argmax(power))
+    return float(periods[best]) if power[best] > 2 * INTERFERENCE_CLEAR * (total - power[best]) / rows else None
+
+
+def _wave(z: Array, off: Array, period: float) -> Wave:
+    """The wave of a period that is nearest to ``off``, a straight line apart."""
+    along = z - z[0]
+    design = np.column_stack([np.ones_like(z), along / np.ptp(z), parts(along, period)])
+    c, s = np.linalg.lstsq(design, off, rcond=None)[0][2:]
+    return Wave(period, float(z[0]), float(c), float(s))
+
+
+# --------------------------------------------------------------------------------------------------
+# Rows of a raw record as its model takes them: each direction from its far end inwards, with its base line.
+
+# Which rows are left out.
+# tuned on fits, by `make constants`: of the rows in contact, those next to the turning point that are left out
+READINGS_TURNING = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionReadings:
+    """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
+
+    ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free, by a
+    jump, or by a window about first touch that is left out.
+    ``line``: the base line of the free rows alone, ``wave``: on top of it. ``t``: time since the end
+    of the approach [s], 0 where it is not known, ``waits`` until the retraction, of ``lasting`` in all. ``turn``: where
+    the device turns [m]; ``tension``: the largest above the noise [N].
+    """
+
+    kind: str
+    rows: Array
+    line: BaseLine
+    z: Array
+    P: Array
+    touching: Array
+    jumped: bool
+    t: Array
+    turn: float
+    tension: float
+    wave: Wave | None = None
+    waits: float = 0.0
+    lasting: float = 0.0
+
+    @cached_property
+    def spacing(self) -> float:
+        """Usual distance of neighbouring rows [m]; the mean where most of them repeat their position."""
+        steps = np.abs(np.diff(self.z))
+        return median(steps) or float(np.mean(steps))
+
+    @cached_property
+    def span(self) -> float:
+        """Range of the loads [N]."""
+        return float(np.ptp(self.P))
+
+    @cached_property
+    def along(self) -> Array:
+        """Way of the device from the first row on [m]."""
+        return self.z - self.z[0]
+
+    @cached_property
+    def contact(self) -> Array:
+        """The numbers of the rows in contact, where these are known."""
+        return np.flatnonzero(self.touching)
+
+    @cached_property
+    def travel(self) -> float:
+        """How far the device moves in all [m]."""
+        return self.turn - float(self.z.min())
+
+    @property
+    def way(self) -> Array:
+        """The share of the travel between the turn and each row."""
+        return (self.turn - self.z) / self.travel
+
+    @cached_property
+    def reach(self) -> float:
+        """How far the device moves in contact [m], about."""
+        touching = float(np.ptp(self.z[self.touching])) if self.jumped and self.touching.any() else 0.0
+        return touching or 0.1 * float(np.ptp(self.z))
+
+    def thinned(self) -> DirectionReadings:
+        """Means of neighbouring rows, none across the border of contact."""
+        size = self.z.size // ROWS
+        if size < 2:
+            return self
+        begins = np.arange(self.z.size) % size == 0
+        begins[1:] |= self.touching[1:] != self.touching[:-1]
+        first = begins.nonzero()[0]
+        count = np.diff(np.append(first, self.z.size))
+        z, P, t = (np.add.reduceat(column, first) / count for column in (self.z, self.P, self.t))
+        return replace(self, rows=self.rows[first], touching=self.touching[first], z=z, P=P, t=t)
+
+
+def stretches(
+    record: ForceCurve, kinds: Sequence[str], waves: Mapping[str, Wave] | None = None
+) -> tuple[DirectionReadings, ...]:
+    """The directions ``kinds`` of a record as the model takes them: rows within a jump belong to neither side and are
+    left out. ``waves``: what was taken off the loads of the record and is to be fitted with the rest."""
+    sides = [side for kind in kinds if (side := record.direction(kind)) is not None]
+    return tuple(_stretch(record, side, (waves or {}).get(side.segment.kind)) for side in sides)
+
+
+def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> DirectionReadings:
+    curve, inwards = record.curve, slice(None, None, 1 if side.segment.kind == APPROACH else -1)
+    rows = np.arange(side.segment.first, side.segment.last + 1)[inwards]
+    z, P = (column[side.segment.rows][inwards] for column in (curve.device, curve.load))
+    P = P if wave is None else P + wave(z)
+    line, tension, touching, keep = _base_and_contact(side, z, P)
+    contact = np.count_nonzero(touching) or rows.size - side.border[1]
+    keep[rows.size - round(READINGS_TURNING * contact) :] = False
+    if record.ignored.size:
+        keep &= ~np.isin(rows, record.ignored)
+    into = record.direction(APPROACH)
+    last = int(np.argmax(curve.device)) if into is None else into.segment.last
+    t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[last]
+    return DirectionReadings(
+        side.segment.kind, rows[keep], line, z[keep], P[keep], touching[keep], bool(touching.any()), t[rows[keep]],
+        float(curve.device.max()), tension, wave, max(float(t[rows[-1]]), 0.0), float(np.ptp(t)),
+    )  # fmt: skip
+
+
+def _base_and_contact(side: Direction, z: Array, P: Array) -> tuple[BaseLine, float, Array, Array]:
+    """Base line of a direction, its largest tension [N], masks of the rows in contact and of those to keep; no row is
+    surely in contact without a jump at first touch. Without a base line the load is that over 0."""
+    tension, touching, keep = known(side.adhesion) or 0.0, np.zeros(z.size, dtype=bool), np.ones(z.size, dtype=bool)
+    if not side.begins_free:
+        touching = in_contact({"delta": z, "P": P}, 0.0)
+        line = BaseLine(0.0, 0.0, float(z[0]), 0, noise_from_third_differences(P), 0.0, False)
+        tension = max(-float(P.min()), 0.0)
+        return line, tension if tension > line.least else 0.0, touching, touching.copy()
+    if side.jumps or (side.segment.kind != APPROACH and tension):
+        first, last = side.border
+        touching[last:], keep[first + 1 : last] = True, False
+    return side.base, tension, touching, keep
+
+
+# --------------------------------------------------------------------------------------------------
+# Errors of the positions of a device, each as one unknown of a raw record; all are 0 where the device turns.
+#
+# ``drift`` is a steady motion of the zero [m/s]. ``hysteresis`` and ``creep`` are those of a piezo without a sensor,
+# on the way back: it stands deeper than its positions say, by a parabola that is 0 at both ends of the travel, or by
+# the logarithm of the time since the turn (Devasia, Eleftheriou and Moheimani, IEEE Trans. Control Syst. Technol. 15,
+# 802, 2007). Their amounts are fractions of the travel: the largest separation of the ways, and the creep per decade
+# of time from a hundredth of the record on.
+
+# How creep begins.
+POSITION_ONSET = 0.01  # choice: of the time of a record, from which on it goes by decades
+
+
+TIMED = ("drift", "creep")  # that need a column of time
+
+
+def hysteresis(way: Array) -> Array:
+    """The share of the largest separation at shares ``way`` of the travel from the turn on."""
+    return 4 * way * (1 - way)
+
+
+def creep(time: Array) -> Array:
+    """Decades of the ``time`` since the turn, over that of the record."""
+    return np.log10(1 + time / POSITION_ONSET)
+
+
+# Which rows tell the noise, and what is remembered.
+# tuned on raw records, by `make constants`: of the rows of a base line, those that tell the noise: contact begins
+# gently
+FORCE_CURVE_SURELY = 0.9
+FORCE_CURVE_REMEMBERED = 2  # theory: residuals at the same unknowns, with the fold as the search sees it and as it is
+
+
+Edges: TypeAlias = tuple[DeviceBranch, Rest | None, Array, Array, Array]  # with the depth of all rows, and which move
+Loads: TypeAlias = "Callable[[ForceCurveModel, DirectionReadings, Mapping[str, float]], Array]"  # [N], of all rows
+
+
+@dataclass(frozen=True, eq=False)
+class ForceCurveModel:
+    """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
+
+    These are ln s, z0, the errors of ``positions``, the log of the period where there are waves, for each
+    stretch its offset, tilt, cosine and sine of its wave, and q = w/s unless its w is one of ``works`` [J/m^2]; of an
+    approach before a retraction that adheres its signed root instead, which the resting edge is smooth in; of a
+    retraction alone the share ``turn``. ``known``: those that are not fitted, by name. ``moduli``: least and largest s.
+    """
+
+    family: Family
+    k: float
+    stretches: tuple[DirectionReadings, ...]
+    known: Mapping[str, float] = field(default_factory=dict)
+    works: Mapping[str, float] = field(default_factory=dict)
+    moduli: tuple[float, float] = (0.0, math.inf)
+    positions: tuple[str, ...] = ()
+
+    @cached_property
+    def rows(self) -> Array:
+        """The rows of the record in all stretches."""
+        return np.concatenate([part.rows for part in self.stretches])
+
+    @cached_property
+    def in_time(self) -> TimeOrder:
+        """The order in which the rows were taken."""
+        return TimeOrder.of(self.rows)
+
+    def ordered(self, columns: Array, noise: Spectrum) -> Array:
+        """Columns of all rows as they were taken, where the order matters to the ``noise``."""
+        return self.in_time.series(columns, noise) if noise.slow else columns
+
+    def whitened(self, columns: Array, noise: Spectrum) -> Array:
+        """Columns of all rows so that a noise has unit variance and no colour."""
+        return noise.whitened(self.ordered(columns, noise))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The unknowns in order; those of a stretch carry its kind."""
+        names = (
+            ["ln_s", "z0"]
+            + list(self.positions)
+            + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
+        )
+        for stretch in self.stretches:
+            names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"]
+            names += [f"cos:{stretch.kind}", f"sin:{stretch.kind}"] * (stretch.wave is not None)
+            names += [self.adhesion_of(stretch)] * (stretch.kind not in self.works)
+            names += ["turn"] * (len(self.stretches) == 1 and stretch.kind != APPROACH and stretch.tension > 0)
+        return tuple(name for name in names if name not in self.known)
+
+    def adhesion_of(self, stretch: DirectionReadings) -> str:
+        """The name of the unknown that w of a stretch comes from."""
+        rests = stretch is not self.stretches[-1] and self.stretches[-1].tension > 0
+        return f"r:{stretch.kind}" if rests else f"q:{stretch.kind}"
+
+    @cached_property
+    def most(self) -> float:
+        """Largest q: of a curve that is pulled off at the end of the series."""
+        _, (_, _, dH, dV), _ = on_grid(self.family)
+        return 0.9 * float(dH[-1] / dV[-1]) ** 2
+
+    @property
+    def limits(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest values of unknowns by name."""
+        least, most = (math.log(s) if s > 0 else -math.inf for s in self.moduli)
+        return {"ln_s": (least, most)}
+
+    def further(self, values: Mapping[str, float]) -> dict[str, float]:
+        """What other unknowns mean, SI, by name."""
+        return {}
+
+    def values(self, x: Array) -> dict[str, float]:
+        """All unknowns by name, the known ones too, and q of each stretch."""
+        values = {**self.known, **dict(zip(self.names, x.tolist(), strict=True))}
+        for kind, w in self.works.items():
+            values[f"q:{kind}"] = w / math.exp(values["ln_s"])
+        for kind in (APPROACH, RETRACT):
+            if (r := values.get(f"r:{kind}")) is not None:
+                values[f"q:{kind}"] = r * abs(r)
+        return values
+
+    def unknowns(self, values: Mapping[str, float]) -> Array:
+        """Those of some ``values`` by name, in order."""
+        return np.array([values[name] for name in self.names])
+
+    @cached_property
+    def noise(self) -> float:
+        """The largest noise of a base line [N]."""
+        return max(part.line.noise for part in self.stretches)
+
+    def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
+        """Position of the device beyond its zero [m], at all rows of a stretch."""
+        depth: Array = part.z - values["z0"]
+        for name, by in self.misplaced(part).items() if self.positions else ():
+            depth += values[name] * by
+        return depth
+
+    def misplaced(self, part: DirectionReadings) -> dict[str, Array]:
+        """How much deeper the rows of a stretch stand than they say, per amount of each error of positions [m]."""
+        back = part.travel * (part.kind != APPROACH)
+        shifts = {}
+        for name in self.positions:
+            if name == "drift":
+                shifts[name] = -part.t
+            elif name == "hysteresis":
+                shifts[name] = back * hysteresis(part.way)
+            else:
+                shifts[name] = back * creep(np.maximum(part.t, 0.0) / part.lasting)
+        return shifts
+
+    def deepened(self, part: DirectionReadings, values: Mapping[str, float]) -> float:
+        """How much deeper the device creeps while it waits before the way back, per amount [m]."""
+        crept = part.waits > 0 and values.get("creep", 0.0) > 0
+        return part.travel * float(creep(np.array(part.waits / part.lasting))) if crept else 0.0
+
+    def moving(self, part: DirectionReadings, values: Mapping[str, float]) -> Moving:
+        """What the branch on which the edge of a stretch moves is of."""
+        return self.family, math.exp(values["ln_s"]), values[f"q:{part.kind}"], self.k
+
+    def resting(self, part: DirectionReadings, values: Mapping[str, float]) -> Resting | None:
+        """What the resting edge with which a stretch begins at the turning point is of; None where none rests."""
+        root = math.sqrt(max(values[f"q:{part.kind}"], 0.0))
+        first = self.stretches[0]
+        if first is not part:
+            before = values.get(f"r:{first.kind}", math.sqrt(max(values[f"q:{first.kind}"], 0.0)))
+        elif "turn" in values:
+            before = values["turn"] * root
+        else:
+            return None
+        depth = part.turn - values["z0"] + values.get("creep", 0.0) * self.deepened(part, values)
+        return (self.family, math.exp(values["ln_s"]), before, root, self.k, depth) if before < root else None
+
+    def in_place_of_path(self, part: DirectionReadings) -> Loads | None:
+        """What gives the loads of a stretch where they are not those of the path."""
+        return None
+
+    def branch(self, part: DirectionReadings, values: Mapping[str, float]) -> DeviceBranch:
+        """The branch on which the edge of a stretch moves."""
+        return branch(*self.moving(part, values))
+
+    def rest(self, part: DirectionReadings, values: Mapping[str, float]) -> Rest | None:
+        """The resting edge with which a stretch begins at the turning point."""
+        asked = self.resting(part, values)
+        return None if asked is None else rest(*asked)
+
+    def touching(self, part: DirectionReadings, depth: Array, fold: float) -> Array:
+        """Which rows of a stretch at their ``depth`` [m] are in contact: those known to be, else those beyond first
+        touch, or on the branch down to its ``fold`` [m]."""
+        return part.touching if part.jumped else depth > (0.0 if part.kind == APPROACH else fold)
+
+    def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
+        """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
+        by its sensitivity, which its deflections follow."""
+        parts = tuple(replace(part, P=factor * part.P, tension=factor * part.tension) for part in self.stretches)
+        return replace(self, stretches=parts, k=factor * self.k if of_stiffness else self.k)
+
+    def free(self, columns: Array) -> list[Array]:
+        """Of columns of all rows, those of each stretch that surely are free, whatever the model says."""
+        ends = np.cumsum([part.rows.size for part in self.stretches])[:-1]
+        parts = zip(self.stretches, np.split(columns, ends), strict=True)
+        return [column[: round(FORCE_CURVE_SURELY * part.line.rows)] for part, column in parts]
+
+    @cached_property
+    def _residuals(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
+        return {}
+
+    def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns), both remembered.
+
+        ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
+        """
+        if self.remembers(x, blunt):
+            return self.remember(x, blunt, None)
+        (answer,) = residuals_of([(self, x, blunt)])
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def remembers(self, x: Array, blunt: float) -> bool:
+        """Whether the residuals at these unknowns are known."""
+        return (x.tobytes(), blunt) in self._residuals
+
+    def remember(self, x: Array, blunt: float, answer: tuple[Array, Array] | None) -> tuple[Array, Array]:
+        """The residuals, which are kept; None: those that are known."""
+        cache, key = self._residuals, (x.tobytes(), blunt)
+        if answer is not None:
+            if len(cache) >= FORCE_CURVE_REMEMBERED:
+                del cache[next(iter(cache))]
+            cache[key] = answer
+        return cache[key]
+
+    def assembled(self, values: Mapping[str, float], on_path: Sequence[OnPath]) -> tuple[Array, Array]:
+        """Model minus reading [N] of all rows and its derivatives (unknowns, rows), from the loads of the contact in
+        each stretch and their derivatives."""
+        off, rates = np.empty(self.ends[-1]), np.zeros((len(self.names), self.ends[-1]))
+        for part, (columns, _), first, last in zip(self.stretches, on_path, self.ends[:-1], self.ends[1:], strict=True):
+            line, by_line = base_line(part, values)
+            off[first:last] = line + columns[0] - part.P
+            by = {} if self.in_place_of_path(part) else self._by_names(part, values, columns)
+            for name, column in itertools.chain(by.items(), by_line.items()):
+                if name in self.places:
+                    rates[self.places[name], first:last] = column
+        return off, rates
+
+    def completed(self, x: Array, blunt: float, off: Array, rates: Array) -> Array:
+        """The derivatives with those of unknowns that the path does not know."""
+        return rates
+
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """The place of each unknown among all, by name."""
+        return {name: i for i, name in enumerate(self.names)}
+
+    @cached_property
+    def ends(self) -> list[int]:
+        """Where the rows of each stretch begin among all, and their number."""
+        return list(itertools.accumulate((part.P.size for part in self.stretches), initial=0))
+
+    def off(self, x: Array, blunt: float) -> Array:
+        """Model minus reading [N] of all rows."""
+        (answer,) = offs([(self, x, blunt)])
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def by_position(self, x: Array) -> Array:
+        """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
+        return self._path(x)[0]
+
+    def edges(self, x: Array) -> Sequence[Edges]:
+        """Of each stretch the branch and the resting edge, the depth [m] of all rows, and the numbers of those at which
+        the edge moves, and of those at which it rests; remembered."""
+        if (key := x.tobytes()) in self._edges:
+            return self._edges[key]
+        edges: list[Edges] = []
+        values = self.values(x)
+        for part, kept in zip(self.stretches, self._path(x)[1], strict=True):
+            moving, resting = kept or (self.branch(part, values), self.rest(part, values))
+            depth = self.depth(part, values)
+            lost, end = np.array(moving.fold), np.array(math.inf)
+            if resting is not None:
+                lost, end = resting.until(moving.u[0], lost)
+            rows = part.contact if part.jumped else self.touching(part, depth, float(lost)).nonzero()[0]
+            rests = depth[rows] > end
+            edges.append((moving, resting, depth, rows[~rests], rows[rests]))
+        self._edges.clear()
+        self._edges[key] = edges
+        return edges
+
+    @cached_property
+    def _edges(self) -> dict[bytes, Sequence[Edges]]:
+        return {}
+
+    def _path(self, x: Array) -> tuple[Array, Sequence[tuple[DeviceBranch, Rest | None] | None]]:
+        """``by_position``, and the branch and the resting edge of each stretch, None where its loads are not those of
+        the path: of the last evaluation or of one more."""
+        if (key := x.tobytes()) not in self._paths:
+            (answer,) = evaluated([(self, x, 0.0)])
+            if isinstance(answer, Exception):
+                raise answer
+        return self._paths[key]
+
+    def remember_path(self, x: Array, on_path: Sequence[OnPath]) -> None:
+        """Keep the derivatives ``by_position`` [N/m] of what stretches do, and the edges that they are on."""
+        self._paths.clear()
+        self._paths[x.tobytes()] = np.concatenate([one.columns[3] for one in on_path]), [one.edges for one in on_path]
+
+    @cached_property
+    def _paths(self) -> dict[bytes, tuple[Array, Sequence[tuple[DeviceBranch, Rest | None] | None]]]:
+        return {}
+
+    def _by_names(self, part: DirectionReadings, values: Mapping[str, float], columns: Array) -> dict[str, Array]:
+        """Derivatives of the load of the contact at all rows of a stretch, by the names of the unknowns."""
+        _, by_s, by_q, by_z, *of_rest = columns
+        own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
+        by_zero, more = -by_z, dict[str, Array]()
+        if of_rest:
+            by_before, by_turn = of_rest
+            by_zero -= by_turn
+            root = math.sqrt(max(q, 1e-300))
+            if "turn" in values:
+                by_q = by_q + by_before * (values["turn"] / (2 * root))
+                more["turn"] = by_before * root
+            more |= _by_advance(self.stretches[0], part, values, by_before)
+        elif part is self.stretches[0] and (name := f"r:{part.kind}") in values:
+            more = {name: 2 * abs(values[name]) * by_q}
+        for name, misplaced in self.misplaced(part).items() if self.positions else ():
+            more[name] = by_z * misplaced
+            if name == "creep" and of_rest:
+                more[name] += of_rest[1] * self.deepened(part, values)
+        by_modulus = by_s - q * by_q if part.kind in self.works else by_s
+        return {"ln_s": by_modulus, "z0": by_zero, own: by_q} | more
+
+
+def radii_at(
+    moving: DeviceBranch, resting: Rest | None, depth: Array, rows: Array, still: Array
+) -> tuple[Array, Array]:
+    """Contact radius [m] at all rows of a stretch by its edges, 0 where they are free, and which of them are at
+    rest."""
+    a, rests = np.zeros(depth.size), np.zeros(depth.size, dtype=bool)
+    a[rows] = moving.radii(depth[rows])
+    if resting is not None:
+        a[still], rests[still] = math.exp(resting.u), True
+    return a, rests
+
+
+def _by_advance(
+    first: DirectionReadings, part: DirectionReadings, values: Mapping[str, float], by_before: Array
+) -> dict[str, Array]:
+    """Derivatives of the load of a stretch at rest by q of the ``first`` one or its root, with which it came to the
+    turn."""
+    q = values[f"q:{first.kind}"]
+    if part is first:
+        return {}
+    if f"r:{first.kind}" in values:
+        return {f"r:{first.kind}": by_before}
+    return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if q > 0 else {}
+
+
+def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array | float]]:
+    """Load of the base line of a stretch at all its rows, and its derivatives by name."""
+    along, offset, tilt = part.along, f"offset:{part.kind}", f"tilt:{part.kind}"
+    line = values[offset] + values[tilt] * along
+    by: dict[str, Array | float] = {offset: 1.0, tilt: along}
+    if part.wave is None:
+        return line, by
+    way, period = part.z - part.wave.at, math.exp(values["ln_period"])
+    c, s = values[f"cos:{part.kind}"], values[f"sin:{part.kind}"]
+    cos, sin = parts(way, period).T
+    by |= {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
+           f"sin:{part.kind}": sin}  # fmt: skip
+    return line + c * cos + s * sin, by
+
+
+# --------------------------------------------------------------------------------------------------
+# Loads and residuals of many records at once: rows are flat, in the order of records and stretches.
+
+
+class OnPath(NamedTuple):
+    """Loads of the contact at all rows of a stretch with their derivatives by ln s, own q and z, (4, rows), and where
+    its edge rests by the root of q before and by the turn, (6, rows), or loads alone, (1, rows); ``edges``: the branch
+    and the resting edge that they are on, if these are kept."""
+
+    columns: Array
+    edges: tuple[DeviceBranch, Rest | None] | None = None
+
+
+def contact_loads(
+    asked: Sequence[tuple[ForceCurveModel, DirectionReadings, Mapping[str, float], float]], slopes: bool = True
+) -> list[OnPath | Exception]:
+    """Loads of the contact at all rows of some stretches, with ``slopes`` or alone, each of a model with values of its
+    unknowns and the share of its depth over which its fold is blunt; 0: half the distance of two rows, and with slopes
+    the edges are kept."""
+    answers: list[OnPath | Exception] = [OnPath(np.empty(0))] * len(asked)
+    each: list[tuple[int, DirectionReadings, Array, float, Moving, Resting | None]] = []
+    for place, (model, part, values, blunt) in enumerate(asked):
+        try:
+            if (loads := model.in_place_of_path(part)) is not None:
+                rates = np.zeros((5 * slopes, part.z.size))
+                answers[place] = OnPath(np.append(loads(model, part, values)[None], rates, axis=0))
+                continue
+            depth, width = model.depth(part, values), blunt * part.reach if blunt else part.spacing / 2
+            each.append((place, part, depth, width, model.moving(part, values), model.resting(part, values)))
+        except Exception as error:
+            answers[place] = error
+    if not each:
+        return answers
+    places, parts, depths, widths, edges, at_rest = zip(*each, strict=True)
+    moving = Branches.of(edges)
+    resting = [i for i, one in enumerate(at_rest) if one is not None]
+    edge = Rest.of([one for one in at_rest if one is not None]) if resting else None
+    lost, end = moving.fold, np.full(len(each), np.inf)
+    if edge is not None:
+        lost = lost.copy()
+        lost[resting], end[resting] = edge.until(moving.u[resting, moving.first[resting]], lost[resting])
+    # Rows in contact, in order of the curves, and the curve of each.
+    models = [asked[place][0] for place in places]
+    touching = [
+        model.touching(part, depth, fold)
+        for model, part, depth, fold in zip(models, parts, depths, lost.tolist(), strict=True)
+    ]
+    depth, rows = np.concatenate(depths), np.concatenate(touching).nonzero()[0]
+    ends = list(itertools.accumulate((one.size for one in depths), initial=0))
+    own, z = np.repeat(np.arange(len(each)), np.diff(ends))[rows], depth[rows]
+    columns = np.zeros((6 if slopes else 1, depth.size))
+    if edge is not None:
+        number = np.zeros(len(each), dtype=int)
+        number[resting] = np.arange(len(resting))
+        still = z > end[own]
+        moves, rests = np.flatnonzero(~still), np.flatnonzero(still)
+        columns[:, rows[rests]] = edge.at(z[rests], number[own[rests]])[: len(columns)]
+        rows, own, z = rows[moves], own[moves], z[moves]
+    columns[: 4 if slopes else 1, rows] = moving.at(own, z, np.array(widths), slopes)
+    for i, place in enumerate(places):
+        if not moving.stable[i]:
+            answers[place] = moving.unstable(i)
+            continue
+        kept = slopes and not asked[place][3]
+        held = None if edge is None or at_rest[i] is None or not kept else edge.some(number[i])
+        some = columns[: 4 if at_rest[i] is None else 6, ends[i] : ends[i + 1]]
+        answers[place] = OnPath(some, (moving.one(i), held) if kept else None)
+    return answers
+
+
+AtUnknowns: TypeAlias = tuple[ForceCurveModel, Array, float]  # a model, its unknowns, and how blunt the fold is
+AtRows: TypeAlias = tuple[Mapping[str, float], Sequence[OnPath]]  # values of the unknowns, and what stretches do
+
+
+@np.errstate(all="ignore")
+def at_rows(asked: Sequence[AtUnknowns], slopes: bool = True) -> list[AtRows | Exception]:
+    """The values of the unknowns of some models, and the ``contact_loads`` of their stretches."""
+    each = [(model, model.values(x), blunt) for model, x, blunt in asked]
+    parts = [(model, part, values, blunt) for model, values, blunt in each for part in model.stretches]
+    found, answers = iter(contact_loads(parts, slopes)), list[AtRows | Exception]()
+    for model, values, _ in each:
+        on_path = list(itertools.islice(found, len(model.stretches)))
+        failed = next((one for one in on_path if isinstance(one, Exception)), None)
+        answers.append(failed or (values, [one for one in on_path if not isinstance(one, Exception)]))
+    return answers
+
+
+def offs(asked: Sequence[AtUnknowns]) -> list[Array | Exception]:
+    """Model minus reading [N] of all rows of some models."""
+    answers: list[Array | Exception] = []
+    for (model, _, _), answer in zip(asked, at_rows(asked, slopes=False), strict=True):
+        if isinstance(answer, Exception):
+            answers.append(answer)
+            continue
+        values, on_path = answer
+        each = zip(model.stretches, on_path, strict=True)
+        answers.append(np.concatenate([base_line(part, values)[0] + one.columns[0] - part.P for part, one in each]))
+    return answers
+
+
+def evaluated(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exception]:
+    """Model minus reading [N] of all rows of some models, and its derivatives by the unknowns, (rows, unknowns)."""
+    answers: list[tuple[Array, Array] | Exception] = []
+    for (model, x, blunt), answer in zip(asked, at_rows(asked), strict=True):
+        if isinstance(answer, Exception):
+            answers.append(answer)
+            continue
+        off, rates = model.assembled(*answer)
+        if not blunt:
+            model.remember_path(x, answer[1])
+        try:
+            answers.append((off, model.completed(x, blunt, off, rates).T))
+        except SolveError as error:
+            answers.append(error)
+    return answers
+
+
+def residuals_of(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exception]:
+    """The ``residuals`` of some models, each remembered by its model."""
+    new = {place: one for place, one in enumerate(asked) if not one[0].remembers(*one[1:])}
+    found = dict(zip(new, evaluated(list(new.values())), strict=True))
+    answers: list[tuple[Array, Array] | Exception] = []
+    for place, (model, x, blunt) in enumerate(asked):
+        answer = found.get(place)
+        if isinstance(answer, Exception):
+            answers.append(answer)
+        else:
+            answers.append(model.remember(x, blunt, answer))
+    return answers
+
+
+# --------------------------------------------------------------------------------------------------
+# Where the search for the unknowns of a force curve begins: shapes and contact points tried, the rest linear.
+
+# How many starts are tried.
+# choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
+STARTS_ALONE = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0), (0.2, 0.4))
+STARTS_ROWS = 60  # choice: rows by which starts are compared
+STARTS_SHAPES = 13  # choice: ratios w/s tried
+STARTS_POINTS = 41  # choice: contact points tried
+_BESIDE = np.geomspace(1e-4, 0.5, STARTS_POINTS // 3)
+# choice: of the way in contact, contact points tried beside that of its first row
+STARTS_BESIDE = np.concatenate([-_BESIDE, [0.0], _BESIDE])
+
+
+def starts_of(model: ForceCurveModel) -> Iterator[Array]:
+    """Unknowns to begin with, as each stretch suggests."""
+    if "turn" not in model.names:
+        yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)
+        return
+    yield from (_start(model, model.stretches[0], share, turn) for share, turn in STARTS_ALONE)
+
+
+def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: float) -> Array:
+    """Unknowns to begin with, as a ``share`` of the way in contact of one stretch suggests: shapes w/s and contact
+    points are tried; for each of them the rest is linear."""
+    s, zero, r = _tried(model, part, share)
+    values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0)}
+    values |= by_base_lines(model)
+    for other in model.stretches:
+        q = r**2 if other is part else _of_tension(model, s, other.tension)
+        values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q)}
+        if other.wave is not None:
+            values["ln_period"] = math.log(other.wave.period)
+            values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
+    return model.unknowns(values)
+
+
+def by_base_lines(model: ForceCurveModel) -> dict[str, float]:
+    """Offsets and tilts as the free rows have them."""
+    offsets = {f"offset:{part.kind}": float(part.line(part.z[0])) for part in model.stretches}
+    return offsets | {f"tilt:{part.kind}": part.line.tilt for part in model.stretches}
+
+
+def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
+    """q of moduli times ``s`` that a contact is pulled off at a ``tension`` [N] with."""
+    r, path, load = _shapes(model.family)
+    folds = np.argmin(path + s / model.k * load, axis=1)
+    tensions = -s * load[np.arange(r.size), folds]
+    return float(np.interp(tension, np.maximum.accumulate(tensions), r)) ** 2
+
+
+def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tuple[float, float, float]:
+    """s, z0 and sqrt(q) that a stretch is best described with, by the base line of its free rows, up to a ``share``
+    of the way in contact."""
+    rows = _some_rows(part)
+    rows = rows[part.z[rows] <= part.z.max() - (1 - share) * part.reach] if share < 1 else rows
+    net = part.P[rows] - part.line(part.z[rows])
+    if part.wave is not None:
+        net -= part.wave(part.z[rows])
+    delta = part.z[rows] - net / model.k
+    points = _contact_points(part, delta, rows)
+    if part.jumped:  # the others are free
+        delta, net = delta[part.touching[rows]], net[part.touching[rows]]
+    modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
+    curves = _moving_curves(model.family)[: None if part.jumped and work != 0 else 1]
+    sizes, along = np.empty((2, len(curves), points.size))
+    for i, (_, path, load) in enumerate(curves):
+        zeros = points - path[0] if part.jumped else points
+        basis = np.interp(delta - zeros[:, None], path, load, left=None if part.jumped else 0.0)
+        sizes[i], along[i] = np.einsum("ij,ij->i", basis, basis), basis @ net
+    factors = along / np.where(sizes > 0, sizes, np.inf)
+    if modulus is not None or work:
+        each = [math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0 for r, _, _ in curves]
+        factors[:] = np.array(each)[:, None]
+    costs = np.where(factors > 0, factors * (factors * sizes - 2 * along), np.inf)
+    shape, point = divmod(int(np.argmin(costs)), points.size)
+    if not factors[shape, point] > 0:
+        raise SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
+    r, path, _ = curves[shape]
+    return float(factors[shape, point]), float(points[point] - path[0] * part.jumped), r
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _moving_curves(family: Family) -> list[tuple[float, Array, Array]]:
+    """Ratios sqrt(w/s) with the displacement and the load of each from the fold on, at s = 1 without a device."""
+    curves = []
+    for r, path, load in zip(*_shapes(family), strict=True):
+        fold = int(np.argmin(path))
+        curves.append((float(r), path[fold:], load[fold:]))
+    return curves
+
+
+def _some_rows(part: DirectionReadings) -> Array:
+    """Rows spread evenly, half of them where contact may be."""
+    n = part.z.size
+    if n <= STARTS_ROWS:
+        return np.arange(n)
+    some = np.zeros(n, dtype=bool)
+    for first in (0, int(np.argmax(part.touching)) if part.jumped else n // 2):
+        some[np.linspace(first, n - 1, STARTS_ROWS // 2).astype(int)] = True
+    return some.nonzero()[0]
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _shapes(family: Family) -> tuple[Array, Array, Array]:
+    """Ratios r = sqrt(w/s), of almost no adhesion, and so that the shift is the displacement at radii across the
+    series, with the displacement D - r T and the load H - r V of each on the grid, at s = 1."""
+    (D, T, H, V), _, _ = on_grid(family)
+    ratio = D / T
+    r = np.append(0.0, np.geomspace(ratio.min(), ratio.max(), STARTS_SHAPES))
+    return r, D - r[:, None] * T, H - r[:, None] * V
+
+
+def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array:
+    """Displacements tried as zero; with a jump, as the fold, about its first row in contact."""
+    span = float(np.ptp(delta))
+    if not part.jumped:
+        return np.linspace(delta.min(), delta.max() - 0.01 * span, STARTS_POINTS)
+    first = float(delta[part.touching[rows]][0])
+    return first + span * STARTS_BESIDE
+
+
+# --------------------------------------------------------------------------------------------------
+# The search for the unknowns of a force curve, and its end: estimates, covariance, noise.
+
+# How starts are tried, and when a search ends.
+FIT_WINDOW = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
+FIT_BESIDE = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
+FIT_NARROW = 0.3  # choice: of the depth of contact, that the window covers at most
+FIT_RECEDES = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
+FIT_EXPLAINED = 1.05  # choice: of the noise, residuals that the search is not begun anew for
+FIT_ENOUGH = 1.5  # choice: of the noise, residuals that no other start is tried below
+FIT_BLUNT = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
+FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
+FIT_PERIODS = 0.3  # choice: the same of the log of a wave's period
+FIT_CONVERGED = 1e-11  # choice: relative change of parameters
+FIT_FELL = 4e-4  # theory: of chi^2 over its rows, its rise two hundredths of a standard error from the minimum
+FIT_BEGUN = 1e-5  # choice: of chi^2, its fall by a step with which a search goes on with all rows and a sharper fold
+FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
+FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
+FIT_NEAR = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
+FIT_EVALUATIONS = 80  # choice: steps after which the search gives up
+
+
+@dataclass(frozen=True, eq=False)
+class ForceCurveFit:
+    """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
+
+    ``sigma``: standard deviation of a reading about the model [N]; ``weight``: the noise that rows were weighted by;
+    ``spread``: covariance of the unknowns, and the noise that it rests on. ``least``: as the search sees it, in units
+    of ``weight``. ``ended``: whether it is a minimum, and not where the search was given up.
+    """
+
+    model: ForceCurveModel
+    x: Array
+    weight: Spectrum
+    spread: Spread
+    off: Array
+    sigma: float
+    least: Least
+    ended: bool
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.model.names
+
+    @property
+    def covariance(self) -> Array:
+        return self.spread.covariance
+
+    def value(self, name: str) -> float:
+        return float(self.x[self.names.index(name)])
+
+    def error(self, name: str) -> float:
+        i = self.names.index(name)
+        return math.sqrt(self.covariance[i, i])
+
+    def unknowns(self, model: ForceCurveModel) -> Array:
+        """Those of a ``model`` that may know fewer of them."""
+        return model.unknowns(self.model.values(self.x))
+
+    @cached_property
+    def radii(self) -> list[tuple[Array, Array]]:
+        """Contact radius [m] of the rows of each stretch, 0 where they are free, and which of them rest."""
+        return [radii_at(*edges) for edges in self.model.edges(self.x)]
+
+    @cached_property
+    def a(self) -> Array:
+        """Contact radius [m] of all rows, 0 where they are free."""
+        return np.concatenate([a for a, _ in self.radii])
+
+    @cached_property
+    def weighted(self) -> tuple[Array, Array]:
+        """Derivatives by the unknowns and, last, residuals of all rows in units of the noise, (unknowns + 1, rows), and
+        the products of these columns."""
+        off, J = self.model.residuals(self.x, 0.0)
+        columns = self.model.whitened(np.concatenate([J.T, off[None]]).T, self.spread.noise).T
+        return columns, columns @ columns.T
+
+    def at_loads(self, factor: float) -> Array:
+        """The unknowns as they are about where all loads are ``factor`` times as large."""
+        loads = np.array([name.startswith(("offset:", "tilt:", "cos:", "sin:")) for name in self.names], dtype=bool)
+        ln_s = np.array([name == "ln_s" for name in self.names])
+        return np.where(loads, factor * self.x, self.x) + np.where(ln_s, math.log(factor), 0.0)
+
+
+def _even(model: ForceCurveModel) -> Spectrum:
+    """White noise as large as the range of the loads: the weight while nothing is known of it."""
+    return Spectrum(max(part.span for part in model.stretches) ** 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Weighted:
+    """The residuals of a model, weighted by noise."""
+
+    model: ForceCurveModel
+    weight: Spectrum
+    blunt: float
+
+    def __call__(self, x: Array) -> State:
+        (answer,) = self.many([(self, x)])
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    @staticmethod
+    def many(asked: Sequence[tuple[Weighted, Array]]) -> list[State | Exception]:
+        """The states of some of them, each at its unknowns."""
+        answers: list[State | Exception] = []
+        each = residuals_of([(one.model, x, one.blunt) for one, x in asked])
+        for (one, _), answer in zip(asked, each, strict=True):
+            if isinstance(answer, Exception):
+                answers.append(answer)
+            else:
+                off, rates = answer
+                answers.append(
+                    State(one.model.whitened(off, one.weight), partial(one.model.whitened, rates, one.weight))
+                )
+        return answers
+
+
+def _problem(
+    model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float,
+    fell: float | None = None,
+) -> LeastSquares:  # fmt: skip
+    least = FIT_FELL / model.ends[-1] if fell is None else fell
+    return LeastSquares(Weighted(model, weight, blunt), bounds, enough, least, FIT_EVALUATIONS)
+
+
+def misfit_at(model: ForceCurveModel, x: Array) -> float:
+    """Half the sum of squares at the unknowns ``x``, of loads over their range."""
+    off = Weighted(model, _even(model), FIT_BLUNT[-1])(np.clip(x, *_bounds(model, x))).residuals
+    return float(off @ off) / 2
+
+
+def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
+    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
+    search from ``start`` on of a few ``steps``."""
+    problem = _problem(model, _even(model), _bounds(model, start), FIT_BLUNT[1], SAME)
+    least = replace(problem, evaluations=steps).least(start)
+    return least.cost, least.x
+
+
+def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
+    """What ``fitting`` leads to."""
+    return alone(fitting(model, start, near, loss))
+
+
+def fitting(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> Flow[ForceCurveFit]:
+    """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
+    all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
+    determine them the search creeps along a valley: it is given up, and the fit reports it."""
+    bounds, even = _bounds(model, start), _even(model)
+    x, sharp = np.clip(start, *bounds), FIT_BLUNT[-1]
+    few = model
+    if "turn" not in model.names:  # of a retraction alone other minima are near
+        few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
+    whole = _problem(model, even, bounds, sharp, FIT_CONVERGED)
+    slow = FIT_BLUNT[: -1 if few is model else None]
+    for stages in [()] if near else [slow] if few is model else [FIT_BLUNT[1:2], slow]:
+        begun = x
+        for blunt in stages:
+            begun = (yield from _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN).searching(begun)).x
+        least = yield from whole.searching(begun)
+        if least.ended and 2 * least.cost * even.A < (FIT_EXPLAINED * model.noise) ** 2 * least.state.residuals.size:
+            break  # no other minimum leaves less than the noise
+    about = _problem(model, even, bounds, sharp, SAME)
+    if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
+        least = yield from about.searching(least.x)
+    for _ in range(2 * (loss != "linear")):
+        width = TURNS[loss] * robust_scale(least.state.residuals)
+        least = yield from replace(about, loss=loss, width=width).searching(least.x)
+    best = yield from _fitted(model, least, even)
+    noise = best.spread.noise
+    if loss != "linear" or not noise.slow:
+        return best
+    x = best.unknowns(model)  # an edge that rests by white noise need not by this one
+    for blunt in (sharp, FIT_BLUNT[1]):  # where misfit runs to and fro between the kinks of a sharp fold
+        least = yield from _problem(model, noise, _bounds(model, x), blunt, SAME).searching(x)
+        weighted = yield from _fitted(model, least, noise)
+        if weighted.ended:
+            break
+    return weighted
+
+
+def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> Flow[ForceCurveFit]:
+    """What the end of a search means."""
+    before, sharp = least.problem, FIT_BLUNT[-1]
+    yield from ask(residuals_of, (model, least.x, 0.0))
+    model, x = _without_idle(model, least.x, weight)
+    problem = replace(before, model=Weighted(model, weight, sharp), bounds=_bounds(model, x))
+    off, _ = yield from ask(residuals_of, (model, x, sharp))
+    yield from ask(residuals_of, (model, x, 0.0))
+    least = replace(least, problem=problem, x=x, state=problem.model(x))
+    size = before.width * math.sqrt(_even(model).A)
+    psi, slope = influence(off / size, before.loss)
+    pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
+    dof = max(off.size - x.size, 1)
+    J, spread = yield from _spread_at_folds(model, x, off, pull, weight)
+    ended = least.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), FIT_NEAR / dof)
+    return ForceCurveFit(model, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
+
+
+def _spread_at_folds(
+    model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum
+) -> Flow[tuple[Array, Spread]]:
+    """Derivatives of all rows, (rows, unknowns), and the covariance by them, residuals ``off`` and what rows ``pull``
+    with [N].
+
+    From a fold on loads rise with the root of the distance: their slope there holds no nearer to it than its place is
+    known to, nor than half of the way between two rows. White noise leaves it known to about that.
+    """
+    residuals, free = model.ordered(pull, weight), model.free(off)
+    rounding = max(part.line.rounding for part in model.stretches) ** 2
+
+    def spread_by(J: Array) -> Spread:
+        return covariance_coloured(residuals, model.ordered(J, weight), free, weight, rounding)
+
+    J = model.residuals(x, 0.0)[1]
+    spread, first = spread_by(J), 0
+    for part in model.stretches if weight.slow and "z0" in model.names else ():
+        rows = slice(first, first := first + part.z.size)
+        lost, width = rows.start + int(np.argmax(part.touching)), FIT_UNSURE * part.reach
+        if not part.jumped or _place_error(model, J[lost], spread) <= part.spacing:
+            continue
+        J = J.copy()
+        for _ in range(MOST_SOLVES):
+            J[rows] = (yield from ask(evaluated, (model, x, width / part.reach)))[1][rows]
+            spread = spread_by(J)
+            error = max(_place_error(model, J[lost], spread), part.spacing / 2)
+            if FIT_NARROWER * error > width:
+                break
+            width = error
+    return J, spread
+
+
+def _place_error(model: ForceCurveModel, slopes: Array, spread: Spread) -> float:
+    """The standard error [m] of the place of a fold, where loads change by ``slopes`` with the unknowns."""
+    rise = abs(float(slopes[model.names.index("z0")]))
+    return math.sqrt(max(float(slopes @ spread.covariance @ slopes), 0.0)) / rise if rise else 0.0
+
+
+def _flat(off: Array, J: Array, share: float) -> bool:
+    """Whether a step of Gauss and Newton would lower chi^2 by less than a ``share`` of it."""
+    step = J @ np.linalg.lstsq(J, off, rcond=None)[0]
+    return float(step @ step) < share * float(off @ off)
+
+
+def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[ForceCurveModel, Array]:
+    """The model and its unknowns without those that no row depends on, which are known then: the share of an edge that
+    never rests, w of an edge that rests throughout, which is at least what its last row holds."""
+    idle = ~model.residuals(x, 0.0)[1].any(axis=0)
+    idle |= (np.array(model.names) == "turn") & (np.abs(x) == 1)
+    values, last = model.values(x), model.stretches[-1]
+    own = f"q:{last.kind}"
+    adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
+    most = held_by_last_row(model, values, model.edges(x)[-1][1]) if adheres else None
+    if most is not None and _rests_throughout(model, x, most, weight):
+        most *= 1 + SAME  # so that its last row rests, too
+        idle |= np.array(model.names) == own
+        if "turn" in model.names:  # of which the advance, turn sqrt(q), is to stay as it is
+            turn = model.places["turn"]
+            idle[turn], x = False, np.where(np.arange(x.size) == turn, x * math.sqrt(values[own] / most), x)
+        values[own] = most
+    known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
+    return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
+
+
+def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float], resting: Rest | None) -> float | None:
+    """The q that the last row of an edge that is ``resting`` throughout holds; None where it does not rest."""
+    last = model.stretches[-1]
+    if resting is None:
+        return None
+    lost = float(model.depth(last, values)[last.touching].min())
+    return resting.released(math.sqrt(max(values[f"q:{last.kind}"], 0.0)), lost) ** 2
+
+
+def _rests_throughout(model: ForceCurveModel, x: Array, most: float, weight: Spectrum) -> bool:
+    """Whether an edge that never recedes, as of any w above ``most``, describes the rows as well, in units of noise:
+    the straight line of the edge at rest goes on then in the rows in which it moves."""
+    last, values, off = model.stretches[-1], model.values(x), model.residuals(x, 0.0)[0]
+    _, resting, depth, rows, _ = model.edges(x)[-1]
+    if resting is None:
+        return False
+    never = off.copy()
+    never[model.ends[-2] + rows] = (base_line(last, values)[0] - last.P)[rows] + resting.at(depth[rows])[0]
+    recedes, rests = (float(np.sum(model.whitened(one, weight) ** 2)) for one in (off, never))
+    return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
+
+
+def windowed(best: ForceCurveFit) -> ForceCurveModel:
+    """The model without the rows about first touch where no jump shows which of them are in contact: the load is
+    not smooth there in z0 and w. The same model where there are none."""
+    parts = tuple(part if part.jumped else _windowed(best, part) for part in best.model.stretches)
+    return best.model if parts == best.model.stretches else replace(best.model, stretches=parts)
+
+
+def _windowed(best: ForceCurveFit, part: DirectionReadings) -> DirectionReadings:
+    """A stretch whose rows are free up to the window and in contact beyond."""
+    values = best.model.values(best.x)
+    depth, own = best.model.depth(part, values), f"q:{part.kind}"
+    error = best.error(own) if own in best.names else 0.0
+    most = values | {own: max(values[own], 0.0) + FIT_WINDOW * error}
+    neck = 0.0 if part.kind == APPROACH else -best.model.branch(part, most).fold
+    unsure = best.error("z0") if "z0" in best.names else 0.0
+    half = neck + max(FIT_WINDOW * unsure, FIT_BESIDE * part.spacing)
+    half = min(half, FIT_NARROW * float(depth.max()))
+    if half <= 0:
+        return part  # no row of it is in contact
+    keep = np.abs(depth) > half
+    cut = {name: getattr(part, name)[keep] for name in ("rows", "z", "P", "t")}
+    return replace(part, touching=(depth > 0)[keep], jumped=True, **cut)
+
+
+def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
+    """Least and largest unknowns of a search from ``start`` on."""
+    about, within = {"ln_s": FIT_MODULI, "ln_period": FIT_PERIODS}, {"q": model.most, "r": math.sqrt(model.most)}
+    limits, bounds = model.limits, []
+    for name, x in zip(model.names, start.tolist(), strict=True):
+        reach, (least, most) = about.get(name, math.inf), limits.get(name, (-math.inf, math.inf))
+        low, high = x - reach, x + reach
+        if (largest := 1.0 if name == "turn" else within.get(name.partition(":")[0])) is not None:
+            low, high = -largest, largest
+        bounds.append((max(low, least), min(high, most)))
+    least, most = np.array(bounds).T
+    return least, most
+
+
+def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit]:
+    """The unknowns that leave least, from several starts until one leaves no more than noise, none of them of another
+    record; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
+    edge rests."""
+    best: ForceCurveFit | SolveError = SolveError(
+        "no curve of this body resembles the force curve; --flip P, if compression is negative"
+    )
+    for begin in (starts_of(model), None):
+        for x in (yield from _of_each(model, loss)) if begin is None else begin:
+            try:
+                fitted = yield from fitting(model, x, begin is None, loss)
+            except SolveError as error:
+                best = error if isinstance(best, SolveError) else best
+                continue
+            if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
+                best = fitted
+            if "turn" not in model.names and _explains(best, model, FIT_ENOUGH):
+                return best
+    if isinstance(best, SolveError):
+        raise best
+    return best
+
+
+def _explains(fitted: ForceCurveFit, model: ForceCurveModel, enough: float) -> bool:
+    """Whether a fit leaves no more than ``enough`` of the noise, with all unknowns of a ``model``: an edge that rests
+    throughout may be a valley beside that of one that recedes."""
+    return fitted.sigma <= enough * model.noise and fitted.names == model.names
+
+
+def _of_each(model: ForceCurveModel, loss: Loss) -> Flow[list[Array]]:
+    """Unknowns of several directions as fits of each alone have them, moduli and the zero as either does."""
+    if len(model.stretches) == 1:
+        return []
+    own: list[dict[str, float]] = []
+    for part in model.stretches:
+        with contextlib.suppress(SolveError):
+            one = yield from nearest(replace(model, stretches=(part,)), loss)
+            values = one.model.values(one.x)
+            own.append(values | {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0))})
+    if len(own) < len(model.stretches):
+        return []
+    both = {name: value for values in own for name, value in values.items()}
+    return [model.unknowns({**both, **{name: values[name] for name in ("ln_s", "z0")}}) for values in own]
+
+
+# --------------------------------------------------------------------------------------------------
+# The retraction of a contact whose work of adhesion rises with the speed of its edge: w = w0 (1 + b v^n).
+#
+# Gent and Schultz's law, quasi-static but for the edge. With L = delta_H - delta and G = S' L^2/(4 pi a) the edge
+# recedes where G > w0, at the speed v that its law gives; the device moves back evenly, so that v = -da/dz follows
+# from positions alone. Over the contact radius: dz/da = -1/v with z = D - y T + s (H - y V)/k, y = sqrt(q (1 + b
+# v^n)).
+
+# Radii at which the edge is followed.
+SLOW_EDGE_FIRST = 1e-12  # choice: of the radius at the turn, the first step of the edge, which begins at rest
+SLOW_EDGE_EVEN = 0.01  # choice: of it, from where on radii are even, in a geometric sequence before; the contact that
+# is left when it is taken as lost
+SLOW_EDGE_RADII = 100  # choice: of either; loads are then good to 5e-4 of the tension
+SLOW_EDGE_WIDEST = 3.0  # choice: of logs, a step by Newton's method
+
+
+@lru_cache(maxsize=REMEMBERED)
+def receding(
+    family: Family, s: float, q: float, k: float, law: tuple[float, float], resting: Rest, turn: float
+) -> Array:
+    """Positions of the device [m], increasing, and loads [N] of the edge (2, n), for moduli times ``s``, w0 = ``q`` s
+    and the ``law`` (b, n); from the end of its ``resting``, where G is w0, or from the ``turn`` [m]."""
+    start = math.exp(resting.u)
+    x = np.concatenate(
+        [
+            np.geomspace(SLOW_EDGE_FIRST, SLOW_EDGE_EVEN, SLOW_EDGE_RADII, endpoint=False),
+            np.linspace(SLOW_EDGE_EVEN, 1 - SLOW_EDGE_EVEN, SLOW_EDGE_RADII),
+        ]
+    )
+    D, T, H, V = family.at(np.log(start * (1 - x)))[0]
+    r, steps = math.sqrt(q), np.diff(start * x, prepend=0.0)
+    free, pulled = D + s * H / k, r * (T + s * V / k)
+    z = np.empty(x.size)
+    begin = min(float(resting.end), turn)
+    grown = _follow(free.tolist(), pulled.tolist(), steps.tolist(), begin, law, z)
+    loads = np.append(resting.at(np.array([begin]))[0], s * (H - r * grown * V))
+    path: Array = np.stack([np.append(begin, z), loads])[:, ::-1]
+    return path
+
+
+def _follow(
+    free: list[float], pulled: list[float], steps: list[float], z: float, law: tuple[float, float], out: Array
+) -> Array:
+    """Positions ``out`` over the nodes, and the root of w over w0 there; ``z``: where the edge begins."""
+    b, n = law
+    log, before, grown = 0.0, 0.0, np.empty(len(free))
+    for i, (whole, shift, step) in enumerate(zip(free, pulled, steps, strict=True)):
+        half = step if i == 0 else step / 2  # it begins at rest: the rule of the trapezium from the second on
+        target = z - (0.0 if i == 0 else half * before)
+        for _ in range(MOST_STEPS):
+            power, slowness = b * math.exp(n * log), half * math.exp(-log)
+            root = math.sqrt(1 + power)
+            off = whole - shift * root + slowness - target
+            change = off / (shift * n * power / (2 * root) + slowness)
+            log += min(max(change, -SLOW_EDGE_WIDEST), SLOW_EDGE_WIDEST)
+            if abs(change) < SETTLED:
+                break
+        before = math.exp(-log)
+        grown[i] = math.sqrt(1 + b * math.exp(n * log))
+        out[i] = z = whole - shift * grown[i]
+    return grown
+
+
+def load_at(path: Array, resting: Rest, turn: float, z: Array) -> Array:
+    """Loads [N] at positions ``z`` [m]: at rest down to where the edge begins, 0 where contact is lost."""
+    positions, P = path
+    rising = np.append(True, np.diff(np.maximum.accumulate(positions)) > 0)
+    moving = pchip(positions[rising], P[rising])(np.clip(z, positions[0], positions[-1]))
+    loads: Array = np.where(z > min(resting.end, turn), resting.at(z)[0], np.where(z < positions[0], 0.0, moving))
+    return loads

@@ -1,0 +1,440 @@
+"""The work of adhesion that a measured pull-off force means, with its errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+from ..adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, Nonadhesive, control
+from ..adhesion.finite_range import without_range
+from ..adhesion.from_rest import (
+    AT_MOST,
+    ELASTIC,
+    FROM_REST,
+    FoundWork,
+    LoadingHistory,
+    Rest,
+    history_error,
+    work_from_pull_off,
+)
+from ..adhesion.validity import Strains
+from ..base.errors import Estimate, InputError, JkrError, Unknown, known
+from ..base.numerics import HALF_WIDTH, LEVEL, evenly
+from ..base.registry import Result
+from ..base.units import parse, show, show_within
+from ..bodies.problem import RADIUS, Loading, changed, checked_names, layer_names, nominal, relaxing
+from ..cli import inputs, options
+from ..methods.protocol import Limits
+from ..report import tables
+from ..report.forward import history_summary, no_depth, validity_lines
+from ..report.result import Results
+from ..resolve.analysis import Analysis, adhesive, analyse, method_behind, nonadhesive
+from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
+from ..resolve.resolve import effect_on, sticking_warnings
+from ..series import Solution
+from .parameters import changes_by, implausible_work
+
+FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
+DIMENSIONS = {FORCE: "load", TIP: "length", MODULI: "modulus", "h": "length", "nu": "number"}
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredWork:
+    """``work``: w and its pull-off after a ``history``; ``result``: the curve of that w, which says where the theory
+    holds.
+
+    ``series``: error of w [J/m^2] from that of the series; ``parts``: of w from those of the inputs, by name; all
+    of them half-widths.
+    """
+
+    work: FoundWork
+    result: Analysis
+    series: Estimate
+    parts: Mapping[str, float]
+    history: LoadingHistory = ELASTIC
+
+    @property
+    def large_strains(self) -> Strains:
+        """Relative change of w that large strains may make, of the sign opposite to that of the pull-off force: w is
+        as good as proportional to it."""
+        point, loaded = self.work.point, self.work.stiffness == LOAD_CONTROL
+        change = strains_after(self.result.problem, self.work.w, self.history, point, loaded)
+        if change is None or isinstance(change, Unknown):
+            return change
+        low, high = change
+        return 1 / (1 + high) - 1, 1 / (1 + low) - 1
+
+    @property
+    def error(self) -> Estimate:
+        """Half-width of w from all uncertain inputs [J/m^2]; the series' error without any."""
+        return math.hypot(*self.parts.values()) if self.parts else self.series
+
+
+@dataclass(frozen=True, eq=False)
+class _Inverse:
+    """What a pull-off force means on one body: ``solution`` with its functions ``body``, control by ``stiffness``,
+    after a ``history``."""
+
+    solution: Solution
+    body: Nonadhesive
+    load: float
+    stiffness: float
+    history: LoadingHistory
+
+    def work(self) -> FoundWork:
+        R = self.solution.problem.indenter.tip_radius
+        return work_from_pull_off(self.body, self.load, self.stiffness, R, self.history)
+
+
+def refuse_idle(
+    load: float | None, uncertain: Collection[Any], stress: float | None, length: float | None,
+    called: Callable[[str], str] = str,
+) -> None:  # fmt: skip
+    """InputError, options as they are ``called``, where one of a measured pull-off ``load`` [N] has no effect."""
+    if load is None and uncertain:
+        raise InputError(f"pull-off: {called('uncertain')} says how well a measured force and its body are known: give "
+                         f"{called('load')} too")  # fmt: skip
+    if load is not None and (stress, length) != (None, None):
+        raise InputError(f"pull-off: {called('load')} asks for the w of JKR: give neither {called('stress')} nor "
+                         f"{called('range')} with it")  # fmt: skip
+    if load == 0:
+        raise InputError(f"pull-off: {called('load')} must not be 0; give the measured pull-off force")
+
+
+def measured_work(
+    solution: Solution, load: float, stiffness: float, slopes: str = "auto", modulus_factor: float = 1.0,
+    uncertain: Sequence[tuple[str, str]] = (), history: LoadingHistory = ELASTIC,
+) -> MeasuredWork:  # fmt: skip
+    """The work of adhesion behind the pull-off force ``load`` [N, > 0] measured by a device of ``stiffness`` [N/m].
+
+    ``uncertain``: standard deviations of inputs by name, as text (``uncertain_inputs``); ``history``: of a viscoelastic
+    specimen. InputError names the file.
+    """
+    inputs = uncertain_inputs(solution, uncertain)
+    try:
+        unit = nonadhesive(solution, slopes)
+        inverse = _Inverse(solution.scaled(modulus_factor), unit.scaled(modulus_factor), load, stiffness, history)
+        w = inverse.work().w
+        result = adhesive(solution, unit, w, modulus_factor)
+        controls = sorted({*CONTROLS.values(), stiffness})
+        inverse = replace(inverse, body=with_history_solved(inverse.solution, inverse.body, history, w, controls))
+        work = inverse.work()
+        result = replace(result, curve=AdhesiveCurve(inverse.body, work.w))
+        at_point = history_error(history, inverse.body, work.curve, work.point, stiffness)
+        by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
+        series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
+        parts = {name: HALF_WIDTH * abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
+    except InputError as error:
+        raise InputError([f"{solution.record.path}: {line}" for line in error.lines]) from None
+    return MeasuredWork(work, result, series, parts, history)
+
+
+def works_by_history(
+    solution: Solution, load: float, stiffness: float, rest: Rest | None = None, slopes: str = "auto",
+    modulus_factor: float = 1.0, uncertain: Sequence[tuple[str, str]] = (),
+) -> list[tuple[LoadingHistory, MeasuredWork | Unknown]] | Unknown | None:  # fmt: skip
+    """Which w a pull-off force of a viscoelastic specimen means after each history that is solved, with that from
+    ``rest``; None for an elastic one, Unknown where none is solved."""
+    known = checked_histories(solution, rest)
+    if known is None or isinstance(known, Unknown):
+        return known
+
+    def sought(there: Solution, history: LoadingHistory) -> MeasuredWork | Unknown:
+        try:
+            return measured_work(there, load, stiffness, slopes, modulus_factor, uncertain, history)
+        except InputError as error:
+            return Unknown(str(error).removeprefix(f"{solution.record.path}: "))
+
+    def too_soon(history: LoadingHistory, unit: Nonadhesive) -> bool:
+        try:
+            w = work_from_pull_off(unit, load / modulus_factor, stiffness / modulus_factor, None, history).w
+        except JkrError:
+            return True
+        return history.ends_too_soon(unit, w)
+
+    def found(history: LoadingHistory) -> MeasuredWork | Unknown:
+        first = sought(solution, history)
+        if not isinstance(first, Unknown):
+            return first
+        unit = nonadhesive(solution, slopes)
+        further, _ = solved_on(solution, unit, lambda body: not too_soon(history, body), slopes)
+        return first if further is solution else sought(further, history)
+
+    return [(history, found(history)) for history in known]
+
+
+def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
+    """Standard deviations [SI] of inputs by name, from absolute or relative text ("0.2 uN", "5%").
+
+    "load": the measured force; "R": the tip radius; "E": all moduli in common; "h" and "nu": of the layer at the
+    contact; "E:film", "h:film", "nu:film": of the layer of that name or number, "E:base": of the half-space.
+    """
+    sigmas = {}
+    for name, text in pairs:
+        whole = _whole(solution, name)
+        if whole in sigmas:
+            raise InputError(f"pull-off: the uncertainty of {name} is given twice")
+        relative = text.endswith("%")
+        try:
+            value = parse(text.removesuffix("%"), "number" if relative else DIMENSIONS[whole.partition(":")[0]])
+        except ValueError as error:
+            raise InputError(f"pull-off: --uncertain {name}: {error}") from None
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(f"pull-off: the uncertainty of {name} must be > 0, got {text}")
+        sigmas[whole] = -value / 100 if relative else value  # relative ones wait for the value they belong to
+    return sigmas
+
+
+def seconds_of_inputs(solution: Solution, names: Sequence[str]) -> float:
+    """CPU seconds of the bodies that are solved for uncertain inputs of these ``names``, one to either side."""
+    method, solved = method_behind(solution), [name for name in names if name not in (FORCE, MODULI)]
+    if method is None or not solved:
+        return 0.0
+    return 2 * len(solved) * method.forecast(replace(solution.problem, loading=_radii(solution))).seconds
+
+
+def _radii(solution: Solution) -> Loading:
+    """A hundred of the radii of the series, at which moved bodies are solved."""
+    return Loading.given("radius", tuple(solution.series.a[evenly(len(solution.series), 100)].tolist()))
+
+
+def _whole(solution: Solution, name: str) -> str:
+    """The name with its layer; InputError where the body has no such input."""
+    names = layer_names(solution.problem.specimen)
+    whole = f"{name}:{names[0]}" if name in ("h", "nu") and names else name
+    layers = names[: len(solution.problem.specimen.layers)]
+    own = [f"{quantity}:{layer}" for quantity in ("E", "nu") for layer in names] + [f"h:{layer}" for layer in layers]
+    radius = [TIP] if hasattr(solution.problem.indenter, "R") else []
+    checked_names([whole], [FORCE, *radius, MODULI, *own], "pull-off")
+    return whole
+
+
+def _change(inverse: _Inverse, name: str, sigma: float) -> float:
+    """Change of w [J/m^2] by a change of the input ``name`` by ``sigma``, from a step to either side; a negative
+    ``sigma`` is relative."""
+    problem = inverse.solution.problem
+    if name == FORCE:
+        centre = inverse.load
+    elif name == TIP:
+        centre = float(cast(Any, problem.indenter).R)
+    else:
+        centre = problem.E_star if name == MODULI else nominal(problem.specimen, name)
+    size = -sigma * abs(centre) if sigma < 0 else sigma
+
+    def outcome(value: float) -> dict[str, float]:
+        return {"w": _moved(inverse, name, value).work().w}
+
+    return changes_by(name, centre, size, {"w": inverse.work().w}, outcome)["w"]
+
+
+def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
+    """The same with another ``value`` of one input: solved anew where that is no change of units."""
+    solution = inverse.solution
+    if name in (FORCE, MODULI) and value <= 0:
+        raise InputError(f"{name}: must be > 0")
+    if name == FORCE:
+        return replace(inverse, load=value)
+    if name == MODULI:
+        return replace(inverse, body=inverse.body.scaled(value / solution.problem.E_star))
+    method = method_behind(solution)
+    if method is None:
+        raise InputError(
+            f"pull-off: {name} cannot be uncertain: the solution was not solved here, only its load and E can"
+        )
+    moved = changed(solution.problem, {RADIUS if name == TIP else name: value})
+    again = method(replace(moved, loading=_radii(solution)))
+    return replace(inverse, solution=again, body=nonadhesive(again))
+
+
+def work_of_force(
+    solution: Solution, load: float, stiffness: float, rest: Rest | None, slopes: str, modulus_factor: float,
+    uncertain: Sequence[tuple[str, str]] = (),
+) -> MeasuredPullOff | MeasuredByHistory:  # fmt: skip
+    """What a pull-off force ``load`` [N] by a device of ``stiffness`` [N/m] means, of a viscoelastic specimen after
+    each history."""
+    found = works_by_history(solution, load, stiffness, rest, slopes, modulus_factor, uncertain)
+    if isinstance(found, list):
+        return MeasuredByHistory.of(solution, load, stiffness, found, slopes, modulus_factor)
+    return MeasuredPullOff(measured_work(solution, load, stiffness, slopes, modulus_factor, uncertain))
+
+
+# --------------------------------------------------------------------------------------------------
+# What is said of it.
+
+OF_INPUTS = "errors of load, tip and specimen not included: --uncertain load=5%, R=3%, E=10%"
+SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
+
+
+def works_of_force(
+    solutions: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
+    rest: Rest | None, how: options.CurveOptions, limits: Limits,
+) -> Results:  # fmt: skip
+    """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
+    controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
+    for solution in solutions:
+        without_range(solution.record, "pull-off: --load")
+    seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in solutions)
+    tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
+    inputs.begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
+    results, warnings = list[Result](), list[str]()
+    for solution in solutions:
+        settings = how.slopes, how.modulus_factor, uncertain
+        measured = [work_of_force(solution, force, one, rest, *settings) for one in controls]
+        results += measured
+        if isinstance(measured[0], MeasuredByHistory):
+            continue
+        warnings += [f"{solution.record.path}: {text}" for text in relaxing(solution.problem.specimen.relaxation)]
+        effect = effect_on(solution, [measured[0].means.work.w])
+        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
+        warnings += dict.fromkeys(text for one in measured for text in one.warnings)
+    return Results(results, warnings)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredByHistory(Result):
+    """What a measured pull-off force of a viscoelastic specimen means after each history."""
+
+    load: float
+    stiffness: float
+    result: Analysis
+    found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]]
+
+    @classmethod
+    def of(
+        cls, solution: Solution, load: float, stiffness: float,
+        found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]], slopes: str = "auto",
+        modulus_factor: float = 1.0,
+    ) -> MeasuredByHistory:  # fmt: skip
+        """What was ``found`` of the pull-off force ``load`` [N] by a device of ``stiffness`` [N/m]; where the theory
+        holds is judged with the largest w."""
+        works = [one.work.w for _, one in found if not isinstance(one, Unknown)]
+        if not works:
+            raise InputError([f"{solution.record.path}: {history.words}: {one}" for history, one in found])
+        return cls(load, stiffness, analyse(solution, [max(works)], slopes, modulus_factor)[0], found)
+
+    @property
+    def _works(self) -> dict[str, float]:
+        """w [J/m^2] by the name of the history, of those that have one."""
+        return {history.name: one.work.w for history, one in self.found if not isinstance(one, Unknown)}
+
+    @property
+    def range(self) -> tuple[float | None, float | None]:
+        """The least and the largest w [J/m^2] of these histories; the least only where it is that of any history."""
+        works = self._works
+        return works.get(AT_MOST), max(works.values(), default=None)
+
+    def summary(self) -> dict[str, Any]:
+        rows = []
+        for history, one in self.found:
+            row = history_summary(history, Unknown("") if isinstance(one, Unknown) else one.work.curve)
+            if isinstance(one, Unknown):
+                row |= {"w_J_per_m2": None, "reason": one.reason}
+            else:
+                measured = _measured_as_json(one)
+                row |= measured | {"pull_off": measured["pull_off"] | no_depth(history)}
+            rows.append(row)
+        return {
+            "file": str(self.result.path),
+            "level": LEVEL,
+            "load_N": self.load,
+            **tables.device(self.stiffness),
+            "w_J_per_m2": self._works.get(FROM_REST),
+            "w_range_J_per_m2": list(self.range),
+            "histories": rows,
+            "validity": tables.validity(self.result),
+        }
+
+    def words(self) -> list[str]:
+        low, high = (None if w is None else show(w, "work") for w in self.range)
+        span = low if low == high else f"at least {low}" if high is None else f"{low or 'unknown'} to {high}"
+        lines = [
+            f"w = {span}, by the history of the specimen: the pull-off force {show(self.load, 'load')} of "
+            f"{self.result.path} ({control(self.stiffness)})"
+        ]
+        for history, one in self.found:
+            words = history.words + ": at least" * (history.name == AT_MOST)
+            if isinstance(one, Unknown):
+                lines.append(f"  {words}: none: {one}")
+                continue
+            if isinstance(one.error, Unknown) or not one.parts:
+                w = show(one.work.w, "work")
+            else:
+                w = show_within(one.work.w, one.error, "work")
+            series = one.series if isinstance(one.series, Unknown) else one.series / one.work.w
+            lines.append(
+                f"  {words}: w = {w}, {tables.format_state(one.work.point, 'a')}; "
+                f"{tables.error_words(series, one.large_strains)}"
+            )
+        if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
+            lines.append(f"  {OF_INPUTS}")
+        return lines + validity_lines(self.result)
+
+
+def _measured_as_json(means: MeasuredWork) -> dict[str, Any]:
+    """w and its errors [J/m^2], and where contact is lost with it."""
+    data = {
+        "w_J_per_m2": means.work.w,
+        "w_err_J_per_m2": known(means.error),
+        "w_err_by_input_J_per_m2": dict(means.parts),
+        "w_err_of_series_J_per_m2": known(means.series),
+        "pull_off": tables.point(means.work.point),
+        **tables.strains(means.large_strains),
+    }
+    return data | ({"error": means.error.reason} if isinstance(means.error, Unknown) else {})
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredPullOff(Result):
+    """What a measured pull-off force means."""
+
+    means: MeasuredWork
+
+    @property
+    def warnings(self) -> list[str]:
+        means = self.means
+        doubt = implausible_work(means.work.w, means.result.problem.E_star)
+        return [f"{means.result.path}: {doubt}"] if doubt else []
+
+    def summary(self) -> dict[str, Any]:
+        means, work = self.means, self.means.work
+        return {
+            "file": str(means.result.path),
+            "level": LEVEL,
+            "load_N": work.load,
+            **tables.device(work.stiffness),
+            **_measured_as_json(means),
+            "w_half_space_J_per_m2": work.half_space,
+            "validity": tables.validity(means.result, work.point),
+        }
+
+    def words(self) -> list[str]:
+        means, work = self.means, self.means.work
+        change = means.large_strains
+        digits = tables.digits(work.w, change)
+        if isinstance(means.error, Unknown) or not means.parts:
+            w = show(work.w, "work", digits)
+        else:
+            w = show_within(work.w, means.error, "work", digits)
+        lines = [
+            f"w = {w}: the pull-off force "
+            f"{show(work.load, 'load')} of {means.result.path} ({control(work.stiffness)}, "
+            f"{tables.format_state(work.point, 'a')})"
+        ]
+        if means.parts:
+            parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
+            lines.append(f"  error at {tables.AT_LEVEL} from {', '.join(parts)}")
+        else:
+            lines.append(f"  {OF_INPUTS}")
+        series = means.series if isinstance(means.series, Unknown) else means.series / work.w
+        lines.append(f"  {tables.error_words(series, change)}")
+        if work.half_space is None:
+            lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
+        else:
+            under = "" if work.stiffness == LOAD_CONTROL else " under load control"
+            lines.append(
+                f"  1.5 pi w R of a half-space{under} would have given {show(work.half_space, 'work')}, "
+                f"{work.half_space / work.w:.3g} times that of this specimen"
+            )
+        return lines + validity_lines(means.result, work.point)

@@ -1,0 +1,912 @@
+"""Results of measured curves as tables, summaries, words and figures: fits, work along a curve, what a file holds."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..adhesion.curve import Nonadhesive
+from ..base.errors import InputError, Unknown, counted
+from ..base.numerics import HALF_WIDTH, LEVEL, Array, half_width
+from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
+from ..base.units import SI, scale, show, show_within
+from ..base.wings import offered
+from ..bodies.indenters import Indenter
+from ..report import archive
+from ..report.result import SHOWN, Figure, Several
+from ..report.tables import AT_LEVEL, DIMENSIONS, quantities, stacked, transpose_rows, with_unit
+from ..resolve.analysis import Analysis, adhesive
+from ..resolve.histories import Rough, rough
+from ..series import Solution
+from ..tables import some
+from . import alternative_tests, alternatives, range_alternative, text_formats
+from . import files as measured
+from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
+from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
+from .joint import JointFit
+from .parameters import FittedValue
+from .procedure import Failure
+from .result import Fit, JKRBeside
+from .segmentation import Direction, ForceCurve, saturation_words, segment_force_curves
+from .surface_tension import TensionFit
+from .work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
+
+ALWAYS = ("file", "curve", "status", "reason", "points")
+SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
+NUMBER = re.compile(r"[-+]?\d[\d.,e+-]*")  # in a line of text
+ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
+REASONS_SHOWN, LONGEST_REASON = 6, 60  # choice: of a line; letters of one
+LOPSIDED = 0.05  # choice: of an interval, by which its middle may miss the value before its ends are printed
+VAGUE = "not determined"  # how flags end of what alternatives may change by much
+NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a smaller part lies below the second
+
+
+@dataclass(frozen=True, eq=False)
+class Fits(Several):
+    """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
+    them together."""
+
+    outcomes: Sequence[Fit | Failure]
+    body: str
+    remarks: Sequence[str] = ()
+    unread: Sequence[str] = ()  # lines on curves and files that could not be read
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns(self.outcomes)
+
+    @cached_property
+    def fits(self) -> list[Fit]:
+        return [item for item in self.outcomes if isinstance(item, Fit)]
+
+    def summary(self) -> dict[str, Any]:
+        return summary(self.outcomes, self.body)
+
+    @property
+    def parts(self) -> list[list[str]]:
+        if len(self.fits) == 1:
+            return [fit_words(self.fits[0])]
+        each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]
+                for verdict, *rest in [fit_words(item)]]  # fmt: skip
+        several = len(self.outcomes) + len(self.unread) >= LEAST_CURVES
+        return [[self._together()], *each] if several and len(_surfaces(self.fits)) == 1 else each
+
+    def _together(self) -> str:
+        """The median and the ends of E* and w over all curves, how many were fitted, and of the others why not."""
+        parts = []
+        for name in ("E_star", "w"):
+            estimates = [one for item in self.fits for one in item.estimates if one.name == name]
+            if not estimates:
+                continue
+            sizes, dimension = [one.value for one in estimates], estimates[0].dimension
+            middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
+            parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
+        doubts = Counter(flag for item in self.fits for flag in item.flags)
+        reasons = Counter[str]()  # why curves are unusable; where one has no flag, its first line without the place
+        for item in (item for item in self.outcomes if isinstance(item, Failure)):
+            reasons.update(item.flags or [item.lines[0].removeprefix(f"{item.curve.where}: ")[:LONGEST_REASON]])
+        doubtful = sum(status_of(item) == DOUBTFUL for item in self.fits)
+        failed, unread = len(self.outcomes) - len(self.fits), len(self.unread)
+        counts = [f"{len(self.fits):,} of {counted(len(self.outcomes) + unread, 'curve')} fitted",
+                  f"{doubtful:,} doubtful{_counted(doubts)}"]  # fmt: skip
+        counts += [f"{failed:,} unusable{_counted(reasons)}"] * bool(failed)
+        counts += [f"{unread:,} not read"] * bool(unread)
+        return f"{', '.join(parts)}: {', '.join(counts)}"
+
+    @property
+    def warnings(self) -> list[str]:
+        both = len(_surfaces(self.fits)) > 1
+        alike: dict[str, list[str]] = {}  # by what is left without the numbers, in a map; else each for itself
+        for item in self.fits:
+            where = f"{item.where}{f', {item.surface}' if both else ''}"
+            for line in item.warnings:
+                kind = NUMBER.sub("", line) if len(self.fits) >= LEAST_CURVES else f"{where}: {line}"
+                alike.setdefault(kind, []).append(f"{where}: {line}")
+        each = [lines[0] + f" ({counted(len(lines) - 1, 'more curve')} with this warning)" * (len(lines) > 1)
+                for lines in alike.values()]  # fmt: skip
+        return [*each, *self.remarks]
+
+
+@TABLES.register(Fit)
+def fit_table(fit: Fit) -> dict[str, list[Any]]:
+    """The row of one curve, by columns."""
+    return columns([fit])
+
+
+@SUMMARIES.register(Fit)
+def fit_summary(fit: Fit) -> dict[str, Any]:
+    """What stands in the JSON file of one curve."""
+    return summary([fit], fit.body)
+
+
+@FIGURES.register(Fit)
+def draw_fit(fit: Fit) -> Figure:
+    """The picture of a fitted curve."""
+    from .figures import fit_figure
+
+    return fit_figure(fit)
+
+
+def _counted(reasons: Counter[str]) -> str:
+    """How many curves have each of the reasons, the most frequent first."""
+    shown = [f"{count:,} {reason}" for reason, count in reasons.most_common(REASONS_SHOWN)]
+    more = len(reasons) - len(shown)
+    return f" ({', '.join([*shown, *[f'{more} other reasons'] * bool(more)])})" if shown else ""
+
+
+def _surfaces(fits: Sequence[Fit]) -> set[str]:
+    return {item.surface for item in fits}
+
+
+def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
+    """The table of all curves, a row for each in their order, by columns; None where there is no value."""
+    return transpose_rows([_row(item) for item in outcomes])
+
+
+def _row(item: Fit | Failure) -> dict[str, Any]:
+    if isinstance(item, Failure):
+        cells = (str(item.curve.origin or ""), item.curve.name, UNUSABLE, " ".join(item.lines), None)
+        more = {"quality": 0.0, "flags": "; ".join(item.flags)}
+        return dict(zip(ALWAYS, cells, strict=True)) | _placed(item) | more
+    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, status_of(item), "", item.a.size), strict=True))
+    row |= _placed(item) | {"surface": item.surface}
+    for estimate in item.estimates:
+        parts: dict[str, float | None] = {"": estimate.value}
+        if estimate.free:
+            parts |= {"err": half_width_of(estimate, item.settings.level), "low": estimate.low, "high": estimate.high}
+        if estimate.model:
+            parts["model"] = math.hypot(*estimate.model.values())
+        stem = "modulus_factor" if estimate.name == "modulus" else estimate.name.replace(":", "_").replace(" ", "_")
+        for part, value in parts.items():  # titles such as ``E_film_err_Pa``
+            title = "_".join(filter(None, [stem, part]))
+            unit = f"{title}_m_per_N" if estimate.name == "compliance" else with_unit(title, estimate.dimension)
+            row[unit] = value
+    row |= {"scatter": item.scatter, "lag1": item.structure.lag1}
+    row |= {"correlation_modulus_w": item.correlated("modulus", "w")}
+    if item.quality is not None:
+        row |= {"adhesion_force_N": item.adhesion, "quality": item.quality["quality"], "flags": "; ".join(item.flags)}
+    return row | {"warnings": "; ".join(item.warnings), "level": item.settings.level}
+
+
+def _placed(item: Fit | Failure) -> dict[str, Any]:
+    """Column, row and position of a curve of a map; nothing of others."""
+    at = item.pixel
+    return {} if at is None else {"map_column": at.column, "map_row": at.row, "x_m": at.x, "y_m": at.y}
+
+
+def summary(outcomes: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
+    """What stands in the JSON file: per curve everything but the rows themselves."""
+    return identity(archive.FITS, body) | {"curves": [_summary(item) for item in outcomes]}
+
+
+def identity(format: str, body: str) -> dict[str, Any]:
+    """How the summary of a fit to a ``body`` in words begins."""
+    return {"format": format, "version": 1, "body": body}
+
+
+def _summary(item: Fit | Failure) -> dict[str, Any]:
+    if isinstance(item, Failure):
+        return {
+            "file": str(item.curve.origin or ""), "curve": item.curve.name, "status": UNUSABLE,
+            "reason": list(item.lines), "quality": {"quality": 0.0}, "flags": list(item.flags),
+        }  # fmt: skip
+    structure = item.structure
+    # JKR beside a fit with a range, by what its misfit is larger
+    jkr = item.jkr
+    if not isinstance(jkr, JKRBeside):
+        beside: dict[str, Any] = {} if jkr is None else {"jkr": {"reason": str(jkr)}}
+    else:
+        beside = {"jkr": quantities(jkr, "E_star w") | {"misfit": jkr.rms / jkr.rms_of_range}}
+    return {
+        "file": item.file,
+        "curve": item.name,
+        "surface": item.surface,
+        "status": status_of(item),
+        "estimates": {estimate.name: estimate_summary(estimate) for estimate in item.estimates},
+        **{name: getattr(item.settings, name) for name in ("level", "confidence", "loss")},
+        "free": list(item.free),
+        "covariance": None if item.covariance is None else item.covariance.tolist(),
+        "correlation": None if item.correlation is None else item.correlation.tolist(),
+        "points": item.a.size,
+        "left_out": list(item.left_out),
+        "a_m": [float(item.a.min()), float(item.a.max())],
+        "scales": dict(item.scales),
+        "scatter": item.scatter,
+        "degrees_of_freedom": item.dof,
+        "residuals": {
+            "lag1_autocorrelation": structure.lag1,
+            "runs": structure.runs,
+            "runs_expected": structure.expected,
+            "probability": structure.probability,
+        },
+        **({} if item.range_left is None else {"range_left_m": item.range_left}),
+        **beside,
+        **_verdict(item),
+        **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
+        **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
+        "warnings": list(item.warnings),
+    }
+
+
+def estimate_summary(item: FittedValue) -> dict[str, Any]:
+    unit = "m/N" if item.name == "compliance" else SI[item.dimension]
+    numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
+    if item.free:
+        numbers |= {"standard_error": item.error, "low": item.low, "high": item.high}
+    if item.systematic:
+        numbers["systematic"] = dict(item.systematic)
+    if item.model:
+        numbers["model"] = dict(item.model)
+    return numbers
+
+
+@WORDS.register(Fit)
+def fit_words(item: Fit) -> list[str]:
+    """A fit as lines of text: the verdict, what was free, and what follows from it."""
+    out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
+    status = f"{status_of(item)}, " if item.quality is not None or item.flags else ""
+    ways = f", {item.directions}" if item.directions else ""
+    stuck = ", no slip" if item.surface == "sticking" else ""
+    # A line on the longest range that the rows leave, where w rests on it more than on the noise
+    w, left = item.work, item.range_left
+    part = (w.model or {}).get(range_alternative.RANGE, 0.0)
+    if left is None or w.low is None or w.high is None or part < w.high - w.low:
+        range_words = []
+    else:
+        moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
+        range_words = [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
+    lines = [*verdict_words(item), *range_words]
+    lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
+    lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
+    lines += [f"  {'free rows':<12} {'; '.join(item.held)}"] * bool(item.held)
+    lines += [f"  {'not included':<12} {item.not_included}"] * bool(item.not_included)
+    lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
+    correlation = item.correlated("modulus", "w")
+    # Standard deviation of the readings as the residuals have it
+    told = [f"{show(item.scatter * scale, DIMENSIONS[name], 2)} in {name}" for name, scale in item.scales.items()]
+    told += [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]
+    lines.append(f"  {'scatter':<12} {', '.join(told)}")
+    if item.quality is not None:
+        parts = ", ".join(f"{name} {value:.2f}" for name, value in item.quality.items() if name != "quality")
+        lines.append(f"  {'quality':<12} {item.quality['quality']:.2f} ({parts})")
+    return lines
+
+
+def verdict_words(item: Fit) -> list[str]:
+    """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
+    give, and which alternatives the parts by the model are from."""
+    shown, formula = [item.estimate("E_star"), item.work], list[str]()
+    doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
+    verdict = brief(shown, item.settings.level)
+    verdict += f"; doubtful: {', '.join(doubts)}" if doubts else ""
+    if item.verdict is None:
+        return [verdict]
+    if item.verdict.E_star is not None:
+        by = item.verdict.E_star
+        change = by / item.value("E_star") - 1
+        formula = [f"{item.verdict.formula} fit at maximum load would give {show(by, 'modulus', 3)} ({change:+.0%})"]
+    others = item.verdict.alternatives
+    rejected = f"; likely cause: {' or '.join(others.families)}" if others.named else ""
+    judged = [] if others.named else ["no alternative model is favoured"]
+    if tied := item.verdict.tied:
+        rejected = f"; by {tied[0].name} ({parameter_words(tied[0])})"
+        judged = ["JKR as described is rejected", *(f"{one.name} is not distinguishable from it" for one in tied[1:])]
+    judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
+    parts = dict.fromkeys(name for one in shown for name in one.model or {})
+    judged += [f"model uncertainty from {', '.join(parts)}"] if parts else []
+    return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
+
+
+def brief(items: Sequence[FittedValue], level: float) -> str:
+    """Values with their statistical part, that of inputs, and that of the model, all half-widths at one ``level``;
+    the kinds of several parts stand behind all values, where all have the same."""
+    parts = [_parts(item, level) for item in items]
+    kinds = list(parts[0]) if len(parts[0]) > 1 and len(set(map(tuple, parts))) == 1 else []
+    values = ", ".join(_value(item, each, not kinds) for item, each in zip(items, parts, strict=True))
+    values += f" ({', '.join(kinds)})" * bool(kinds)
+    return values + f", at {100 * level:g} %" * any(item.error is not None for item in items)
+
+
+def _is_least(item: FittedValue) -> bool:
+    """Whether the value is a lower bound: nothing but its own low end is known."""
+    return item.error is None and item.high is None and item.low == item.value
+
+
+def _value(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
+    if _is_least(item):
+        return f"{SYMBOLS.get(item.name, item.name)} > {show(item.value, item.dimension, 3)} (lower bound)"
+    none = item.error is None or item.low is item.high is None  # an error beyond any interval tells nothing
+    why = "" if not none else " (not determined by the data)" if item.free else " (fixed)"
+    return f"{SYMBOLS.get(item.name, item.name)} = {with_errors(item, parts, named)}{why}"
+
+
+def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
+    """A value with half-widths, by their kinds where ``named``, in one unit, that of the largest of them: to the second
+    digit of the whole error; a part that is smaller than that to its first."""
+    if not parts or not all(0 < size < math.inf for size in parts.values()):
+        return show(item.value, item.dimension, 4)
+    factor, unit = scale(max(abs(item.value), *parts.values()), item.dimension)
+    places = max(1 - math.floor(math.log10(math.hypot(*parts.values()) / factor)), 0)
+    errors = (f"± {size / factor:.{max(places, -math.floor(math.log10(size / factor)))}f}" + f" ({kind})" * named
+              for kind, size in parts.items())  # fmt: skip
+    return " ".join([f"{round(item.value / factor, places) + 0.0:.{places}f}", *errors, unit]).strip()
+
+
+def half_width_of(item: FittedValue, level: float) -> float | None:
+    """Half of the interval at ``level``; where an end of it is open, by the standard error, if there is one."""
+    if item.low is not None and item.high is not None:
+        return (item.high - item.low) / 2
+    return None if item.error is None else item.error * half_width(level)
+
+
+def _parts(item: FittedValue, level: float) -> dict[str, float]:
+    """The half-widths [SI] of the parts of the error by their kinds, those that are noticeable."""
+    half = half_width_of(item, level)
+    if item.error is None or half is None or item.low is item.high is None:
+        return {}
+    calibration = half * min(math.hypot(*(item.systematic or {}).values()) / (item.error or 1.0), 1.0)
+    own = math.sqrt(half**2 - calibration**2)
+    parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
+    return {kind: size for kind, size in parts.items() if size > NOTICEABLE * own}
+
+
+def parameter_words(one: alternative_tests.FittedAlternative) -> str:
+    """What else an alternative in full tells, in words."""
+    values = (f"{name} {show(value, alternatives.OF_ALTERNATIVES[name], 3)}" for name, value in one.quantities.items())
+    return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
+
+
+def alternatives_table(item: Fit) -> list[str]:
+    """A line per alternative of a raw record: what the data say, how much of it they ask for, and how E* and w would
+    move."""
+    if item.verdict is None:
+        return []
+    head = f"  {'alternative model':<43}{'the data':<21}{'p':>8}{'E*':>8}{'w':>8}{'chi^2':>10}"
+    return [head, *(
+        f"  {one.name:<43}{one.word:<21}{one.chance:>8.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
+        f"{-one.taken:>10.3g}" for one in item.verdict.alternatives.scores
+    ), *(
+        f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
+        f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {parameter_words(one)}"
+        for one in item.verdict.fitted
+    )]  # fmt: skip
+
+
+def plan_table(item: Fit) -> list[str]:
+    """What further measurements would tell, the best for E* and for w marked."""
+    best = [min((getattr(one, name) for one in item.plan), default=0.0) for name in ("E_star", "w")]
+    head = [f"  {'a further measurement':<32}{'E* within':>12}{'w within':>12}"] * bool(item.plan)
+    return head + [
+        f"  {one.words:<32}"
+        + "".join(f"{value:>11.2%}{'*' if value == least else ' '}"
+                  for value, least in zip((one.E_star, one.w), best, strict=True))
+        for one in item.plan
+    ]  # fmt: skip
+
+
+def _verdict(item: Fit) -> dict[str, Any]:
+    """Alternatives of a raw record, each with its score, and what a formula makes of the deepest row."""
+    if item.verdict is None:
+        return {}
+    verdict = item.verdict
+    return {"verdict": {
+        "model": verdict.tied[0].name if verdict.tied else "jkr",
+        "named": [one.name for one in verdict.alternatives.named], "families": list(verdict.families),
+        "in_full": [{
+            "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
+            **quantities(one, "E_star w"),
+            **{with_unit(name, alternatives.OF_ALTERNATIVES[name]): value for name, value in one.quantities.items()},
+        } for one in verdict.fitted],
+        "misfit": verdict.alternatives.misfit / verdict.alternatives.dof,
+        "free_rows_tell_the_noise": verdict.alternatives.loose > 0,
+        "formula": {"name": verdict.formula, "E_star_Pa": verdict.E_star} if verdict.E_star is not None else None,
+        "rivals": [{
+            "name": one.name, "family": one.family, "word": one.word, "amount_is": one.amount_is, "amount": one.amount,
+            "standard_error": one.error if math.isfinite(one.error) else None, "p": one.chance,
+            "share_of_misfit": one.share,
+            # the relative moves of E* and w with what was found of it
+            "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
+            "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
+        } for one in verdict.alternatives.scores],
+    }}  # fmt: skip
+
+
+def estimate_lines(items: Iterable[FittedValue], level: float, names: Mapping[str, str] = SYMBOLS) -> list[str]:
+    """A line for each free parameter but the factor of all moduli, by its name or that in ``names``."""
+    shown = (item for item in items if item.free and item.name != "modulus")
+    return [f"  {names.get(item.name, item.name):<12} {estimate_words(item, level)}" for item in shown]
+
+
+def estimate_words(estimate: FittedValue, level: float) -> str:
+    """A value with the half-widths of its error at ``level``; its interval where that has one end or is lopsided."""
+    dimension, parts = estimate.dimension, _parts(estimate, level)
+    if _is_least(estimate):
+        return f"more than {show(estimate.value, dimension, 3)}"
+    text = with_errors(estimate, parts, len(parts) > 1)
+    if estimate.error is None:
+        text += " (not determined by the data)"
+        if estimate.low is None and estimate.high is None:
+            return text
+    low, high = estimate.low, estimate.high
+    if low is None or high is None or abs(high + low - 2 * estimate.value) > LOPSIDED * (high - low):
+        ends = [None if end is None else show(end, dimension, 4) for end in (low, high)]
+        text += f", {100 * level:g} %: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
+    least = NOTICEABLE * (estimate.error or 0.0)
+    inputs = [f"{name} {value / estimate.error:.0%}" for name, value in (estimate.systematic or {}).items()
+              if estimate.error and value > least]  # fmt: skip
+    return text + (f" (share of the error: {', '.join(inputs)})" if inputs else "")
+
+
+# --------------------------------------------------------------------------------------------------
+# Records fitted together as a table, as a summary and in words: what they share, a surface tension, or a law of w
+# over the speed of the contact's edge.
+
+
+@TABLES.register(JointFit)
+def joint_table(joint: JointFit) -> dict[str, list[Any]]:
+    """A row for each record: what all share, and its own."""
+    return columns(joint.fits)
+
+
+@SUMMARIES.register(JointFit)
+def joint_summary(joint: JointFit) -> dict[str, Any]:
+    """What is shared and what each record says."""
+    return identity("jkr-joint-fit", joint.body) | {
+        "shared": {item.name: estimate_summary(item) for item in joint.shared},
+        "correlation": np.asarray(joint.correlation).tolist(),
+        "chance": joint.chance,
+        "status": DOUBTFUL if joint.flags else FITTED,
+        "flags": list(joint.flags),
+        "alone": [dict(values) for values in joint.alone],
+        "curves": summary(joint.fits, joint.body)["curves"],
+        "warnings": list(joint.warnings),
+    }
+
+
+@WORDS.register(JointFit)
+def joint_words(joint: JointFit) -> list[str]:
+    """What is shared, then what each record says alone, and its own."""
+    shared = [item for item in joint.shared if item.name != "modulus"]
+    lines = [
+        brief(shared, joint.level) + (f"; {DOUBTFUL}: {', '.join(joint.flags)}" if joint.flags else ""),
+        f"  {len(joint.fits)} force curves together (p = {joint.chance:.2g} for differences as large as theirs)",
+    ]
+    lines += estimate_lines(shared, joint.level, {})
+    dimensions = {item.name: item.dimension for item in joint.shared}
+    for one, values in zip(joint.fits, joint.alone, strict=True):
+        own = [item for item in one.estimates if item.free and item.name not in dimensions]
+        parts = [f"{name} = {show(value, dimensions[name], 4)}" for name, value in values.items()]
+        rest = ", ".join(f"{i.name} = {show(i.value, i.dimension, 4)}" for i in own if i.dimension != "modulus")
+        lines.append(f"  {one.name}: alone {', '.join(parts)}; its own {rest or 'none'}")
+    return lines
+
+
+@FIGURES.register(JointFit)
+def draw_joint(joint: JointFit) -> Figure:
+    """The picture of what all records share."""
+    from .figures import joint_figure
+
+    return joint_figure(joint)
+
+
+@TABLES.register(TensionFit)
+def tension_table(tension: TensionFit) -> dict[str, list[Any]]:
+    """All rows of all records: readings and the fitted load."""
+    return stacked([
+        {"curve": [record.name] * loads.size, "delta_m": record.depth, "P_N": record.load, "P_fit_N": loads}
+        for record, loads in zip(tension.records, tension.loads, strict=True)
+    ])  # fmt: skip
+
+
+@SUMMARIES.register(TensionFit)
+def tension_summary(tension: TensionFit) -> dict[str, Any]:
+    """Tension, E* and w, with their correlations."""
+    return identity("jkr-tension-fit", tension.body) | {
+        "level": tension.level,
+        "estimates": {item.name: estimate_summary(item) for item in tension.estimates},
+        "free": list(tension.free),
+        "correlation": np.asarray(tension.correlation).tolist(),
+        "scatter_N": tension.scatter,
+        "warnings": list(tension.warnings),
+    }
+
+
+@WORDS.register(TensionFit)
+def tension_words(tension: TensionFit) -> list[str]:
+    """What was found of all records together, then each value."""
+    rows = sum(map(len, tension.records))
+    together = "1 force curve" if len(tension.records) == 1 else f"{len(tension.records)} force curves together"
+    free = [item for item in tension.estimates if item.free]
+    mixed = f"; one radius does not separate the tension from {' and '.join(tension.mixed)}" if tension.mixed else ""
+    lines = [
+        brief(free, tension.level) + mixed,
+        f"  {together}, {rows} rows, scatter of the load {show(tension.scatter, 'load', 2)}",
+    ]
+    known = [f"{item.name} = {show(item.value, item.dimension)}" for item in tension.estimates if not item.free]
+    lines += [f"  {item.name:<24} {estimate_words(item, tension.level)}" for item in free]
+    return lines + ([f"  fixed: {', '.join(known)}"] if known else [])
+
+
+# --------------------------------------------------------------------------------------------------
+# The work of adhesion along measured curves as a table, as a summary, and in words.
+
+FORMAT, WORK_VERSION = "jkr-work", 1  # type and version of the JSON
+QUARTILES = (0.25, 0.5, 0.75)  # shares of the rows below each
+MANY = 0.1  # of the rows: as many without a work of adhesion are worth a warning
+
+
+@dataclass(frozen=True, eq=False)
+class Work(Result):
+    """The work of adhesion along the ``curves`` in the file at ``path`` on a ``body``; the ``law`` over the speed of
+    the edge through them, where there is one, and why others were ``skipped``."""
+
+    path: Path
+    curves: Sequence[WorkAlong]
+    skipped: Sequence[str]
+    body: Analysis
+    law: Any
+
+    @classmethod
+    def of(
+        cls, path: Path, curves: list[WorkAlong], skipped: Sequence[str], solution: Solution, unit: Nonadhesive,
+        modulus_factor: float,
+    ) -> Work:  # fmt: skip
+        """The ``curves`` on a ``solution`` with its functions ``unit``."""
+        law_along = offered("law over speed")
+        law = None if law_along is None else law_along(curves)
+        return cls(path, curves, skipped, adhesive(solution, unit, typical(curves), modulus_factor), law)
+
+    @cached_property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """All rows of all curves, a curve at a time; None where there is no value. Quantities that no curve has make
+        no column, but for the error of w: that is empty where the noise is not known."""
+        names = {name for item in self.curves for name, (values, _) in _numbers(item).items() if values is not None}
+        names.add("w_err_J_per_m2")
+        tables = []
+        for item in self.curves:
+            curve, size = item.curve, len(item.curve)
+            segments = [None] * size if curve.segment is None else curve.segment.tolist()  # which may be empty
+            columns: dict[str, list[Any]] = {"curve": [curve.name] * size, "segment": segments}
+            columns["state"] = item.state.tolist()
+            for name, (values, rows) in _numbers(item).items():
+                if name in names:
+                    columns[name] = [None] * size if values is None else np.where(rows, values, np.nan).tolist()
+            columns["level"] = [LEVEL] * size
+            tables.append(columns)
+        return stacked(tables)
+
+    def summary(self) -> dict[str, Any]:
+        """Per curve and for the body."""
+        body, through = self.body, offered("summary of a law over speed")
+        return {
+            "format": FORMAT,
+            "version": WORK_VERSION,
+            "file": str(self.path),
+            "series": str(body.path),
+            "title": body.solution.record.title,
+            "level": LEVEL,
+            "modulus_factor": body.modulus_factor,
+            "slopes": body.curve.slopes.method,
+            "errors": body.budget.as_dict(),
+            "curves": [curve_summary(item) for item in self.curves],
+            "skipped": list(self.skipped),
+            "warnings": self._body_warnings,
+            "rate_law": None if self.law is None else through(self.law),
+        }
+
+    def words(self) -> list[str]:
+        lines = [line for item in self.curves[:SHOWN] for line in work_words(item)]
+        if len(self.curves) > SHOWN:
+            lines.append(f"  ... and {counted(len(self.curves) - SHOWN, 'more curve')}")
+        if self.law is not None:
+            lines.append(f"  {offered('words of a law over speed')(self.law)}")
+        return lines
+
+    @property
+    def warnings(self) -> list[str]:
+        lines = [f"skipped: {line}" for line in some(list(self.skipped))]
+        lines += [f"{item.curve.where}: {flag}" for item in self.curves[:SHOWN] for flag in flags(item)]
+        return lines + [f"{self.path}: {warning}" for warning in self._body_warnings]
+
+    @property
+    def _body_warnings(self) -> list[str]:
+        """What holds for every curve on this body: of its series, slopes and validity."""
+        body = self.body
+        return [*body.solution.warnings, *body.curve.slopes.flags, *body.validity.warnings]
+
+    def figure(self) -> Figure:
+        from .figures import work_figure
+
+        return work_figure(self.curves, None if isinstance(self.law, Unknown) else self.law)
+
+
+def _numbers(item: WorkAlong) -> dict[str, tuple[Array | None, Array]]:
+    """The columns of numbers, each with the rows that have them."""
+    curve, ok = item.curve, item.ok
+    every = np.ones(ok.size, dtype=bool)
+    timed = ~every if item.timed is None else item.timed
+    return {
+        "a_m": (curve.a, every) if "a" in item.used else (item.a, ok),
+        "w_J_per_m2": (item.w, ok),
+        "w_err_J_per_m2": (item.w_err, ok),
+        "delta_m": (curve.delta, every),
+        "P_N": (curve.P, every),
+        "a_err_m": (item.a_err, ok),
+        "t_s": (curve.t, every),
+        "speed_m_per_s": (item.speed, timed),
+        "speed_err_m_per_s": (item.speed_err, timed),
+    }
+
+
+def curve_summary(item: WorkAlong) -> dict[str, Any]:
+    """Counts, quartiles of w over all usable rows and by the sense of the edge's motion, where its speed is more than
+    its error in as many rows as a speed is taken from, and what to mind."""
+    groups = {"all": item.ok}
+    if item.timed is not None and item.speed is not None:
+        moving = item.timed if item.speed_err is None else item.timed & (np.abs(item.speed) > item.speed_err)
+        senses = {"advancing": moving & (item.speed > 0), "receding": moving & (item.speed < 0)}
+        groups |= {name: rows & (np.count_nonzero(rows) >= item.window) for name, rows in senses.items()}
+    return {
+        "curve": item.curve.name,
+        "from": list(item.used),
+        "rows": {word: int((item.state == word).sum()) for word in (OK, NONE, BELOW, ABOVE)},
+        "w": {name: _spread(item, rows) for name, rows in groups.items()},
+        "window": item.window or None,
+        "flags": [*item.curve.flags, *flags(item)],
+    }
+
+
+def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
+    """Quartiles of w and the median of its error over some rows; None where there are none."""
+    if not rows.any():
+        return None
+    low, middle, high = (float(value) for value in np.quantile(item.w[rows], QUARTILES))
+    spread: dict[str, Any] = {"rows": int(rows.sum()), "median_J_per_m2": middle, "quartiles_J_per_m2": [low, high]}
+    errors = {"err": item.w_err} | {f"err_by_{name}": share for name, share in item.shares.items()}
+    spread |= {
+        f"{name}_J_per_m2": None if values is None else float(np.median(values[rows]))
+        for name, values in errors.items()
+    }
+    if item.speed is not None and item.timed is not None and (timed := rows & item.timed).any():
+        spread["speed_m_per_s"] = [float(value) for value in np.quantile(item.speed[timed], (0, 1))]
+    return spread
+
+
+def flags(item: WorkAlong) -> list[str]:
+    """What a reader of the numbers should know about one curve."""
+    size = len(item.curve)
+    lines = list(saturation_words(item.curve))
+    ends = {BELOW: "begin the solution at smaller radii", ABOVE: "increase [loading] radius"}
+    for word, remedy in ends.items():
+        if (count := int((item.state == word).sum())) > MANY * size:
+            lines.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
+    if (count := int((item.state == NONE).sum())) > MANY * size:
+        lines.append(
+            f"{count} of {size} rows lie at or above the nonadhesive load: check contact point, force "
+            "offset and modulus; if noise put them there, the w of the others is too large on average"
+        )
+    if item.w_err is not None and (unsure := int((item.w_err > item.w)[item.ok].sum())) > MANY * size:
+        lines.append(f"at {unsure} of {size} rows the error of w is larger than w")
+    if item.timed is not None and not item.timed.any():
+        lines.append(f"no {item.window} usable rows follow one another with rising time: no speed")
+    return lines
+
+
+def work_words(item: WorkAlong) -> list[str]:
+    """One curve: the work of adhesion along all rows, then of advancing and receding edges."""
+    parts = [f"{int(item.ok.sum())} of {counted(len(item.curve), 'row')}: {item.curve.where}"]
+    for name, spread in curve_summary(item)["w"].items():
+        if spread is None:
+            continue
+        low, high = (show(value, "work") for value in spread["quartiles_J_per_m2"])
+        label = "w" if name == "all" else f"{name} w"
+        median = spread["median_J_per_m2"]
+        known = "err_by_noise_J_per_m2" in spread
+        value = show_within(median, spread["err_J_per_m2"], "work", 4, 4) if known else show(median, "work")
+        value += f", at {AT_LEVEL}," * (known and name == "all")
+        parts.append(f"{label} = {value} (half of the rows: {low} to {high})")
+    unknown = ["no error of w: the noise is not known, give --noise"] if item.w_err is None else []
+    return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *unknown, *item.curve.flags))]
+
+
+# --------------------------------------------------------------------------------------------------
+# What a measured file holds, in words and as JSON: reading, segments, base lines, touch, jumps, adhesion, flags.
+
+NO_BASE_LINE = Unknown("there is no base line")
+
+
+@dataclass(frozen=True, eq=False)
+class Look(Result):
+    """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``; ``tip``: of which a
+    rough modulus is computed."""
+
+    path: Path
+    records: Sequence[ForceCurve]
+    unusable: Sequence[str]
+    tip: Indenter | None = None
+
+    @classmethod
+    def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None) -> Look:
+        """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
+        stands in for them."""
+        reading.refuse_contact("look")
+        curves: list[Curve | InputError] = []
+        try:
+            for curve in measured.each(path, replace(reading, incomplete=True)):
+                curves.append(curve)  # those before an error stay
+        except InputError as error:
+            curves.append(error)
+        taken_apart = iter(segment_force_curves([curve for curve in curves if isinstance(curve, Curve)]))
+        records: list[ForceCurve] = []
+        unusable: list[str] = []
+        for curve in curves:
+            found = next(taken_apart) if isinstance(curve, Curve) else curve
+            if isinstance(found, ForceCurve):
+                records.append(found)
+            elif isinstance(found, InputError):
+                unusable += found.lines
+            else:
+                raise found
+        return cls(path, records, unusable, tip)
+
+    def summary(self) -> dict[str, Any]:
+        curves = []
+        for record in self.records:  # with its rough numbers, where there is a tip
+            glance = None if self.tip is None else at_a_glance(record, self.tip)
+            rough: dict[str, Any] = {}
+            if isinstance(glance, Unknown):
+                rough = _known("rough", glance)
+            elif glance is not None:
+                rough = {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
+            curves.append(as_dict(record) | rough)
+        return {"file": str(self.path), "level": LEVEL, "curves": curves, "unusable": list(self.unusable)}
+
+    def words(self) -> list[str]:
+        lines = [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
+        if (count := len(self.records)) > 1:
+            flagged = sum(bool(record.flags) for record in self.records)
+            head = [f"{counted(count, 'curve')}, {flagged} of them with remarks: {self.path}"]
+            lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
+        return lines + (
+            [f"  ... and {counted(count - SHOWN, 'more curve')} (all with --json)"] if count > SHOWN else []
+        )
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        return self.unusable
+
+    def figure(self) -> Figure:
+        from .figures import record_figure
+
+        return record_figure(self.records)
+
+
+def as_dict(record: ForceCurve) -> dict[str, Any]:
+    """One curve as plain values, SI; a number that is not known is null, with its reason under ``..._unknown``."""
+    curve = record.curve
+    return {
+        "curve": curve.name,
+        "rows": len(curve),
+        "columns": list(curve.measured),
+        "read": list(curve.flags),
+        "rows_of_no_segment": record.rest,
+        "segments": [{"kind": s.kind, "first_row": s.first + 1, "last_row": s.last + 1} for s in record.segments],
+        **{item.segment.kind: _direction(item) for item in record.directions},
+        "flags": dict(record.flags),
+    }
+
+
+def _direction(item: Direction) -> dict[str, Any]:
+    touch, adhesion = (item.touch, item.adhesion) if item.based else (NO_BASE_LINE, NO_BASE_LINE)
+    return {
+        "rows": len(item.segment),
+        **_known("touch_m", touch),
+        "touch_err_m": None if isinstance(touch, Unknown) else item.touch_err,
+        "base_line": quantities(item.base, "offset tilt at rows noise waviness") if item.based else None,
+        **_known("largest_load_N", item.largest if item.based else NO_BASE_LINE),
+        **_known("adhesion_force_N", adhesion),
+        **({} if isinstance(adhesion, Unknown) else {"adhesion_force_err_N": HALF_WIDTH * item.adhesion_err}),
+        "adhesion_at_m": None if isinstance(adhesion, Unknown) else item.adhesion_at,
+        "jumps": [{"row": jump.row + 1} | quantities(jump, "position step") for jump in item.jumps],
+    }
+
+
+def _known(name: str, value: float | Unknown) -> dict[str, Any]:
+    return {name: None, f"{name}_unknown": value.reason} if isinstance(value, Unknown) else {name: value}
+
+
+def at_a_glance(record: ForceCurve, tip: Indenter) -> Rough | Unknown:
+    """What the formulas of a half-space make of the direction that is nearest to no adhesion, the approach."""
+    if any(ARBITRARY in flag for flag in record.curve.flags):
+        return Unknown("loads are in arbitrary units")
+    item = record.direction("approach") or record.direction("retract")
+    if item is None or not item.based or isinstance(item.touch, Unknown):
+        return Unknown("no base line and first touch")
+    back = record.direction("retract")
+    adhesion = back.adhesion if back is not None and back.based else Unknown("no retraction with a base line")
+    depth = item.depth - (0.0 if record.curve.stiffness is None else item.largest / record.curve.stiffness)
+    return rough(tip, item.largest, depth, adhesion)
+
+
+def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
+    """Lines for a reader: what the record is, then a line per direction and per flag; a rough modulus by a ``tip``."""
+    curve = record.curve
+    columns = ", ".join(map(text_formats.NAMES.meaning, curve.measured))
+    parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
+    parts += f", {record.rest} of neither" if record.rest else ""
+    # The adhesion force and the largest load, where the base line gives them
+    forces = {}
+    for item in record.directions if all(item.based for item in record.directions) else ():
+        if item.segment.kind != "approach" and not isinstance(item.adhesion, Unknown):
+            forces["adhesion force"] = item.adhesion
+        forces["largest load"] = max(item.largest, forces.get("largest load", item.largest))
+    words = [f"{name} {show(forces[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in forces]
+    look_verdict = ", ".join(words) or "adhesion force unknown, no base line"
+    doubts = [flag for flag in curve.flags if ARBITRARY in flag or flag == NOT_SUBTRACTED]  # of units, told first
+    if any(ARBITRARY in flag for flag in doubts):
+        look_verdict = "adhesion force unknown, loads in arbitrary units"
+    known = any(item.based and not isinstance(item.touch, Unknown) for item in record.directions)
+    errors = f"; ± at {AT_LEVEL}" * known
+    head = [f"{look_verdict}: {curve.where}", f"  {len(curve)} rows of {columns}; {parts}{errors}"]
+    rough = []
+    glance = Unknown("") if tip is None else at_a_glance(record, tip)
+    if tip is not None and isinstance(glance, Unknown):
+        rough = [f"  no rough modulus: {glance.reason}"]
+    elif not isinstance(glance, Unknown):
+        w = "" if isinstance(glance.w, Unknown) else f", w = {show(glance.w, 'work', 2)} (adhesion force)"
+        E_star, a = show(glance.E_star, "modulus", 2), show(glance.a, "length", 2)
+        rough = [f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"]
+    if curve.a is not None and not words:  # readings of a contact, of which none need be free: no base line is sought
+        ranges = [
+            f"{text_formats.NAMES.meaning(name)} {show(float(values.min()), kind, 4)} to "
+            f"{show(float(values.max()), kind, 4)}"
+            for name, kind in (("a", "length"), ("delta", "length"), ("P", "load"))
+            if (values := getattr(curve, name)) is not None
+        ]
+        head[0] = f"a loading-unloading table of a contact, not a force curve: {curve.where}"
+        rough = ["  no rough modulus of a table without a base line: jkr fit"] * bool(rough)
+        return [*head, f"  {', '.join(ranges)}", *rough, *(f"  {flag}" for flag in curve.flags)]
+    return [
+        *head,
+        *(f"  {flag}" for flag in doubts),
+        *rough,
+        *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
+        *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),
+        *(f"  {flag}" for flag in curve.flags if flag not in doubts),
+    ]
+
+
+def _direction_words(item: Direction) -> list[str]:
+    approach = item.segment.kind == "approach"
+    base = item.base
+    line = (
+        f"base line of {base.rows} rows: noise {show(base.noise, 'load', 3)}, "
+        f"tilt {show(base.tilt, 'stiffness', 3)}, waviness {show(base.waviness, 'load', 3)}"
+    )
+    if isinstance(item.touch, Unknown):
+        return [item.touch.reason, line]
+    if not item.based:
+        where = "begins and the largest load" if approach else "ends and the adhesion force"
+        return [f"no straight base line: where contact {where} are unknown"]
+    touch = show_within(item.touch, item.touch_err, "length")
+    tension = (
+        f"unknown, {item.adhesion.reason}"
+        if isinstance(item.adhesion, Unknown)
+        else f"{show_within(item.adhesion, HALF_WIDTH * item.adhesion_err, 'load', 3, 2)} at "
+        f"{show(item.adhesion_at, 'length')}"
+    )
+    count = len(item.jumps)
+    if approach:
+        jump = f"jump into contact by {show(-item.jumps[0].step, 'load', 3)}" if count else "no jump into contact"
+        return [f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}", line]
+    places = ", ".join(show(jump.position, "length") for jump in item.jumps)
+    jumps = {0: "without a jump", 1: f"by one jump at {places}"}.get(count, f"by {count} jumps at {places}")
+    return [f"adhesion force {tension}; out of contact from {touch} on, {jumps}", line]

@@ -1,0 +1,1 @@
+"""Bodies that relax and adhesion over the speed of the edge: contact over time, and its fits."""

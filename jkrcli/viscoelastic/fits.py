@@ -1,0 +1,50 @@
+"""``jkr fit`` of laws over time: of w over the speed of the edge, of relaxation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..base.errors import InputError
+from ..base.process import one_thread
+from ..cli.printing import announce, warn
+from ..measured.files import usable
+from ..measured.fits import FitRequest
+from ..tables import some
+from .law_fits import RelaxationFits
+from .rate_fit import rate_fit, rate_settings
+from .relaxation_fit import relaxation_fit, relaxation_settings
+
+
+def fit_law(request: FitRequest) -> None:
+    """w0, the law's parameters, E* and zeros from records at one or several speeds."""
+    asked = request.options
+    how = {"level": asked.level, "segment": asked.segment, "confidence": asked.confidence}
+    assert asked.law is not None
+    settings = rate_settings(request.body, asked.law, request.names, asked.fix, asked.start, **how)
+    curves, _ = request.curves(request.measured)
+    request.conclude(lambda: rate_fit(request.body, curves, settings, announce))
+
+
+def fit_relaxation(request: FitRequest) -> None:
+    """The modulus, a law of relaxation and zeros from records over time, each for itself; curves that cannot be used
+    are skipped and said."""
+    body, asked = request.body, request.options
+    terms = {} if asked.terms is None else {"terms": asked.terms}
+    how: dict[str, Any] = {"level": asked.level, "confidence": asked.confidence, "segment": asked.segment} | terms
+    assert asked.relaxation is not None
+    settings = relaxation_settings(
+        asked.relaxation, asked.fix, request.names, body.problem.E_star, body.range_of_case, **how
+    )
+    curves, skipped = usable(request.measured, request.reading)
+    done = []
+    for curve in curves:
+        try:
+            with one_thread():
+                done.append(relaxation_fit(body, curve, settings))
+        except InputError as error:
+            skipped += error.lines
+    if not done:
+        raise InputError(some(skipped))
+    for line in skipped:
+        warn(f"skipped: {line}")
+    request.write(RelaxationFits(done, request.body_words))

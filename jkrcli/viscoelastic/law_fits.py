@@ -1,0 +1,169 @@
+"""Results of fits of laws, of w over the speed of the edge and of relaxation, as tables, summaries, words, figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..adhesion.validity import NEGLECTED
+from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS
+from ..base.units import show
+from ..measured.archive import DOUBTFUL, FITTED
+from ..measured.report import ZERO_POINTS, brief, estimate_lines, estimate_summary, half_width_of, identity
+from ..report.result import Figure, Several
+from ..report.tables import stacked, stiffness, transpose_rows, with_unit
+from . import report as rate
+from .rate_fit import RateFit
+from .relaxation_fit import RelaxationFit
+
+
+@TABLES.register(RateFit)
+def rate_fit_table(fit: RateFit) -> dict[str, list[Any]]:
+    """All rows of all records: readings, prediction, and the edge's speed and radius."""
+    tables = []
+    measured = any(record.a is not None for record in fit.records)
+    for record, prediction in zip(fit.records, fit.predictions, strict=True):
+        values: dict[str, Any] = {
+            "curve": [record.curve.name] * record.t.size, "t_s": record.t, "P_N": record.P,
+            "P_fit_N": prediction.P + fit.zero, "a_fit_m": prediction.a,
+            "speed_m_per_s": np.where(prediction.speed > 0, -prediction.speed, 0.0),
+        }  # fmt: skip
+        if measured:
+            values["a_m"] = np.full(record.t.size, np.nan) if record.a is None else record.a
+        tables.append(values)
+    return stacked(tables)
+
+
+@SUMMARIES.register(RateFit)
+def rate_fit_summary(fit: RateFit) -> dict[str, Any]:
+    """The law, its parameters and the records."""
+    return identity("jkr-rate-fit", fit.body) | {
+        "law": fit.settings.law,
+        "free": list(fit.free),
+        "level": fit.settings.level,
+        "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
+        "records": [
+            {"curve": record.curve.where, "rows": record.t.size, "device_speed_m_per_s": record.speed,
+             "stiffness_N_per_m": stiffness(record.stiffness),
+             "noise_P_N": record.noise["P"]} for record in fit.records
+        ],
+        "edge_speeds_m_per_s": list(fit.speeds),
+        "scatter": fit.scatter,
+        "degrees_of_freedom": fit.dof,
+        "neglected": NEGLECTED,
+        "warnings": list(fit.warnings),
+    }  # fmt: skip
+
+
+@WORDS.register(RateFit)
+def rate_fit_words(fit: RateFit) -> list[str]:
+    """E* and w0, the law over the speeds of the edge, then each value."""
+    rows = sum(record.t.size for record in fit.records)
+    speeds = " to ".join(show(v, "speed", 3) for v in fit.speeds)
+    records = f"{len(fit.records)} record{'s' if len(fit.records) > 1 else ''}"
+    free = [item for item in fit.estimates if item.free and item.name in ("E_star", "w0")]
+    return [
+        brief(free, fit.settings.level),
+        f"  {records}, {rows} rows; {rate.law_words(fit.law)}; edge {speeds}",
+        *estimate_lines(fit.estimates, fit.settings.level),
+        f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
+    ]
+
+
+@FIGURES.register(RateFit)
+def draw_rate_fit(fit: RateFit) -> Figure:
+    """The picture of a law of w over the speed of the edge."""
+    from .figures import rate_fit_figure
+
+    return rate_fit_figure(fit)
+
+
+# --------------------------------------------------------------------------------------------------
+# Fits of relaxation as a table, as a summary and in words.
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationFits(Several):
+    """Results of ``fits`` of one law, each to a record; ``body``: what was fitted, in words."""
+
+    fits: Sequence[RelaxationFit]
+    body: str
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """A row per record: its estimates with their half-widths, and the scatter."""
+        rows = []
+        for fit in self.fits:
+            row: dict[str, Any] = {"curve": fit.record.curve.where, "law": fit.settings.law}
+            for item in fit.estimates:
+                if item.free and item.name != "modulus":
+                    name = with_unit(item.name, item.dimension)
+                    row |= {name: item.value, f"{name}_error": half_width_of(item, fit.settings.level)}
+            rows.append(row | {"scatter": fit.scatter, "rows": fit.record.t.size, "level": fit.settings.level})
+        return transpose_rows(rows)
+
+    def summary(self) -> dict[str, Any]:
+        level, fits = self.fits[0].settings.level, [_fit(fit) for fit in self.fits]
+        return identity("jkr-relaxation-fit", self.body) | {
+            "level": level,
+            "fits": fits,
+            "neglected": rate.ADHESION_NEGLECTED if self.fits[0].settings.adheres else rate.RELAXATION_NEGLECTED,
+        }
+
+    @property
+    def parts(self) -> list[list[str]]:
+        return list(map(relaxation_fit_words, self.fits))
+
+    def figure(self) -> Figure:
+        from .figures import relaxation_fit_figure
+
+        return relaxation_fit_figure(self.fits)
+
+    @property
+    def warnings(self) -> list[str]:
+        return [f"{fit.record.curve.where}: {line}" for fit in self.fits for line in fit.warnings]
+
+
+TABLES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).columns)
+SUMMARIES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).summary())
+FIGURES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).figure())
+
+
+def _fit(fit: RelaxationFit) -> dict[str, Any]:
+    record = fit.record
+    return {
+        "curve": record.curve.where,
+        "rows": record.t.size,
+        "control": record.control,
+        "stiffness_N_per_m": stiffness(record.stiffness),
+        "relaxation": rate.relaxation_law_summary(fit.relaxation),
+        "free": list(fit.free),
+        "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
+        "scatter": fit.scatter,
+        "degrees_of_freedom": fit.dof,
+        "status": DOUBTFUL if fit.doubts else FITTED,
+        "warnings": list(fit.warnings),
+    }
+
+
+@WORDS.register(RelaxationFit)
+def relaxation_fit_words(fit: RelaxationFit) -> list[str]:
+    """Lines for people."""
+    record, level = fit.record, fit.settings.level
+    control = "displacement of the tip" if record.control == "tip" else record.control
+    pieces = len(record.knots[0]) - 1
+    straight = f"held, {pieces} straight piece{'s' if pieces > 1 else ''}"
+    motion = "as it was read" if record.read else straight
+    own = [fit.estimate(name) for name in ("E_star", *fit.free) if name not in ("modulus", *ZERO_POINTS)]
+    doubts = f"; doubtful: {', '.join(fit.doubts)}" if fit.doubts else ""
+    fixed = [fit.estimate(name) for name in ("w", "stress", "range") if name in fit.settings.fixed]
+    known = "".join(f", {item.name} = {show(item.value, item.dimension)} (fixed)" for item in fixed)
+    return [
+        brief(own, level) + doubts,
+        f"  {record.curve.where}: {fit.relaxation}{known}; {record.t.size} rows, the {control} {motion}",
+        *estimate_lines(fit.estimates, level, {"E_star": "E*" if fit.settings.law == "power" else "E* instant"}),
+        f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
+    ]

@@ -1,0 +1,28 @@
+"""What the wing of contact over time registers: adhesion over the speed of the edge, bodies that relax, their fits."""
+
+from ..base.wings import Verb, Wing
+
+CYCLE = "Force curve of an approach-retract cycle, over time too."
+OPTIONS = (
+    "--rate", "--rate-advance", "--speed", "--speed-approach", "--hold", "--dwell", "--dwell-time", "--compare-rate",
+    "--law", "--relaxation", "--terms",
+)  # fmt: skip
+FUNCTIONS = ("LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify_law", "identify_relaxation")
+WING = Wing(
+    "viscoelastic",
+    verbs={"cycle": Verb("More of an adhesive curve", "", CYCLE, "viscoelastic.cycle", of_core=True)},
+    options=OPTIONS,
+    functions=dict.fromkeys(FUNCTIONS, "viscoelastic.functions"),
+    uses=("contact over time",),
+    offers={
+        "laws of w over speed": "viscoelastic.rate:RATE_LAWS",
+        "a law of w over speed": "viscoelastic.rate:rate_law_of",
+        "contact of a law over speed": "viscoelastic.rate:RateContact",
+        "relaxing contact": "viscoelastic.relaxation:RelaxingContact",
+        "law over speed": "viscoelastic.rate_fit:law_along",
+        "summary of a law over speed": "viscoelastic.report:through_summary",
+        "words of a law over speed": "viscoelastic.report:through_words",
+        "fit of --law": "viscoelastic.fits:fit_law",
+        "fit of --relaxation": "viscoelastic.fits:fit_relaxation",
+    },
+)

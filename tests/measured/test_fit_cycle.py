@@ -1,0 +1,145 @@
+"""Tables with both branches: one E*, a work of adhesion for each, rows at rest between them."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lens_tables import NU, H, R, lens
+
+from jkrcli.adhesion.slopes import slopes
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.files import read
+from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.result import Fit
+from jkrcli.measured.rows import orient
+from jkrcli.measured.settings import settings_of
+from jkrcli.methods.layered.solver import Layered
+
+WORDS = ("approach", "retract")
+
+
+@cache
+def body() -> FittedBody:
+    """The layer with half of the modulus that the tables are made with."""
+    specimen = Specimen((Layer(Elastic(0.75e6, NU), H),), Rigid())
+    series = Layered()(problem := Problem(Paraboloid(R), specimen, Loading("radius", 1e-3, 80))).series
+    return FittedBody.of(problem, series, slopes(series), extensible=True)
+
+
+def fitted(curve: Curve, **options) -> Fit:
+    """With what is known of the range of adhesion, so that no range is looked for."""
+    return fit(body(), curve, settings_of(body(), bound=[("range", "..1 nm")], **options))
+
+
+def holds(found: Fit, truth: dict[str, float], errors: float = 3.5) -> None:
+    """Each estimate within so many of its standard errors, and told to a part in ten."""
+    for name, value in truth.items():
+        item = found.estimate(name)
+        assert abs(item.value - value) < errors * item.error, name
+        assert item.error < (0.03 if name == "E_star" else 0.35) * value, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rest", [True, False])
+@pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
+def test_both_branches_have_one_modulus_and_a_work_of_adhesion_each(columns: str, rest: bool) -> None:
+    made = lens(np.random.default_rng(1), columns, rest, WORDS)
+    found = fitted(made.curve)
+    holds(found, made.truth)
+    assert found.estimate("w").low > found.estimate("w_approach").high
+    if rest:
+        assert found.value("a_turn") == pytest.approx(made.turn, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_order_of_rows_tells_the_branches() -> None:
+    told, untold = (fitted(lens(np.random.default_rng(1), "a,P", True, words).curve) for words in (WORDS, None))
+    names = ("E_star", "w", "w_approach")
+    assert [told.value(name) for name in names] == pytest.approx([untold.value(name) for name in names], rel=5e-3)
+
+
+def cycles(count: int, noise: float) -> tuple[Curve, np.ndarray]:
+    """So many cycles of radius and load, whose radius rests at first while the load falls; and their words."""
+    up = np.linspace(50e-6, 240e-6, 15)
+    a = np.tile(np.concatenate([up, np.full(3, 240e-6), up[::-1]]), count)
+    P = np.tile(np.concatenate([(up / 240e-6) ** 3, [0.95, 0.9, 0.85], 0.8 * (up[::-1] / 240e-6) ** 3]), count)
+    rng = np.random.default_rng(2)
+    curve = Curve("c", a=a + noise * 190e-6 * rng.normal(size=a.size), P=P * 0.02)
+    return curve, np.tile(np.repeat(WORDS, (15, 18)), count)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_order_of_rows_tells_the_branches_of_several_cycles(count: int, noise: float) -> None:
+    curve, words = cycles(count, noise)
+    told = orient(curve)
+    assert told.segment is not None
+    assert np.count_nonzero(told.segment != words) <= count - 1  # rows where contact is lost and made anew
+    assert [line.split(" by ")[0] for line in told.flags] == [f"{2 * count} branches"] * (count > 1)
+
+
+def test_rows_in_no_order_and_single_branches_are_no_cycles() -> None:
+    rng = np.random.default_rng(5)
+    curve, _ = cycles(3, 0.0)
+    for rows in (rng.permutation(len(curve)), np.arange(15), np.arange(15, 33)):
+        assert orient(curve.rows(rows)).segment is None
+    noisy = np.linspace(0, 1, 100) + 0.1 * rng.normal(size=100)
+    assert orient(Curve("c", a=noisy + 1, P=noisy)).flags == ()
+
+
+@pytest.mark.parametrize(
+    ("title", "words"),
+    [("branch", ("loading", "unloading")), ("Ast", ("Belastung", "Entlastung")), ("branche", ("charge", "décharge")),
+     ("phase", ("load", "unload"))],
+)  # fmt: skip
+def test_words_for_branches_in_three_languages(title: str, words: tuple[str, str], tmp_path: Path) -> None:
+    path = tmp_path / "lens.csv"
+    path.write_text(f"a_m,P_N,{title}\n" + "".join(f"{i}e-5,{i}e-3,{words[i > 4]}\n" for i in range(1, 9)))
+    assert list(read(path)[0].segments()) == list(WORDS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
+def test_unloading_alone_knows_its_rows_at_rest(columns: str) -> None:
+    made = lens(np.random.default_rng(1), columns, True, WORDS)
+    found = fitted(made.curve, segment="retract")
+    holds(found, {name: made.truth[name] for name in ("E_star", "w")})
+    assert "w_approach" not in found.free
+
+
+def test_loading_alone_has_a_w_of_approach() -> None:
+    made = lens(np.random.default_rng(1), "a,P", True, WORDS)
+    found = fitted(made.curve, segment="approach")
+    holds(found, {name: made.truth[name] for name in ("E_star", "w_approach")})
+    assert "w" not in {item.name for item in found.estimates}
+
+
+def test_an_edge_that_rests_throughout_tells_the_least_w() -> None:
+    made = lens(np.random.default_rng(3), "a,delta,P", True, WORDS)
+    found = fitted(made.curve.rows(np.arange(100)))
+    item = found.estimate("w")
+    assert item.error is None
+    assert item.high is None
+    assert made.truth["w_approach"] < item.low < 1.05 * made.truth["w"]
+    assert any(line.startswith("w: the contact line is pinned in all rows") for line in found.warnings)
+
+
+def test_directions_that_no_modulus_describes_stand_side_by_side() -> None:
+    made = lens(np.random.default_rng(4), "a,delta,P", False, WORDS, stiffer=1.4)
+    found = fitted(made.curve)
+    assert "directions differ" in found.flags
+    assert found.value("E_star") == pytest.approx(1.4 * made.truth["E_star"], rel=0.05)
+    assert found.value("E_star_approach") == pytest.approx(made.truth["E_star"], rel=0.05)
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("change", [{"loss": "huber"}, {"confidence": "profile"}])
+def test_what_one_branch_can_be_asked_a_cycle_can(change: dict) -> None:
+    made = lens(np.random.default_rng(5), "a,P", True, WORDS)
+    holds(fitted(made.curve, **change), made.truth)

@@ -1,0 +1,186 @@
+"""Hysteresis and creep of a piezo that are fitted with the rest: records by formulae of their own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import Outcome
+from force_curves import back_at, equilibrium, load_at
+from test_fit_record import BODY, R, usual
+
+from jkrcli.base.errors import InputError
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.joint import joint_fit
+from jkrcli.measured.procedure import fit
+
+E_STAR, W_IN, W_OUT, K, ROWS = 20e3, 3e-5, 1e-4, 0.05, 1000
+FORCE = 1.5 * math.pi * W_OUT * R
+TRUE = {"E_star": E_STAR, "w": W_OUT, "w_approach": W_IN}
+
+
+def bowed(amount: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Of the travel, over its share from the turn on: at most ``amount`` in its middle."""
+    return lambda share: amount * (1 - (2 * share - 1) ** 2)
+
+
+def crept(amount: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Per decade of the time since the last row of the approach, from a hundredth of the record on, which lasts two
+    ways less a row."""
+    return lambda share: amount * np.log1p((share * (1 - 1 / ROWS) + 1 / ROWS) / (0.02 - 1e-2 / ROWS)) / np.log(10)
+
+
+def made(error: Callable[[np.ndarray], np.ndarray], seed: int = 1, noise: float = 0.005, pause: int = 0) -> Curve:
+    """A record whose device stands deeper on the way back than it says, by an ``error`` of the travel; the contact
+    grows meanwhile, where it waits for a ``pause`` of so many rows."""
+    top = float(equilibrium(E_STAR, R, W_IN, K, 4 * FORCE)[0][-1])
+    way, rng = np.linspace(-3e-6, top, ROWS), np.random.default_rng(seed)
+    moved = error((top - way) / np.ptp(way)) * np.ptp(way)
+    deepest = top + (moved[-1] if pause else 0.0)
+    out = back_at(way + moved, E_STAR, R, (W_IN, W_OUT), K, 6 * FORCE, deepest)
+    into = load_at(way, E_STAR, R, W_IN, K, 6 * FORCE)
+    P = np.concatenate([into + 0.05 * FORCE, np.full(pause, into[-1]), out[::-1] - 0.05 * FORCE])
+    z = np.concatenate([way, np.full(pause, top), way[::-1]])
+    P += FORCE * (1 + 0.1 * z / 1e-6 + noise * rng.normal(size=z.size))
+    return Curve("made", delta=z - P / K, P=P, t=np.arange(z.size) / ROWS, stiffness=K)
+
+
+@pytest.mark.parametrize(("name", "error"), [("hysteresis", bowed), ("creep", crept)])
+@pytest.mark.parametrize("amount", [0.0, 0.01, -0.003])
+def test_an_error_of_positions_is_fitted_where_it_is_asked_for(
+    name: str, error: Callable[[float], Callable[[np.ndarray], np.ndarray]], amount: float
+) -> None:
+    """1 % of the travel moves E* by 6 to 8 %, a hundred of its standard errors."""
+    curve = made(error(amount))
+    found, plain = (fit(BODY, curve, usual(free=free)) for free in ([name], []))
+    for key, true in {**TRUE, name: amount}.items():
+        item = found.estimate(key)
+        assert item.error is not None
+        assert abs(item.value - true) < 4 * item.error
+    assert found.estimate(name).error < 0.1 * max(abs(amount), 0.002)
+    assert not found.flags
+    if amount:
+        item = plain.estimate("E_star")
+        assert abs(item.value - E_STAR) > 10 * (item.error or 0.0) or plain.flags
+    known = fit(BODY, curve, usual(fix=[(name, str(amount))]))
+    assert not known.estimate(name).free
+    item = known.estimate("E_star")
+    assert item.error is not None
+    assert abs(item.value - E_STAR) < 4 * item.error
+    assert item.error < found.estimate("E_star").error
+
+
+def test_a_device_creeps_while_it_waits() -> None:
+    """Half of the way back: creep has the contact grow, and goes on more slowly."""
+    wait = 500
+    last = (2 * ROWS + wait - 1) / 100 / ROWS
+
+    def error(share: np.ndarray) -> np.ndarray:
+        return 0.01 * np.log10(1 + (share * (1 - 1 / ROWS) + (wait + 1) / ROWS) / last)
+
+    found = fit(BODY, made(error, pause=wait), usual(free=["creep"]))
+    for key, true in {**TRUE, "creep": 0.01}.items():
+        item = found.estimate(key)
+        assert item.error is not None
+        assert abs(item.value - true) < 4 * item.error
+    assert not found.flags
+
+
+@pytest.mark.slow
+def test_the_alternative_in_full_is_what_is_fitted_on_request() -> None:
+    curve = made(bowed(0.01))
+    by_alternative, asked = fit(BODY, curve, usual(model="auto")), fit(BODY, curve, usual(free=["hysteresis"]))
+    assert by_alternative.verdict is not None
+    assert by_alternative.verdict.tied[0].name == "hysteresis of the position"
+    for name in ("hysteresis", "E_star", "w"):
+        assert by_alternative.value(name) == pytest.approx(asked.value(name), rel=1e-3)
+    assert asked.verdict is not None
+    assert "hysteresis of the position" not in {one.name for one in asked.verdict.alternatives.scores}
+
+
+def test_hysteresis_needs_no_time() -> None:
+    curve = made(bowed(0.01))
+    timeless = fit(BODY, replace(curve, t=None), usual(free=["hysteresis"]))
+    assert timeless.value("hysteresis") == pytest.approx(
+        fit(BODY, curve, usual(free=["hysteresis"])).value("hysteresis")
+    )
+
+
+@pytest.mark.parametrize(("name", "error"), [("hysteresis", bowed), ("creep", crept)])
+@pytest.mark.parametrize("amount", [0.01, 0.0, -0.003])
+def test_a_profile_holds_it(
+    name: str, error: Callable[[float], Callable[[np.ndarray], np.ndarray]], amount: float
+) -> None:
+    """Through 0 and below it too; the level leaves no room for one noise in twenty."""
+    curve = made(error(amount))
+    item = fit(BODY, curve, usual(free=[name], confidence="profile", level=0.999)).estimate(name)
+    assert item.low is not None
+    assert item.high is not None
+    assert item.low < amount < item.high
+
+
+def test_records_of_one_device_share_it() -> None:
+    """E* and hysteresis of three records, each with its own zeros and w."""
+    curves = [made(bowed(0.01), seed) for seed in range(3)]
+    settings = usual(free=["hysteresis"])
+    together = joint_fit([BODY] * 3, curves, settings, ("modulus", "hysteresis"))
+    alone = fit(BODY, curves[0], settings).estimate("hysteresis")
+    item = together.estimate("hysteresis")
+    assert item.error is not None
+    assert alone.error is not None
+    assert abs(item.value - 0.01) < 4 * item.error
+    assert item.error == pytest.approx(alone.error / math.sqrt(3), rel=0.3)
+    assert together.chance > 1e-3
+    own = joint_fit([BODY] * 3, curves, settings, ("modulus",))
+    assert [one.value("hysteresis") for one in own.fits] == pytest.approx([0.01] * 3, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "options", "reason"),
+    [
+        ("hysteresis", {}, {"segment": "retract"}, "needs approach and retraction together: leave --segment out"),
+        ("creep", {"t": None}, {}, "needs a column of time, there is none: leave creep out"),
+        ("creep", {"t": np.zeros(2 * ROWS)}, {}, "needs a column of time, there is none: leave creep out"),
+        ("creep", {}, {"branch": "compressive"}, "is fitted to whole force curves only, without compliance, .*"),
+    ],
+)
+def test_what_does_not_tell_an_error_of_positions_is_refused(
+    name: str, change: dict[str, object], options: dict[str, object], reason: str
+) -> None:
+    with pytest.raises(InputError, match=f"^made: {name} {reason}$"):
+        fit(BODY, replace(made(bowed(0.0)), **change), usual(**{"free": [name], **options}))
+
+
+def test_one_direction_or_prepared_readings_do_not_tell_it() -> None:
+    curve = made(bowed(0.0))
+    with pytest.raises(InputError, match=r"^made: hysteresis needs approach and retraction together, only one can be"):
+        fit(BODY, curve.rows(np.arange(ROWS)), usual(free=["hysteresis"], contact="fitted"))
+    with pytest.raises(InputError, match="hysteresis is for raw force curves of displacement and load"):
+        fit(BODY, curve, usual(free=["hysteresis"], contact="as-is"))
+
+
+@pytest.mark.parametrize("name", ["hysteresis", "creep"])
+@pytest.mark.parametrize("value", ["1", "-1e9"])
+def test_more_than_the_travel_is_refused(name: str, value: str) -> None:
+    with pytest.raises(InputError, match=f"^fit: {name} is a fraction of the travel, must be > -1 and < 1, got"):
+        usual(fix=[(name, value)])
+
+
+def test_the_command_tells_it(jkr: Callable[..., Outcome], tmp_path) -> None:
+    curve = made(bowed(0.01))
+    file = tmp_path / "probe.txt"
+    table = np.stack([curve.t, 1e6 * curve.device, 1e9 * curve.P], axis=1)
+    rows = ["\t".join(f"{x:.9g}" for x in row) for row in table]
+    file.write_text("# time [s]\tpiezo [um]\tForce [nN]\n" + "\n".join(rows) + "\n")
+    words = ("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", file, "--stiffness", "0.05 N/m")
+    done = jkr(*words, "--free", "hysteresis", "--no-plots", "-o", tmp_path)
+    assert done.code == 0, done.err
+    line = next(line for line in done.out.splitlines() if line.startswith("  hysteresis"))
+    assert float(line.split()[1]) == pytest.approx(0.01, rel=0.1)
+    for more in (("--law", "power"), ("--relaxation", "sls")):
+        done = jkr(*words, "--free", "hysteresis", *more, "--no-plots", "-o", tmp_path)
+        assert done.code == 2
+        assert 'unknown parameter "hysteresis"' in done.err

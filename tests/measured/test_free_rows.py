@@ -1,0 +1,241 @@
+"""What free rows hold is found, taken off and told: levels, attraction; saturated rows count for nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dirty_records import KINDS
+from force_curves import Instrument, record
+from test_fit_record import BODY, body, usual
+
+from jkrcli.base.errors import InputError
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.files import read
+from jkrcli.measured.free_rows import Side, free_rows
+from jkrcli.measured.lockstep import alone
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.report import estimate_words
+from jkrcli.measured.result import Fit
+from jkrcli.measured.segmentation import segment_force_curve
+
+E_STAR, R, W = 500e3, 5e-6, 2e-4
+PULL_OFF = 1.5 * np.pi * W * R
+DEVICE = Instrument(k=0.3, rows=1000, far=2e-7, largest=4 * PULL_OFF, noise=0.004 * PULL_OFF, offset=0.0,
+                    tilt=0.0, drag=0.0, pause=0)  # fmt: skip
+
+
+def made(seed: int = 1, w_approach: float = W / 2) -> dict[str, np.ndarray]:
+    return record(E_STAR, R, w_approach, W, DEVICE, seed)
+
+
+def curve_of(parts: dict[str, np.ndarray], P: np.ndarray) -> Curve:
+    return Curve("made", delta=parts["z"] - P / DEVICE.k, P=P, t=parts["t"], stiffness=DEVICE.k)
+
+
+def lost(parts: dict[str, np.ndarray]) -> int:
+    """The first row after pull-off."""
+    half = parts["P"].size // 2
+    return half + int(np.argmax(np.diff(parts["P"][half:]))) + 1
+
+
+def with_tether(share: float, length: float, seed: int = 1) -> tuple[Curve, float]:
+    parts = made(seed)
+    first = lost(parts)
+    last = first + round(length * (parts["P"].size - first))
+    P = parts["P"].copy()
+    P[first:last] -= share * PULL_OFF
+    return curve_of(parts, P), share * PULL_OFF
+
+
+@pytest.mark.parametrize(("share", "length"), [(0.02, 0.5), (0.1, 0.3), (0.2, 0.8)])
+def test_a_tether_is_a_level_with_its_place_and_size(share: float, length: float) -> None:
+    curve, size = with_tether(share, length)
+    found = segment_force_curve(curve)
+    assert found.flags == {}
+    assert found.held is not None
+    (level,) = found.held.levels
+    assert -level.size == pytest.approx(size, abs=4 * level.error)
+    assert level.error < 0.1 * size
+    retract = found.direction("retract")
+    assert retract is not None
+    assert retract.adhesion == pytest.approx(segment_adhesion(1), abs=6 * DEVICE.noise)
+
+
+def segment_adhesion(seed: int) -> float:
+    parts = made(seed)
+    side = segment_force_curve(curve_of(parts, parts["P"])).direction("retract")
+    assert side is not None
+    assert isinstance(side.adhesion, float)
+    return side.adhesion
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_free_rows_of_right_records_hold_lines(seed: int) -> None:
+    parts = made(seed, 0.0 if seed % 2 else W / 2)
+    assert segment_force_curve(curve_of(parts, parts["P"])).held is None
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2])
+def test_an_attraction_is_told_with_size_and_range(share: float) -> None:
+    parts, reach = made(), 6e-8
+    P, half = parts["P"].copy(), parts["P"].size // 2
+    size, into = share * PULL_OFF, int(np.argmin(np.diff(parts["P"][:half]))) + 1
+    free = np.r_[0:into, lost(parts) : P.size]
+    drawn = np.full(P.size, -size)
+    touch = float(parts["z"][into])
+    gap = np.maximum(touch - parts["z"][free], 0.0)
+    for _ in range(50):  # the attraction deflects the device
+        gap = np.maximum(touch - parts["z"][free] + size * (1 - np.exp(-gap / reach)) / DEVICE.k, 0.0)
+    drawn[free] = -size * np.exp(-gap / reach)
+    found = (whole := segment_force_curve(curve_of(parts, P + drawn))).held
+    assert found is not None
+    assert found.attraction is not None
+    assert -found.attraction.size == pytest.approx(size, rel=0.3)
+    assert found.attraction.range == pytest.approx(reach, rel=0.5)
+    assert whole.curve.load != pytest.approx(P + drawn, abs=0.1 * size)
+    assert whole.holding(found.straight).curve.load == pytest.approx(P + drawn, abs=1e-9 * size)
+
+
+@pytest.mark.parametrize(("levels", "rests"), [(0.05, True), (0.008, False)])
+def test_an_offset_is_known_to_a_share_of_a_level_where_noise_moves_none(levels: float, rests: bool) -> None:
+    parts, step = made(), levels * PULL_OFF  # noise of 0.08 and 0.5 of a level
+    held = segment_force_curve(curve_of(parts, np.round(parts["P"] / step) * step)).held
+    assert (held is not None) == rests
+    if held is not None:
+        assert held.rounding == pytest.approx(step / np.sqrt(12), rel=1e-6)
+        assert len(held.raised) == 2
+        assert any("converter" in words for words in held.words)
+
+
+def within(found: Fit, name: str, true: float) -> bool:
+    """Whether an estimate lies as near to the truth as its interval and its model part say."""
+    item = found.estimate(name)
+    assert item.low is not None
+    assert item.high is not None
+    part = sum((item.model or {}).values())
+    return item.low - part <= true <= item.high + part and item.high - item.low + part < 0.2 * true
+
+
+def test_a_fit_takes_a_tether_off_and_says_so() -> None:
+    found = fit(BODY, with_tether(0.1, 0.5)[0], usual())
+    assert found.flags == ()
+    assert within(found, "E_star", E_STAR)
+    assert within(found, "w", W)
+    assert any("level" in words and "tether" in words for words in found.held)
+    assert any("left in the loads" in words for words in found.held)
+
+
+def test_a_fit_without_saturated_rows_finds_the_values() -> None:
+    parts = made()
+    found = fit(BODY, curve_of(parts, np.minimum(parts["P"], 0.5 * parts["P"].max())), usual())
+    assert found.flags == ("saturated",)
+    assert within(found, "E_star", E_STAR)
+    assert within(found, "w", W)
+    assert any("saturated" in words for words in found.left_out)
+
+
+def test_a_direction_whose_contact_is_saturated_is_left_out(tmp_path: Path) -> None:
+    """What the jump into contact rings through is left out as well, and of the approach no row in contact is left."""
+    dirty = KINDS["saturated"](np.random.default_rng((73, 5, 0)))
+    dirty.write(tmp_path / "ringing.txt")
+    (curve,) = read(tmp_path / "ringing.txt")
+    reason = "approach: all its rows in contact are left out"
+    specimen = BODY.under(Paraboloid(dirty.at.R), 0.2 * dirty.at.R)
+    found = fit(specimen, curve, usual())
+    assert found.directions == f"retraction alone ({reason})"
+    assert found.flags == ("saturated",)
+    assert within(found, "E_star", dirty.truth["E_star"])
+    assert within(found, "w", dirty.truth["w"])
+    with pytest.raises(InputError, match=reason):
+        fit(specimen, curve, usual(segment="approach"))
+
+
+def test_saturated_rows_count_for_nothing() -> None:
+    parts = made()
+    P = np.minimum(parts["P"], 0.6 * parts["P"].max())
+    found = segment_force_curve(curve_of(parts, P))
+    assert "saturated" in found.flags
+    assert set(found.saturated) == set(np.flatnonzero(P == P.max()))
+
+
+def test_a_base_line_of_rounded_zeros_is_not_saturated() -> None:
+    z = np.linspace(0, 2e-6, 60)
+    P = 1e-3 * np.maximum(z - 1e-6, 0)
+    assert "saturated" not in segment_force_curve(Curve("rounded", delta=z, P=P)).flags
+
+
+def test_a_column_of_numbers_names_no_segments(tmp_path: Path) -> None:
+    parts = made()
+    phase = 60 + np.random.default_rng(1).normal(size=parts["z"].size)
+    rows = zip(parts["t"], 1e9 * parts["z"], 1e9 * parts["P"], phase, strict=True)
+    lines = ["Time (s)\tZ Piezo (nm)\tForce (nN)\tPhase (deg)", *("\t".join(f"{v:.6g}" for v in row) for row in rows)]
+    path = tmp_path / "phase.txt"
+    path.write_text("\n".join(lines))
+    (curve,) = read(path)
+    assert curve.segment is None
+    assert any("Phase" in flag and "segments" in flag for flag in curve.flags)
+    assert [part.kind for part in segment_force_curve(curve).segments] == ["approach", "retract"]
+
+
+def test_what_no_row_tells_is_named_until_its_error_is_given() -> None:
+    parts = made()
+    curve = curve_of(parts, parts["P"])
+    found = fit(BODY, curve, usual())
+    for words in ("radius", "R^-1/2", "spring constant", "sensitivity", "--uncertain"):
+        assert words in found.not_included
+    calibrated = fit(BODY, curve, usual(uncertain={"stiffness": "10%", "sensitivity": "5%"}))
+    assert "radius" in calibrated.not_included
+    assert "spring" not in calibrated.not_included
+
+
+def test_a_rigid_specimen_is_called_so() -> None:
+    """A rigid specimen whose sensitivity is half a per cent wrong looked like one of some modulus."""
+    z = np.linspace(-3e-7, 2e-8, 600)
+    rng, k = np.random.default_rng(3), 1.0
+    into = np.where(z > 0, 0.995 * k * z, 0.0)
+    out = np.where(z > -5e-9, 0.995 * k * z, 0.0)
+    P = np.concatenate([into, out[::-1]]) + 1e-11 * rng.normal(size=2 * z.size)
+    z = np.concatenate([z, z[::-1]])
+    with pytest.raises(InputError, match=r"compared with a cantilever of .* the specimen is nearly rigid"):
+        fit(body(1e9, 1e-8), Curve("rigid", delta=z - P / k, P=P, stiffness=k), usual())
+
+
+def test_a_contact_much_stiffer_than_its_device_has_a_least_modulus() -> None:
+    parts = record(E_STAR, R, W / 2, W, replace(DEVICE, k=0.005, far=4e-6, noise=1e-4 * PULL_OFF), 1)
+    found = fit(BODY, Curve("stiff", delta=parts["z"] - parts["P"] / 0.005, P=parts["P"], stiffness=0.005), usual())
+    assert "too stiff" in found.flags
+    item = found.estimate("E_star")
+    assert item.error is None
+    assert item.high is None
+    assert item.low is not None
+    assert item.low < E_STAR
+    assert any("times stiffer than the cantilever" in line for line in found.warnings)
+    assert estimate_words(item, 0.95).startswith("more than ")
+
+
+def test_a_direction_that_nobody_asked_for_is_not_missed() -> None:
+    parts = made()
+    half = parts["P"].size // 2
+    curve = Curve("in", delta=parts["z"][:half] - parts["P"][:half] / DEVICE.k, P=parts["P"][:half], stiffness=DEVICE.k)
+    assert "no retract" in fit(BODY, curve, usual()).flags
+    assert "no retract" not in fit(BODY, curve, usual(segment="approach")).flags
+
+
+def test_an_attraction_is_found_where_the_retraction_ends_beside_its_pull_off() -> None:
+    """All free rows of the retraction lie where the search looks away."""
+    rng, size, reach, noise = np.random.default_rng(1), 1e-10, 1e-7, 1e-12
+    sides = []
+    for kind, x in (("approach", np.linspace(0, 1e-6, 1000)), ("retract", np.linspace(0.99e-6, 0.9999e-6, 60))):
+        y = noise * rng.normal(size=x.size) - size * np.exp((x - 1e-6) / reach)
+        rows = np.arange(x.size) + 1000 * len(sides)
+        sides.append(Side(kind, rows, x, y, rows[:0], 0.0, 0.0, x[:0]))
+    held = alone(free_rows(sides, 1060, np.inf))
+    assert held is not None
+    assert held.attraction is not None
+    assert held.attraction.size == pytest.approx(-size, abs=4 * held.attraction.error)
+    assert held.attraction.error < 0.02 * size
+    assert held.attraction.range == pytest.approx(reach, rel=0.05)

@@ -1,0 +1,144 @@
+"""Records by tips of two radii on one specimen, raw ones and tables, made by formulae of their own: what they share."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import described_body
+import numpy as np
+import pytest
+from force_curves import Instrument, record
+
+import jkrcli as python
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.forward_model import FittedBody, body_of
+from jkrcli.measured.joint import JointFit, joint_fit, shared_of, with_radii
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.settings import settings_of
+
+E_STAR, W, RADII, K = 2e5, 1e-3, (2e-6, 10e-6), 0.3
+CASE = described_body.CASE.format(shape="paraboloid")
+
+
+@pytest.fixture(scope="module", name="body")
+def _body() -> FittedBody:
+    return body_of(python.parse_case(CASE))
+
+
+def raw(R: float, seed: int, E_star: float = E_STAR) -> Curve:
+    """A force curve with both directions and a base line."""
+    force = 1.5 * math.pi * W * R
+    device = Instrument(K, 300, far=2e-6, largest=3 * force, noise=0.02 * force, offset=1e-8)
+    made = record(E_star, R, 0.2 * W, W, device, seed)
+    return Curve(f"{R * 1e6:g}um", delta=made["z"] - made["P"] / K, P=made["P"], segment=made["segment"], stiffness=K)
+
+
+def table(R: float, seed: int) -> Curve:
+    """A retraction down to pull-off under load, 1 % noise in both columns, the zero at 100 nm."""
+    rng = np.random.default_rng(seed)
+    a = np.linspace(1.0, 3.0, 60) * (9 * math.pi * W * R**2 / (8 * E_STAR)) ** (1 / 3)
+    delta = a**2 / R - np.sqrt(2 * math.pi * W * a / E_STAR)
+    P = 4 * E_STAR * a**3 / (3 * R) - np.sqrt(8 * math.pi * W * E_STAR * a**3)
+    delta, P = (column + 0.01 * np.ptp(column) * rng.normal(size=60) for column in (delta, P))
+    return Curve(f"table of {R * 1e6:g}um", delta=delta + 1e-7, P=P)
+
+
+def together(body: FittedBody, *curves: Curve, **options: object) -> JointFit:
+    settings = settings_of(body, **options)
+    return joint_fit(with_radii(body, RADII, 2), curves, settings, shared_of(["E_star", "w"], [], settings))
+
+
+def off(found: JointFit) -> dict[str, float]:
+    """Distances from the truth in standard errors."""
+    return {name: (found.estimate(name).value - true) / (found.estimate(name).error or 0)
+            for name, true in (("E_star", E_STAR), ("w", W))}  # fmt: skip
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("kinds", [(raw, raw), (raw, table), (table, table)])
+def test_two_radii_recover_what_they_share(body: FittedBody, kinds: tuple[Callable[..., Curve], ...]) -> None:
+    curves = [make(R, seed) for seed, (make, R) in enumerate(zip(kinds, RADII, strict=True))]
+    found = together(body, *curves)
+    assert max(map(abs, off(found).values())) < 3.5
+    assert found.chance > 1e-3
+    assert not any("do not share" in line for line in found.warnings)
+    for one, own, curve in zip(found.fits, with_radii(body, RADII, 2), curves, strict=True):
+        alone = fit(own, curve, settings_of(own))
+        assert found.estimate("E_star").error < 1.02 * (alone.estimate("E_star").error or 0)
+        assert one.value("w") == found.estimate("w").value
+        zero = 1e-7 if curve.stiffness is None else -1e-8 / K
+        assert abs(one.value("delta0") - zero) < 4 * (one.estimate("delta0").error or 0)
+
+
+def test_profiles_of_what_is_shared_are_near_its_covariance(body: FittedBody) -> None:
+    """They lean by a fifth of the error of w, as searches with w held there do."""
+    curves = [table(R, seed) for seed, R in enumerate(RADII)]
+    plain, profiled = (together(body, *curves, confidence=how) for how in ("covariance", "profile"))
+    for name in ("E_star", "w"):
+        one, other = plain.estimate(name), profiled.estimate(name)
+        assert (other.low, other.high) == pytest.approx((one.low, one.high), abs=0.3 * one.error)  # 0.19 measured
+        assert other.low != one.low
+
+
+@pytest.mark.slow
+def test_joint_errors_are_those_of_many_records(body: FittedBody) -> None:
+    """The mean of z^2 of 40: 1 ± 0.22."""
+    z = [off(together(body, raw(RADII[0], 2 * seed), table(RADII[1], 2 * seed + 1))) for seed in range(40)]
+    for name in ("E_star", "w"):
+        assert 0.45 < np.mean([item[name] ** 2 for item in z]) < 1.8
+
+
+def test_records_of_two_specimens_do_not_share(body: FittedBody) -> None:
+    found = together(body, raw(RADII[0], 0), raw(RADII[1], 1, 1.2 * E_STAR))
+    assert found.chance < 1e-6
+    assert found.flags[0] == "force curves do not share it"
+    assert "they do not share E* and w" in found.warnings[0] or "they do not share w and E*" in found.warnings[0]
+    assert [round(one["E_star"] / E_STAR, 1) for one in found.alone] == [1.0, 1.2]
+
+
+def written(curve: Curve, path: str) -> str:
+    columns = np.column_stack([curve.device * 1e6, curve.P * 1e9])
+    np.savetxt(path, columns, "%.9g", ",", header="delta (um),P (nN)", comments="")
+    return path
+
+
+def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
+    Path("gel.toml").write_text(CASE)
+    files = [written(table(R, seed), f"{seed}.csv") for seed, R in enumerate(RADII)]
+    radii = ("--tip-radius", "2 um", "--tip-radius", "10 um")
+    done = jkr("fit", "gel.toml", *files, "--shared", "E_star,w", "--own", "delta0", *radii, "--json")
+    assert done.code == 0, done.err
+    told = json.loads(done.out)
+    found = python.identify_joint("gel.toml", files, ["E_star", "w"], ["delta0"], ["2 um", "10 um"])
+    for item in found.shared:
+        assert told["shared"][item.name]["value"] == item.value
+    assert {path.suffix for path in Path().glob("gel-fit.*")} == {".csv", ".json", ".png", ".svg"}
+    assert len(Path("gel-fit.csv").read_text().splitlines()) == 3
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--own", "delta0"), "--own: applies only with --shared"),
+        (("--shared", "w0"), 'unknown parameter'),
+        (("--shared", "w", "--own", "w"), "w is both in --shared and in --own"),
+        (("--shared", "w", "--own", "delta0"), "modulus is free too"),
+        (("--shared", "w", "--fix", "w=0"), "--shared w: is not free"),
+        (("--shared", "w", "--confidence", "bootstrap"), "--shared does not take --confidence bootstrap"),
+        (("--shared", "w", "--loss", "huber"), "--shared does not take --loss huber"),
+        (("--shared", "w", "--law", "power"), "--law does not take --shared"),
+        (("--shared", "w", "--tip-radius", "1 um", "--tip-radius", "2 um", "--tip-radius", "3 um"), "got 3"),
+        (("--tip-radius", "1 um"), "--tip-radius: applies only with --shared"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_shared_is_one_line(jkr: Callable, words: tuple[str, ...], said: str) -> None:
+    Path("gel.toml").write_text(CASE)
+    files = [written(table(RADII[1], seed), f"{seed}.csv") for seed in range(2)]
+    done = jkr("fit", "gel.toml", *files, *words)
+    assert done.code == 2
+    assert said in done.err
+    assert done.err.count("\n") == 1
+    assert not list(Path().glob("gel-fit*"))

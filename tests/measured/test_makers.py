@@ -1,0 +1,306 @@
+"""Files as the makers of microscopes, indenters and testing machines write them: the same record comes back."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import vendors
+from conftest import Outcome
+from vendors import FORCE, HEIGHT, ROWS, K
+
+from jkrcli.base.errors import InputError
+from jkrcli.measured import files as measured
+from jkrcli.measured.curve import Curve, Reading
+
+COUNT = vendors.PER_COUNT * vendors.SENSITIVITY  # m of deflection
+WAYS = ["approach"] * ROWS + ["retract"] * ROWS
+
+
+def read_one(path: Path, **how: object) -> Curve:
+    (curve,) = measured.read(path, Reading(**how))  # type: ignore[arg-type]
+    return curve
+
+
+def moved(z: np.ndarray) -> np.ndarray:
+    return z - z[0]
+
+
+# ---------------------------------------------------------------------- Nanoscope
+@pytest.mark.parametrize("least", [0, 7])
+def test_a_nanoscope_curve_comes_back_without_rows_that_were_not_filled(tmp_path: Path, least: int) -> None:
+    curve = read_one(vendors.nanoscope(tmp_path / "x.017", least=least))
+    assert curve.segment.tolist() == WAYS
+    np.testing.assert_allclose(curve.P, FORCE, atol=0.51 * COUNT * K, rtol=0)
+    np.testing.assert_allclose(moved(curve.device), moved(-HEIGHT), atol=0.6e-6 * vendors.PER_COUNT * 2, rtol=0)
+    assert curve.stiffness == K
+    assert curve.flags == ("displacement from the height sensor", "stiffness 0.05 N/m of the file",
+                           "sensitivity 60 nm/V of the file")  # fmt: skip
+    np.testing.assert_allclose(np.diff(curve.t), 1 / (ROWS + least), rtol=1e-12)  # 200 V at 200 V/s
+
+
+def test_a_nanoscope_map_in_four_bytes_over_its_ramp(tmp_path: Path) -> None:
+    """The ramp of 2 um stands for the height that was not recorded; the sensitivity names no unit, as some versions."""
+    curves = measured.read(vendors.nanoscope(tmp_path / "map.spm", 4))
+    assert [curve.name for curve in curves] == ["0", "1", "2", "3"]
+    assert [(at.column, at.row) for curve in curves if (at := curve.pixel)] == [(0, 0), (1, 0), (0, 1), (1, 1)]
+    assert curves[3].pixel is not None
+    assert (curves[3].pixel.x, curves[3].pixel.y) == (pytest.approx(5e-7), pytest.approx(5e-7))
+    for curve in curves:
+        np.testing.assert_allclose(curve.P, FORCE, atol=0.51 * COUNT * K, rtol=0)
+        steps = np.arange(ROWS) * 2e-6 / ROWS
+        np.testing.assert_allclose(curve.device, np.concatenate([-steps[::-1], -steps]), atol=1e-20)
+        assert "counts of four bytes, shifted by one, were read as such" in curve.flags
+
+
+def test_a_capture_of_peak_force_moves_as_a_sine(tmp_path: Path) -> None:
+    curve = read_one(vendors.nanoscope(tmp_path / "x.pfc", capture=True))
+    assert curve.device.argmax() == ROWS
+    assert np.ptp(curve.device) == pytest.approx(2e-7)
+    assert curve.t[-1] == pytest.approx((2 * ROWS - 1) / (2 * ROWS) / 2000)
+    assert curve.flags[0] == "displacement from the sine of the drive, 100 nm at 2 kHz"
+
+
+def test_what_is_told_takes_the_place_of_the_head(tmp_path: Path) -> None:
+    curve = read_one(vendors.nanoscope(tmp_path / "x.000"), stiffness=2 * K, sensitivity=1.2e-7, factors={"P": 3.0})
+    np.testing.assert_allclose(curve.P, 12 * FORCE, atol=12 * 0.51 * COUNT * K, rtol=0)
+    assert "stiffness 0.1 N/m as specified, the file says 0.05 N/m" in curve.flags
+    lame = vendors.nanoscope(tmp_path / "y.000", **{"Spring Constant": "0"})
+    assert "the file lacks its stiffness: arbitrary units, give --stiffness" in read_one(lame, incomplete=True).flags[1]
+
+
+WRONG = {
+    "no spring constant": ({"Spring Constant": "0"}, {}, "names no stiffness: give --stiffness"),
+    "rigid": ({}, {"stiffness": np.inf}, "whose cantilever bends: give its stiffness, not rigid"),
+    "columns": ({}, {"columns": {"P": "x"}}, "the columns of a microscope's file and their units are known"),
+    "where": ({}, {"where": {"x": "1"}}, "of which --where takes segment or curve, not \"x\""),
+    "length": ({"Data length": "319"}, {}, "319 bytes for 1 curve of 2 x 40 rows, 2 or 4 bytes each"),
+    "offset": ({"Data offset": "99999"}, {}, "is cut off: holds 6,320 bytes of 100,159: copy it again"),
+    "no rows": ({"Samps/line": "none"}, {}, "names no rows of its curves (Samps/line)"),
+    "no scale": ({"@4:Z scale": "V [Sens. DeflSens] (0 V/LSB) 1 V"}, {}, "names no scale of its DeflectionError"),
+    "no channel": ({"@4:Image Data": 'S [Phase] "Phase"'}, {}, "holds no deflection (channels: Phase)"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", WRONG)
+def test_what_is_wrong_with_a_nanoscope_file_is_said_in_one_line(tmp_path: Path, mistake: str) -> None:
+    changed, how, words = WRONG[mistake]
+    path = vendors.nanoscope(tmp_path / "x.000", **changed)
+    with pytest.raises(InputError) as caught:
+        measured.read(path, Reading(**how))
+    assert len(caught.value.lines) == 1
+    assert words in str(caught.value)
+
+
+# ---------------------------------------------------------------------- Nanosurf, and JPK's HDF5
+@pytest.mark.parametrize("name", ["x.nhf", "named otherwise.dat"])
+@pytest.mark.parametrize("unit", ["V", "m", "N"])
+def test_a_nanosurf_curve_comes_back_in_each_unit(tmp_path: Path, unit: str, name: str) -> None:
+    curve = read_one(vendors.nanosurf(tmp_path / name, unit=unit))
+    assert curve.segment.tolist() == WAYS
+    np.testing.assert_allclose(curve.P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
+    np.testing.assert_allclose(moved(curve.device), moved(-HEIGHT), atol=1e-6 * np.ptp(HEIGHT), rtol=0)
+    np.testing.assert_allclose(curve.t, vendors.TIME, atol=1e-8)
+    assert curve.stiffness == K
+    assert "stiffness 0.05 N/m of the file" in curve.flags
+    assert any("not tried on a real file" in flag for flag in curve.flags)
+
+
+@pytest.mark.parametrize("unit", ["V", "m", "N"])
+def test_constants_told_of_a_nanosurf_file_take_the_place_of_its_own(tmp_path: Path, unit: str) -> None:
+    """A load is the product of volts and both constants, in whichever of its units the file holds it."""
+    path = vendors.nanosurf(tmp_path / "x.nhf", unit=unit)
+    curve = read_one(path, stiffness=2 * K, sensitivity=3 * vendors.SENSITIVITY)
+    np.testing.assert_allclose(curve.P, 6 * FORCE, atol=6e-6 * np.ptp(FORCE), rtol=0)
+    if unit != "V":  # lengths and forces need no sensitivity
+        lame = vendors.nanosurf(tmp_path / "y.nhf", unit=unit, spm_probe_calibration_deflection_sensitivity=None)
+        np.testing.assert_allclose(read_one(lame).P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
+
+
+def test_a_nanosurf_map_goes_to_and_fro(tmp_path: Path) -> None:
+    curves = measured.read(vendors.nanosurf(tmp_path / "map.nhf", 2))
+    assert [curve.name for curve in curves] == ["0", "1", "3", "2"]  # row by row of the grid
+    assert [(at.column, at.row) for curve in curves if (at := curve.pixel)] == [(0, 0), (1, 0), (0, 1), (1, 1)]
+    for curve in curves:
+        np.testing.assert_allclose(curve.P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
+
+
+def test_rows_that_nanosurf_did_not_measure_are_left_out(tmp_path: Path) -> None:
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    with h5py.File(path, "a") as file:
+        file["group_0000/subgroup_0000/dataset_0000"][:3] = -(2**31)
+    np.testing.assert_allclose(read_one(path).P, FORCE[3:], atol=1e-6 * np.ptp(FORCE), rtol=0)
+
+
+LACKS = {
+    "no spring constant": ({"spm_probe_calibration_spring_constant": None}, "names no stiffness: give --stiffness"),
+    "no sensitivity": ({"spm_probe_calibration_deflection_sensitivity": None}, "no sensitivity: give --sensitivity"),
+    "no number": ({"spm_probe_calibration_spring_constant": "soft"}, "is damaged and cannot be read"),
+    "no range": ({"Position Z.signal_calibration_max": None}, "its Position Z lacks its calibration"),
+    "no unit": ({"Deflection.signal_calibration_unit": None}, 'its Deflection is in "", not a unit of volts'),
+    "other unit": ({"Position Z.signal_calibration_unit": "V"}, 'Position Z is in "V", not a unit of length: export'),
+    "no deflection": ({"Deflection.signal_name": "Phase"}, 'segment "Advance to Setpoint 1" holds no Deflection'),
+    "images": ({"group_type": "image_line_based"}, "without force curves (it holds images)"),
+    "version": ({"nsf_file_version_major": 1}, "of version 1, version 2 is read: export it as text"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", LACKS)
+def test_what_a_nanosurf_file_lacks_is_said_in_one_line(
+    jkr: Callable[..., Outcome], tmp_path: Path, mistake: str
+) -> None:
+    changed, words = LACKS[mistake]
+    assert_refused(jkr, vendors.nanosurf(tmp_path / "x.nhf", **changed), words)
+
+
+def test_damage_to_a_nanosurf_file_is_said_in_one_line(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    assert_refused(jkr, path, "copy it again from the microscope")
+    with h5py.File(vendors.nanosurf(path), "a") as file:
+        file["group_0000/subgroup_0002/dataset_0003"][:] = ROWS + 1
+    assert_refused(jkr, path, "is cut off: its curves hold more rows than its channels")
+
+
+HEADS = [b"group_type", b"segment_name", b"signal_name", b"dataset_block_size_source", b"signal_calibration_max"]
+
+
+@pytest.mark.parametrize("name", HEADS, ids=bytes.decode)
+@pytest.mark.parametrize("bits", [0x07, 0x80, 0xD6])
+def test_a_flip_in_an_attribute_of_a_nanosurf_file_leads_the_library_nowhere(
+    tmp_path: Path, name: bytes, bits: int
+) -> None:
+    """Type, size and shape of an attribute stand behind its name and are without checksum: read as they are, some lead
+    the C library out of its memory. What is left to read is read."""
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    whole = path.read_bytes()
+    at = whole.index(name + b"\0") + 8 * (len(name) // 8 + 1)
+    for place in (at, at + 1, at + 4, at + 8, at + 24):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ bits]) + whole[place + 1 :])
+        with contextlib.suppress(InputError):
+            assert read_one(path).P.size == FORCE.size
+
+
+def test_a_heap_of_texts_without_an_end_is_refused(tmp_path: Path) -> None:
+    """The sizes in it are followed by the C library, for ever where one leads to a free space of no size."""
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    whole = path.read_bytes()
+    heap = whole.index(b"GCOL") + 16
+    for size in (0x0502, 2**40, 0):
+        path.write_bytes(whole[: heap + 8] + size.to_bytes(8, "little") + whole[heap + 16 :])
+        with pytest.raises(InputError, match="the HDF5 file is damaged and cannot be read"):
+            read_one(path)
+
+
+def test_jpk_files_in_hdf5_are_refused_with_the_remedy(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    """By content: the ending alone may be another."""
+    for name, group in (("x.h5-jpk", "else"), ("y.h5", "Measurement_000")):
+        with h5py.File(tmp_path / name, "w") as file:
+            file.create_group(group)
+        assert_refused(jkr, tmp_path / name, "is a .h5-jpk file", "export it as .jpk-force or text")
+
+
+def assert_refused(jkr: Callable[..., Outcome], path: Path, *words: str) -> None:
+    """By both verbs; without its constants a file may be looked at."""
+    for verb in [("look",), BODY][1 if "give --" in words[0] else 0 :]:
+        done = jkr(*verb, path)
+        assert done.code == 2
+        (line,) = done.err.strip().splitlines()
+        assert all(word in line for word in (str(path), *words))
+
+
+BODY = ("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
+
+
+def test_modulus_and_adhesion_come_back_from_a_nanosurf_file(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    """JKR by its closed form: P = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3), d = a^2/R - sqrt(2 pi a w/E*)."""
+    R, E_star, w, k = 5e-6, 2e5, 5e-4, K
+    a = np.linspace(4e-7, 1.2e-6, 150)
+    P = 4 * E_star * a**3 / (3 * R) - np.sqrt(8 * np.pi * w * E_star * a**3)
+    d = a**2 / R - np.sqrt(2 * np.pi * a * w / E_star)
+    kept = np.gradient(d + P / k, a) > 0
+    force, way = P[kept], (d + P / k)[kept]
+    free = np.linspace(way[0] - 1e-6, way[0], 60, endpoint=False)
+    force, way = np.concatenate([0 * free, force]), np.concatenate([free, way])
+    rng = np.random.default_rng(3)
+    both = np.concatenate([force, force[::-1]]) + rng.normal(0, 2e-11, 2 * force.size)
+    height = 1e-5 - np.concatenate([way, way[::-1]])
+    path = vendors.nanosurf(tmp_path / "gel.nhf", record=(height, both, np.linspace(0, 2, both.size)))
+    looked = jkr("look", path)
+    assert looked.code == 0
+    assert "not tried on a real file" in looked.out
+    done = jkr(*BODY, path, "--no-plots", "-o", tmp_path)
+    assert done.code == 0, done.err
+    told, *_ = re.findall(r"E\* = ([\d.]+) .*kPa, w = ([\d.]+) .*uJ/m", done.out)
+    assert float(told[0]) == pytest.approx(1e-3 * E_star, rel=0.01)
+    assert float(told[1]) == pytest.approx(1e6 * w, rel=0.01)
+
+
+# ---------------------------------------------------------------------- exports in text
+@pytest.mark.parametrize("maker", vendors.EXPORTS)
+def test_the_record_comes_back_from_each_export(tmp_path: Path, maker: str) -> None:
+    of_machine = maker in ("instron", "zwick")
+    curve = read_one(vendors.export(tmp_path / "x.txt", maker), **({"stiffness": K} if of_machine else {}))
+    if curve.segment is not None:
+        assert curve.segment.tolist() == WAYS
+    np.testing.assert_allclose(curve.P, FORCE, rtol=1e-8, atol=1e-20)
+    np.testing.assert_allclose(moved(curve.delta), moved(-HEIGHT - FORCE / K), atol=2e-15)  # of 2 um, nine digits
+
+
+SPELLED = {
+    "English": ("Branch", "Loading", "Unloading"),
+    "English, in short": ("segment", "load", "UNLOAD"),
+    "German": ("Ast", "Belasten", "Entlasten"),
+    "German, of motion": ("Richtung", "hin", "zurück"),
+    "French": ("Phase", "charge", "décharge"),
+    "French, of motion": ("Branche", "approche", "retrait"),
+}
+
+
+@pytest.mark.parametrize("tongue", SPELLED)
+def test_segments_are_spelled_in_three_languages(tmp_path: Path, tongue: str) -> None:
+    title, in_, out = SPELLED[tongue]
+    rows = [f"{z},{z},{in_ if z < 4 else out}" for z in (1, 2, 3, 4, 5, 6)]
+    (tmp_path / "x.csv").write_text("\n".join([f"delta_nm,P_nN,{title}", *rows]), encoding="utf-8")
+    curve = read_one(tmp_path / "x.csv")
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
+    assert curve.flags == (f'segments from column 3 "{title}": "{in_}" is approach, "{out}" is retract',)
+
+
+def test_rows_are_selected_by_number_by_segment_and_by_column(tmp_path: Path) -> None:
+    text = "step,delta_nm,P_nN,Ast\n" + "".join(
+        f"{1 + i // 6},{i},{i},{'Belasten' if i % 6 < 3 else 'Entlasten'}\n" for i in range(12)
+    )
+    path = tmp_path / "x.csv"
+    path.write_text(text)
+
+    def loads(**how: object) -> list[float]:
+        return [round(1e9 * P) for P in read_one(path, **how).P]
+
+    assert loads(rows=(2, 4)) == [1, 2, 3]
+    assert loads(where={"segment": "retract"}) == loads(where={"segment": "entlasten"}) == [3, 4, 5, 9, 10, 11]
+    assert loads(where={"step": "2"}) == [6, 7, 8, 9, 10, 11]
+    assert loads(where={"step": "2", "segment": "approach"}, rows=(1, 3)) == [6, 7, 8]
+    for how, words in (
+        ({"rows": (2, 13)}, "--rows 2..13 must be 3 or more of its 12 rows"),
+        ({"where": {"step": "3"}}, 'no row holds "3" in column 1 "step" (it holds 1, 2 ...)'),
+        ({"where": {"curve": "y"}}, 'holds no curve "y" (x)'),
+        ({"where": {"segment": "hold"}}, 'has no rows of segment "hold" (segments: approach, retract)'),
+    ):
+        with pytest.raises(InputError) as caught:
+            read_one(path, **how)
+        assert words in str(caught.value)
+
+
+def test_waves_of_a_map_know_their_pixel(tmp_path: Path) -> None:
+    pytest.importorskip("afmformats")
+    curve = read_one(vendors.ibw(tmp_path / "x.ibw", (3, 5)))
+    assert curve.pixel is not None
+    assert (curve.pixel.column, curve.pixel.row, curve.pixel.x, curve.pixel.y) == (3, 5, 3e-6, 5e-6)
+    assert read_one(vendors.ibw(tmp_path / "y.ibw")).pixel is None

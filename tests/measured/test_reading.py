@@ -1,0 +1,559 @@
+"""Dirty tables as instruments write them: encodings, archives, foreign names with signs, pairs of columns, volts."""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import InputError
+from jkrcli.measured import files as measured
+from jkrcli.measured.curve import AS_DEPTH, Curve, Reading
+from jkrcli.tables import decoded, read_table
+
+Z = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0]) * 1e-6  # toward the specimen
+LOAD = np.array([0.0, 0.0, 2.0, 9.0, 1.0, -3.0]) * 1e-9
+GERMAN = "Prüfung vom 3.2.\r\nWeg [µm];Kraft [mN]\r\n" + "".join(
+    f"{z * 1e6:.3f};{P * 1e3:.9f}\r\n".replace(".", ",") for z, P in zip(Z, LOAD, strict=True)
+)
+ENCODINGS = {
+    "utf-8": GERMAN.encode(),
+    "utf-8 with a mark": GERMAN.encode("utf-8-sig"),
+    "utf-16 little with a mark": b"\xff\xfe" + GERMAN.encode("utf-16-le"),
+    "utf-16 big with a mark": b"\xfe\xff" + GERMAN.encode("utf-16-be"),
+    "utf-16 little": GERMAN.encode("utf-16-le"),
+    "utf-16 big": GERMAN.encode("utf-16-be"),
+    "windows-1252": GERMAN.encode("cp1252"),
+    "latin-1": GERMAN.replace("Prüfung", "Pr\x81fung").encode("latin-1"),
+}
+
+
+def table(*columns: tuple[str, np.ndarray], head: str = "") -> str:
+    lines = [",".join(name for name, _ in columns)]
+    lines += [",".join(map(repr, map(float, row))) for row in zip(*(values for _, values in columns), strict=True)]
+    return head + "\n".join(lines) + "\n"
+
+
+def written(tmp_path: Path, content: str | bytes, name: str = "m.csv") -> Path:
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def one(path: Path, reading: Reading | None = None) -> Curve:
+    (curve,) = measured.read(path, reading)
+    return curve
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_the_same_table_in_every_encoding(tmp_path: Path, encoding: str) -> None:
+    curve = one(written(tmp_path, ENCODINGS[encoding]))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    assert curve.flags == (
+        'displacement from column 1 "Weg [µm]", sign unchanged',
+        "the deflection of the cantilever is not subtracted: give --stiffness",
+    )
+
+
+def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None:
+    head = "Federkonstante: 0,3 N/m\n"
+    told, found = (
+        one(written(tmp_path, head + table(("Weg [m]", Z), ("Kraft [N]", LOAD))), reading)
+        for reading in (Reading(stiffness=math.inf), None)
+    )
+    np.testing.assert_array_equal(told.delta, Z)
+    np.testing.assert_allclose(found.delta, Z - LOAD / 0.3, rtol=1e-12)
+    assert told.flags[1] == "stiffness rigid as specified, the header of the file says 0.3 N/m"
+    bent = written(tmp_path, table(("Height (um)", Z), ("Deflection_nm", LOAD)))
+    with pytest.raises(
+        InputError, match=r"is a deflection in nm, and a rigid instrument has none: give its stiffness$"
+    ):
+        measured.read(bent, Reading(stiffness=math.inf))
+
+
+def test_a_segment_is_named_where_it_begins(tmp_path: Path) -> None:
+    """A row whose last cell is empty ended in a traceback, then was a segment of its own."""
+    words = ["approach", *[""] * (Z.size // 2 - 1), "retract", *[""] * (Z.size - Z.size // 2 - 1)]
+    rows = [f"{z!r},{load!r},{word}" for z, load, word in zip(Z.tolist(), LOAD.tolist(), words, strict=True)]
+    held = one(written(tmp_path, "\n".join(["delta_m,P_N,segment", *rows]))).segment
+    assert held.tolist() == ["approach"] * (Z.size // 2) + ["retract"] * (Z.size - Z.size // 2)
+
+
+def test_a_displacement_of_no_telling_name_beside_a_deflection_is_questioned(tmp_path: Path) -> None:
+    """A piezo's way, named by hand, was taken for the depth of the tip without a word: E* half of what it is."""
+    head = "Federkonstante: 0,3 N/m\n"
+    for name, asked in (("Verfahrung", True), ("Displacement", True), ("Indentation", False), ("Piezoweg", False)):
+        path = written(tmp_path, head + table((f"{name} (m)", Z), ("Deflection (m)", LOAD / 0.3)))
+        curve = one(path, Reading(columns={"delta": name}))
+        assert (AS_DEPTH in curve.flags) == asked, name
+        np.testing.assert_allclose(curve.delta, Z - LOAD / 0.3 if name == "Piezoweg" else Z, atol=1e-18)
+
+
+def test_the_depth_itself_is_taken_where_the_device_is_rigid(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("Piezo [m]", Z + LOAD / 5), ("Indentation [m]", Z), ("Force [N]", LOAD)))
+    for reading in (Reading(stiffness=math.inf), Reading(stiffness=5.0), None):
+        np.testing.assert_allclose(one(path, reading).delta, Z, rtol=1e-12, atol=1e-20)
+
+
+@pytest.mark.parametrize("mark", [",", "\t", ";"])
+def test_tables_as_wide_as_a_scan_are_read(tmp_path: Path, mark: str) -> None:
+    """Names of several words used to count as so many cells, long comments and prose above as rows."""
+    width = 10_000
+    names = [f"Height of curve {i} (um){mark}Force of curve {i} (nN)" for i in range(width // 2)]
+    rows = [mark.join(f"{i + 1}.5" for i in range(width)) + mark for _ in range(3)]
+    prose = "words of an operator " * 4000
+    path = written(tmp_path, "\n".join(["# " + prose, prose, mark.join(names), *rows]))
+    held = read_table(path, least=2)
+    assert held.values.shape == (3, width)
+    assert held.names[-1] == f"Force of curve {width // 2 - 1} (nN)"
+    path.write_text("# " + mark.join(names) + "\n" + "\n".join(rows))
+    assert read_table(path, least=2).names[0] == "Height of curve 0 (um)"
+
+
+def test_letters_beyond_ascii_come_out_right() -> None:
+    assert {decoded("25 °C, µm".encode(name)) for name in ("utf-8", "cp1252", "utf-16")} == {"25 °C, µm"}
+    assert decoded(b"") == ""
+
+
+# ---------------------------------------------------------------------- names and signs
+SIGNS = {
+    "Height (nm)": (-1, True), "Tip-Sample Separation (nm)": (-1, False), "Weg (nm)": (1, True),
+    "Eindringtiefe (nm)": (1, False), "Z sensor (nm)": (1, True), "piezo (nm)": (1, True), "z_nm": (1, True),
+    "Extension [nm]": (1, True), "Height (measured) [nm]": (-1, True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("title", SIGNS)
+def test_positions_come_with_the_sign_of_their_name(tmp_path: Path, title: str) -> None:
+    sign, device = SIGNS[title]
+    curve = one(written(tmp_path, table((title, sign * Z * 1e9), ("Force (nN)", LOAD * 1e9))), Reading(stiffness=0.1))
+    assert curve.stiffness == (0.1 if device else None)
+    np.testing.assert_allclose(curve.device, Z, rtol=1e-12, atol=1e-20)
+    assert ("sign changed" in curve.flags[0]) == (sign < 0)
+
+
+def test_the_data_tell_the_sign_of_a_z_and_the_user_overrules_it(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("Z (nm)", -Z * 1e9), ("Force (nN)", LOAD * 1e9)))
+    curve = one(path)
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    assert curve.flags[0] == (
+        'displacement from column 1 "Z (nm)", sign changed: a position of the piezo, at whose lower end the load '
+        "is largest"
+    )
+    np.testing.assert_allclose(one(path, Reading(factors={"delta": -1.0})).delta, -Z, rtol=1e-12)
+    np.testing.assert_allclose(one(path, Reading(flip=frozenset({"delta"}))).delta, Z, rtol=1e-12)
+
+
+def test_the_sign_of_a_z_that_turns_under_tension(tmp_path: Path) -> None:
+    """Of a sticky gel the free rows hold the largest loads, those at the turn the least."""
+    z = np.concatenate([np.linspace(0, 10, 60), np.linspace(10, 0, 60)]) * 1e-6
+    load = np.where(z > 8e-6, -(z - 8e-6) * 1e-3, 0.0) + 1e-10 * np.cos(np.arange(120.0) ** 2)
+    for sign in (1, -1):
+        curve = one(written(tmp_path, table(("Z (nm)", sign * z * 1e9), ("Force (nN)", load * 1e9))))
+        np.testing.assert_allclose(curve.delta, z, rtol=1e-12)
+
+
+def test_piezo_or_tip_is_chosen_by_what_is_known_of_the_device(tmp_path: Path) -> None:
+    columns = (("Load (nN)", LOAD * 1e9), ("Indentation (nm)", Z * 1e9 - 5), ("Piezo (nm)", Z * 1e9))
+    curve = one(written(tmp_path, table(*columns)))
+    np.testing.assert_allclose(curve.delta, Z - 5e-9, rtol=1e-12)
+    assert curve.flags == (
+        'the position of the tip was taken, not column 3 "Piezo (nm)": the stiffness of the instrument is not known',
+    )
+    curve = one(written(tmp_path, table(*columns, head="k (N/m)\t0.019\n\n")))
+    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.019, rtol=1e-12, atol=1e-20)
+    assert curve.flags == (
+        'displacement from column 3 "Piezo (nm)", sign unchanged',
+        'the piezo position z was taken, not column 2 "Indentation (nm)": its stiffness is known',
+        "stiffness 0.019 N/m from the header of the file, its deflection is subtracted",
+    )
+
+
+@pytest.mark.parametrize(
+    "line", ["k (N/m)\t0.05", "# springConstant: 0.05 N/m", "Force Constant, nN/nm: 0.05", "Federkonstante [N/m]; 0,05"]
+)
+def test_the_spring_constant_stands_in_the_head(tmp_path: Path, line: str) -> None:
+    path = written(tmp_path, line + "\n" + table(("Height (nm)", -Z * 1e9), ("Force (nN)", LOAD * 1e9)))
+    assert one(path).stiffness == 0.05
+    assert one(path, Reading(stiffness=0.2)).flags[-1] == (
+        "stiffness 0.2 N/m as specified, the header of the file says 0.05 N/m"
+    )
+
+
+def test_pairs_of_columns_are_one_curve_of_two_segments(tmp_path: Path) -> None:
+    there, back = slice(0, 3), slice(3, 6)
+    names = ("Extend Z-Sense(nm)", "Extend Force(nN)", "Retract Z-Sense(nm)", "Retract Force(nN)")
+    values = (Z[there] * 1e9, LOAD[there] * 1e9, Z[back] * 1e9, LOAD[back] * 1e9)
+    curve = one(written(tmp_path, table(*zip(names, values, strict=True), head="Force-Distance Curve\nPoint:\t1\n")))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_names_and_units_of_comment_heads_and_units_within_names(tmp_path: Path) -> None:
+    rows = "".join(f"{-z!r} {P!r} 0.0\n" for z, P in zip(Z.tolist(), LOAD.tolist(), strict=True))
+    head = "# index: 0\n# columns: measuredHeight vDeflection hDeflection\n# units: m N V\n#\n"
+    curve = one(written(tmp_path, head + rows, "m.txt"))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    names = ("Calc_Ramp_Ex_nm", "Calc_Ramp_Rt_nm", "Defl_V_Ex", "Defl_V_Rt", "Defl_pN_Ex", "Defl_pN_Rt")
+    z, P = Z * 1e9, LOAD * 1e12
+    content = table(*zip(names, (z[:3], z[3:], P[:3] * 7, P[3:] * 7, P[:3], P[3:]), strict=True))
+    curve = one(written(tmp_path, content, "m.tab"))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    assert list(curve.segments()) == ["approach", "retract"]
+
+
+JPK = """# exportDate: 2021.03.22
+# springConstant: 0.05
+#
+# segmentIndex: 0
+# segment: extend
+# columns: strainGaugeHeight vDeflection seriesTime time
+# fancyNames: "Height (measured)" "Vertical Deflection" "Series Time" "Segment Time"
+# calibrationSlots: nominal force elapsed elapsed
+# springConstant: 0.05
+# sensitivity: 7.36E-8
+# units: m N s s
+#
+{0}
+
+# segmentIndex: 1
+# segment: retract
+# columns: strainGaugeHeight vDeflection seriesTime time
+# units: m N s s
+#
+{1}
+"""
+
+
+def test_segments_of_comment_heads(tmp_path: Path) -> None:
+    """Each segment has its head and its own time; names, units and the spring constant stand in the head."""
+    rows = [f"{-z} {P} {i * 0.5} {i % 3 * 0.5}" for i, (z, P) in enumerate(zip(Z, LOAD, strict=True))]
+    path = written(tmp_path, JPK.format("\n".join(rows[:3]), "\n".join(rows[3:])), "exported.txt")
+    curve = one(path)
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
+    assert curve.stiffness == 0.05
+    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.05, rtol=1e-12, atol=1e-20)
+    np.testing.assert_allclose(curve.t, 0.5 * np.arange(6))
+    assert one(path, Reading(columns={"t": "time"})).t is None
+
+
+def test_columns_of_words_that_nobody_asked_for(tmp_path: Path) -> None:
+    columns = {"a_m": Z + 1e-6, "delta_m": Z, "P_N": LOAD}
+    lines = [
+        ",".join(map(repr, row)) + ",stable,2" for row in zip(*(c.tolist() for c in columns.values()), strict=True)
+    ]
+    curve = one(written(tmp_path, "\n".join([",".join([*columns, "branch", "dS_da_N_per_m2"]), *lines]) + "\n"))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    np.testing.assert_allclose(curve.a, Z + 1e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("separator", ["\t", ",", ";"])
+@pytest.mark.parametrize("short", [0, 1])
+def test_pairs_of_columns_of_unequal_length(tmp_path: Path, separator: str, short: int) -> None:
+    """The shorter pair ends in empty cells, be it the last or the first."""
+    there, back = [(f"{z * 1e9}", f"{P * 1e9}") for z, P in zip(Z, LOAD, strict=True)], [("-9", "-1"), ("-8", "-2")]
+    pairs = [there, back][:: 1 - 2 * (short == 0)]
+    rows = [
+        [*(pairs[0][i] if i < len(pairs[0]) else ("", "")), *(pairs[1][i] if i < len(pairs[1]) else ("", ""))]
+        for i in range(len(there))
+    ]
+    names = ["Extend Z-Sense(nm)", "Extend Force(nN)", "Retract Z-Sense(nm)", "Retract Force(nN)"]
+    curve = one(written(tmp_path, "\n".join(separator.join(row) for row in [names, *rows, ["", "", "", ""]]) + "\n"))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * len(pairs[0]) + ["retract"] * len(pairs[1])
+    assert curve.P is not None
+    np.testing.assert_allclose(curve.P * 1e9, [float(P) for pair in pairs for _, P in pair], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rows", "separator"),
+    [
+        (("999.5", "1,234.5", "12,345.25"), "\t"),
+        (("999,5", "1.234,5", "12.345,25"), ";"),
+        (("999,5", "1'234,5", "12'345,25"), ";"),
+        (("999.5", '"1,234.5"', '"12,345.25"'), ","),
+    ],
+)
+def test_marks_of_thousands(tmp_path: Path, rows: tuple[str, ...], separator: str) -> None:
+    """They are told from decimal marks where both occur."""
+    lines = [f"{i}{separator}{row}" for i, row in enumerate(rows)]
+    curve = one(written(tmp_path, "\n".join([f"delta_nm{separator}P_nN", *lines]) + "\n"))
+    np.testing.assert_allclose(curve.P, np.array([999.5, 1234.5, 12345.25]) * 1e-9, rtol=1e-12)
+
+
+def test_a_mark_of_thousands_far_down_a_long_table(tmp_path: Path) -> None:
+    loads = np.linspace(0.5, 1500.5, 3001)
+    lines = [f"{i}\t{P:,.1f}" for i, P in enumerate(loads)]
+    curve = one(written(tmp_path, "\n".join(["delta_nm\tP_nN", *lines]) + "\n"))
+    np.testing.assert_allclose(curve.P, loads * 1e-9, rtol=1e-12)
+
+
+def test_three_decimals_are_no_thousands(tmp_path: Path) -> None:
+    curve = one(written(tmp_path, "delta_nm;P_nN\n1,250;2,375\n2,500;3,125\n3,750;4,875\n"))
+    np.testing.assert_allclose(curve.P, np.array([2.375, 3.125, 4.875]) * 1e-9, rtol=1e-12)
+
+
+def test_volts_and_metres_of_deflection_become_loads(tmp_path: Path) -> None:
+    volts = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (mV)", LOAD / 0.1 / 5e-8 * 1e3)))
+    curve = one(volts, Reading(stiffness=0.1, sensitivity=5e-8))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.1, rtol=1e-12, atol=1e-20)
+    assert curve.flags[1] == (
+        'load from column 2 "Deflection (mV)", a deflection in mV, with sensitivity 5e-08 m/V, stiffness 0.1 N/m'
+    )
+    metres = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (nm)", LOAD / 0.1 * 1e9)))
+    np.testing.assert_allclose(one(metres, Reading(stiffness=0.1)).P, LOAD, rtol=1e-12)
+    assert one(metres, Reading(incomplete=True)).flags[1].endswith("loads in arbitrary units, give --stiffness")
+
+
+# ---------------------------------------------------------------------- the user wins
+def test_unit_and_factor_overrule_the_header(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("delta_nm", Z * 1e9), ("P_nN", LOAD * 1e9)))
+    curve = one(path, Reading(units={"P": "uN"}, factors={"P": 2.0, "delta": 0.5}))
+    np.testing.assert_allclose(curve.P, 2e3 * LOAD, rtol=1e-12)
+    np.testing.assert_allclose(curve.delta, Z / 2, rtol=1e-12)
+    assert curve.flags == ('column 2 "P_nN" read in uN as specified, its header says nN',)
+
+
+@pytest.mark.parametrize("names", [("piezo", "deflection"), ("1", "2"), ("delta", "P")])
+def test_units_are_told_of_columns_by_name_number_or_quantity(tmp_path: Path, names: tuple[str, str]) -> None:
+    path = written(tmp_path, table(("piezo", Z * 1e9), ("deflection", LOAD / 0.1 * 1e6)))
+    curve = one(path, Reading(units=dict(zip(names, ("nm", "um"), strict=True)), stiffness=0.1))
+    np.testing.assert_allclose(curve.device, Z, rtol=1e-12, atol=1e-20)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_a_bare_column_told_as_load_in_metres_or_volts_is_a_deflection(tmp_path: Path) -> None:
+    path = written(tmp_path, "\n".join(f"{z * 1e9} {d}" for z, d in zip(Z, LOAD / 0.1 / 5e-8, strict=True)), "m.txt")
+    told = {"columns": {"delta": "1", "P": "2"}, "stiffness": 0.1}
+    volts = one(path, Reading(units={"delta": "nm", "P": "V"}, sensitivity=5e-8, **told))
+    metres = one(path, Reading(units={"delta": "nm", "P": "nm"}, factors={"P": 50.0}, **told))
+    for curve in (volts, metres):
+        np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_a_unit_told_of_a_column_overrules_its_header(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("delta_nm", Z * 1e9), ("P_nN", LOAD * 1e9)))
+    curve = one(path, Reading(units={"2": "uN"}))
+    np.testing.assert_allclose(curve.P, 1e3 * LOAD, rtol=1e-12)
+    assert curve.flags == ('column 2 "P_nN" read in uN as specified, its header says nN',)
+
+
+SPELT = ("Weg in mm;Kraft in N", "Weg mm;Kraft N", "Weg (Millimeter);Kraft (Newton)", "Déplacement [mm];Effort [N]",
+         "Weg (mm);Kraft [newtons]", "Depth (mm);Load (N)", "Pos Z [mm];Force [N]")  # fmt: skip
+
+
+@pytest.mark.parametrize("head", SPELT)
+def test_units_as_people_write_them(tmp_path: Path, head: str) -> None:
+    rows = [f"{z * 1e3:.6f};{P:.12f}".replace(".", ",") for z, P in zip(Z, LOAD, strict=True)]
+    curve = one(written(tmp_path, "\n".join([head, *rows])))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_of_two_columns_of_one_name_that_of_the_right_unit(tmp_path: Path) -> None:
+    path = written(
+        tmp_path, table(("Depth (nm)", Z * 1e9), ("Load (nN)", LOAD * 1e9), ("Depth (V)", Z), ("Load (V)", Z))
+    )
+    np.testing.assert_allclose(one(path).P, LOAD, rtol=1e-12)
+
+
+def test_columns_of_remarks_and_times_of_day_are_passed_over(tmp_path: Path) -> None:
+    rows = [
+        f"12:00:{i:02d};{z!r};{P!r};{'ok' if i == 4 else ''}"
+        for i, (z, P) in enumerate(zip(Z.tolist(), LOAD.tolist(), strict=True))
+    ]
+    curve = one(written(tmp_path, "\n".join(["clock;delta_m;P_N;remark", *rows])))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    assert curve.t is None
+
+
+def test_words_behind_the_last_row_are_left_out_and_said(tmp_path: Path) -> None:
+    curve = one(written(tmp_path, table(("delta_m", Z), ("P_N", LOAD)) + "\nLargest load,9e-9\nEnd of test\n"))
+    assert len(curve) == Z.size
+    assert curve.flags == ('lines 9 to 10 are behind the last row and left out: "Largest load,9e-9"',)
+
+
+def test_rows_that_lack_a_number_are_left_out_and_said(tmp_path: Path) -> None:
+    """A blank cell, a word in a cell, a row of its time alone; the numbers of the others as they are."""
+    rows = [f"{i / 10};{i * 0.5};{2 * i};" for i in range(40)]
+    rows[7], rows[19], rows[30] = "0,7;n.a.;14;", "1,9;9,5;;door", "3;;;"
+    text = "Zeit;Eindringtiefe;Kraft;Bemerkung\ns;µm;µN;\n" + "\n".join(row.replace(".5", ",5") for row in rows)
+    curve = one(written(tmp_path, text.replace(".", ",").replace("n,a,", "n.a.")))
+    kept = np.delete(np.arange(40), [7, 19, 30])
+    np.testing.assert_allclose(curve.delta, 0.5e-6 * kept, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, 2e-6 * kept, rtol=1e-12)
+    assert "3 of 40 rows without a number left out (lines 10, 22, 33)" in curve.flags
+
+
+ENDS = {
+    "a column of remarks without any": "delta_m;P_N;remark\n{0};\n{1};\n{2};\n",
+    "units of all columns but the last": "delta;P;remark\nm;N;\n{0};\n{1};ok\n{2};\n",
+    "empty columns of a sheet": "delta_m;P_N;\n{0};\n{1};\n{2};\n",
+    "two empty columns of a sheet": "delta_m;P_N;;\n{0};;\n{1};;\n{2};;\n",
+}
+
+
+@pytest.mark.parametrize("kind", ENDS)
+def test_rows_that_end_in_an_empty_cell(tmp_path: Path, kind: str) -> None:
+    curve = one(written(tmp_path, ENDS[kind].format("1e-9;0", "2e-9;1e-9", "3e-9;3e-9")))
+    np.testing.assert_allclose(curve.delta, np.array([1e-9, 2e-9, 3e-9]), rtol=1e-12)
+    np.testing.assert_allclose(curve.P, np.array([0, 1e-9, 3e-9]), rtol=1e-12)
+
+
+def test_a_hold_between_the_segments(tmp_path: Path) -> None:
+    head, *rows = table(("delta_m", Z), ("P_N", LOAD)).splitlines()
+    curve = one(written(tmp_path, "\n".join([head, "Loading", *rows[:2], "Hold", *rows[2:4], "Unloading", *rows[4:]])))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 2 + ["hold"] * 2 + ["retract"] * 2
+
+
+LINES = {
+    "words": "Approach|Retract",
+    "brackets": "[Approach]|[Retract]",
+    "comments": "# segment: extend|# segment: retract",
+    "German": "Belastung:|Entlastung:",
+    "numbers": "Segment 1: loading|Segment 2: unloading",
+}
+
+
+@pytest.mark.parametrize("kind", LINES)
+@pytest.mark.parametrize("again", [False, True])
+def test_segments_named_on_lines_of_their_own(tmp_path: Path, kind: str, again: bool) -> None:
+    """The header stands above all, or again in every block."""
+    head, *rows = table(("delta_m", Z), ("P_N", LOAD)).splitlines()
+    first, second = LINES[kind].split("|")
+    lines = [first, head, *rows[:3], "", second, *([head] if again else []), *rows[3:]]
+    curve = one(written(tmp_path, "\n".join(lines)))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+# ---------------------------------------------------------------------- archives
+def archive(path: Path, members: dict[str, bytes], packed: int = zipfile.ZIP_DEFLATED) -> Path:
+    with zipfile.ZipFile(path, "w", packed) as file:
+        for name, content in members.items():
+            file.writestr(name, content)
+    return path
+
+
+def test_an_archive_holds_a_curve_per_table(tmp_path: Path) -> None:
+    path = archive(tmp_path / "m.zip", {
+        "run/one.txt": ENCODINGS["windows-1252"], "run/two.txt": b"x\n", "run/three.csv": ENCODINGS["utf-16 little"],
+        "__MACOSX/one.txt": b"\0", "run/picture.png": b"\x89PNG",
+    })  # fmt: skip
+    first, second, third = measured.each(path)
+    assert isinstance(first, Curve)
+    assert isinstance(third, Curve)
+    assert [first.where, third.where] == [f'{path}: curve "one"', f'{path}: curve "three"']
+    np.testing.assert_allclose(first.P, third.P, rtol=1e-12)
+    assert str(second) == (
+        f"{path}/two: holds no row of at least 2 numbers; give --separator and --decimal if they are unusual"
+    )
+    assert one(archive(tmp_path / "s.zip", {"s.txt": ENCODINGS["utf-8"]})).where == str(tmp_path / "s.zip")
+
+
+def test_no_more_is_unpacked_than_an_archive_says(tmp_path: Path) -> None:
+    """A member of 64 MiB that says it were 1000 bytes."""
+    path = archive(tmp_path / "m.zip", {"a.txt": bytes(64 << 20)})
+    content = path.read_bytes()
+    told, size = (64 << 20).to_bytes(4, "little"), (1000).to_bytes(4, "little")
+    assert content.count(told) == 2
+    path.write_bytes(content.replace(told, size))
+    tracemalloc.start()
+    with pytest.raises(InputError, match=r"m.zip: a.txt cannot be unpacked \(Bad CRC-32"):
+        measured.read(path)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 4 << 20
+
+
+@pytest.mark.slow
+def test_a_long_comment_is_passed_over(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("delta_m", Z), ("P_N", LOAD), head=f"# {'1 ' * 60_000}\n"))
+    np.testing.assert_allclose(one(path).P, LOAD, rtol=1e-12)
+
+
+WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
+    "volts without a sensitivity": (
+        lambda path: written(path, table(("Height (um)", Z), ("T-B(V)", LOAD))),
+        '{path}: column 2 "T-B(V)" is a deflection in V, no force: give --sensitivity and --stiffness',
+    ),
+    "metres without a stiffness": (
+        lambda path: written(path, table(("Height (um)", Z), ("Deflection_nm", LOAD))),
+        '{path}: column 2 "Deflection_nm" is a deflection in nm, no force: give --stiffness',
+    ),
+    "no archive": (
+        lambda path: written(path, b"PK no", "m.zip"),
+        "{path}: cannot be read as a zip archive (File is not a zip file)",
+    ),
+    "an archive that unpacks to too much": (
+        lambda path: archive(path / "m.zip", {"a.txt": bytes(60_000), "b.txt": bytes(60_000)}),
+        "{path}: takes 120,000 bytes or more to read, at most 100,000 are read of one file",
+    ),
+    "no archive there": (lambda path: path / "none.zip", "{path}: zip archive not found"),
+    "an archive packed otherwise": (
+        lambda path: archive(path / "m.zip", {"a.txt": b"0" * 2000}, zipfile.ZIP_BZIP2),
+        "{path}: a.txt cannot be unpacked (neither stored nor deflated: pack it anew)",
+    ),
+    "a line of more cells than a table has": (
+        lambda path: written(path, b"delta_m,P_N\n" + b"1," * 10_001 + b"1\n"),
+        "{path}: line 2 holds more than 10,000 cells, the most that are read",
+    ),
+    "more columns than can be listed": (
+        lambda path: written(path, (",".join(map(str, range(1500))) + "\n").encode() * 3),
+        "{path}: at least two of contact radius (or area), displacement and load are needed, recognised: none; say "
+        f"which columns they are, --column P=NAME (columns: {', '.join(map(str, range(1, 21)))} and 1,480 more)",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", WRONG)
+def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str, tuned) -> None:
+    tuned("jkrcli.base.process.TEXT", 100_000)
+    make, expected = WRONG[mistake]
+    path = make(tmp_path)
+    with pytest.raises(InputError) as caught:
+        measured.read(path)
+    assert str(caught.value) == expected.format(path=path)
+
+
+def test_columns_of_zeros_are_no_measurement(tmp_path: Path) -> None:
+    zeros = np.zeros(Z.size)
+    text = table(("Weg (m)", Z), ("Kraft (N)", LOAD), ("Contact Area (um^2)", zeros), ("Time (s)", zeros))
+    curve = one(written(tmp_path, text))
+    assert curve.measured == ("delta", "P")
+    assert sum("zeros alone" in flag for flag in curve.flags) == 2
+
+
+def intervals(counts: tuple[int, ...]) -> str:
+    """A rheometer's export, a head before each of its intervals."""
+    lines, t = ["Project:,Own,,,", ",,,,"], 0.0
+    for count, (start, end) in zip(counts, ((1.0, -0.3), (-0.3, -0.3), (-0.3, 1.0)), strict=True):
+        lines += [f"Interval and data points:,{count},50,,", "Interval data:,Point No.,Normal Force,Gap,Time", ",,,,",
+                  ",,[N],[mm],[s]"]  # fmt: skip
+        for i, gap in enumerate(np.linspace(start, end, 50)):
+            t += 0.05
+            lines.append(f",{i + 1},{0.1 * max(-gap, 0) ** 1.5:.6f},{gap:.5f},{t:.3f}")
+        lines.append(",,,,")
+    return "\n".join(lines)
+
+
+def test_heads_of_further_intervals_are_no_rows(tmp_path: Path) -> None:
+    curve = one(written(tmp_path, intervals((1, 2, 3))))
+    assert len(curve) == 150
+    assert curve.depth[0] == pytest.approx(-1e-3)
+    assert not any("without a number" in flag for flag in curve.flags)
+    with pytest.raises(InputError, match="line 58 must hold 5 numbers"):  # no intervals that are counted
+        one(written(tmp_path, intervals((1, 1, 1))))

@@ -1,0 +1,78 @@
+"""Records whose displacement is that of the tip, z - P/k, with the noise of the load: k and the contact are found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from force_curves import Instrument, equilibrium, record
+
+from jkrcli.adhesion.slopes import slopes
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
+from jkrcli.measured.curve import Curve, Reading
+from jkrcli.measured.files import from_columns
+from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.segmentation import SUBTRACTED_TWICE
+from jkrcli.measured.settings import settings_of
+from jkrcli.methods.closed_form import ClosedForm
+
+E_STAR, R, W = 1e5, 5e-6, 2e-4
+S = 2 * E_STAR * 1e-6  # of the contact, about [N/m]
+
+
+def made(k: float, noise: float = 2e-3, rows: int = 2000) -> dict[str, np.ndarray]:
+    """Columns z [m] and P [N] of a record by a spring ``k`` [N/m] with ``noise`` in units of the largest load."""
+    largest = 4 * E_STAR * (1e-6) ** 3 / (3 * R)
+    span = float(np.ptp(equilibrium(E_STAR, R, W, k, largest)[0]))
+    device = Instrument(k, rows, far=2 * span, largest=largest, noise=noise * largest, offset=largest)
+    return record(E_STAR, R, W / 2, W, device, 1)
+
+
+def read(columns: dict[str, np.ndarray], delta: np.ndarray, stiffness: float | None = None) -> Curve:
+    return from_columns({"delta_m": delta, "P_N": columns["P"]}, Reading(stiffness=stiffness))
+
+
+@pytest.mark.parametrize("stiffness", [None, np.inf])
+@pytest.mark.parametrize("ratio", [0.05, 0.5, 5.0])
+def test_the_noise_tells_the_stiffness_and_the_fit_holds_the_truth(ratio: float, stiffness: float | None) -> None:
+    """With the spring half and a twentieth as stiff as the contact E* was 0.5 and 98 % off, or nothing was fitted."""
+    columns = made(ratio * S)
+    curve = read(columns, columns["z"] - columns["P"] / (ratio * S), stiffness)
+    assert curve.stiffness == pytest.approx(ratio * S, rel=1e-3)  # measured: 1e-4, by the turn
+    problem = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(0.75 * E_STAR, 0.5))), Loading("radius", 2e-6, 60))
+    series = ClosedForm()(problem).series
+    body = FittedBody.of(problem, series, slopes(series), extensible=True)
+    found = fit(body, curve, settings_of(body))
+    assert not found.flags
+    for name, true in (("E_star", E_STAR), ("w", W)):
+        item = found.estimate(name)
+        assert item.error is not None
+        assert abs(item.value - true) < 3 * item.error
+        assert item.error < 0.03 * true
+
+
+def test_noise_of_positions_of_their_own_counts_by_its_size() -> None:
+    k, rng = 0.3 * S, np.random.default_rng(2)
+    columns = made(k)
+    scatter = 2e-3 * 4 * E_STAR * (1e-6) ** 3 / (3 * R) / k
+    for size, told in ((0.5, True), (2.0, False)):
+        delta = columns["z"] - columns["P"] / k + size * scatter * rng.normal(size=columns["z"].size)
+        found = read(columns, delta).stiffness
+        assert (found is not None) == told
+        assert found is None or found == pytest.approx(k, rel=0.05)  # standard error 0.01
+
+
+def test_positions_of_the_device_and_exact_curves_tell_none() -> None:
+    columns = made(0.3 * S)
+    assert read(columns, columns["z"]).stiffness is None
+    exact = made(0.3 * S, noise=0.0)
+    _, delta, P = equilibrium(E_STAR, R, W, 0.3 * S, 1e-7)
+    assert read({"P": P[::20]}, delta[::20]).stiffness is None
+    assert read(exact, exact["z"]).stiffness is None
+
+
+def test_a_deflection_that_is_subtracted_twice_is_flagged() -> None:
+    columns = made(0.5 * S)
+    assert SUBTRACTED_TWICE in read(columns, columns["z"] - columns["P"] / (0.5 * S), 0.5 * S).flags
+    assert SUBTRACTED_TWICE not in read(columns, columns["z"], 0.5 * S).flags

@@ -1,0 +1,277 @@
+"""Fits of relaxation to records of another generator: rings stepped through time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import described_body
+import numpy as np
+import pytest
+from relaxation_records import record
+from ting_records import ramp_record, ting_loads, ting_record
+
+import jkrcli as jkr
+from jkrcli.adhesion.curve import Nonadhesive
+from jkrcli.adhesion.device_path import Program
+from jkrcli.base.errors import InputError
+from jkrcli.base.numerics import Array
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.forward_model import FittedBody, body_of
+from jkrcli.viscoelastic.law_fits import RelaxationFits
+from jkrcli.viscoelastic.relaxation import Depths, RelaxedHistory, RelaxingContact
+from jkrcli.viscoelastic.relaxation_fit import RelaxationFit, corners, relaxation_fit, relaxation_settings
+
+SOLID = 0.25, (0.75,), (1.0,)
+HELD = np.array([0.0, 0.3, 4.0, 5.0]), np.array([0.0, 1.0, 1.0, 0.0])
+CASE = described_body.UNIT.format(depth=1.5)
+
+
+@pytest.fixture(scope="module", name="body")
+def _body() -> FittedBody:
+    return body_of(jkr.parse_case(CASE))
+
+
+def loads(body: FittedBody) -> Callable[[Array], Array]:
+    return Depths(Nonadhesive(body.series, body.slopes)).loads
+
+
+def history_of(body: FittedBody, t: Array, x: Array) -> RelaxedHistory:
+    law = jkr.StandardSolid(0.25, 1.0)
+    return RelaxingContact(Nonadhesive(body.series, body.slopes), law).history(Program(t, x))
+
+
+def off(fit: RelaxationFit, **true: float) -> dict[str, float]:
+    """Distances from the truth in standard errors."""
+    return {name: (fit.estimate(name).value - value) / (fit.estimate(name).error or 0) for name, value in true.items()}
+
+
+@pytest.mark.slow
+def test_a_press_a_wait_and_a_retraction(body: FittedBody) -> None:
+    made = record(loads(body), 1.4, SOLID, HELD, rows=120, zero=0.2, seed=4)
+    fit = relaxation_fit(body, made, relaxation_settings("sls"))
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.2).values())) < 3.5
+    errors = {name: fit.estimate(name).error for name in ("E_star", "ratio", "time")}
+    assert errors == pytest.approx({"E_star": 0.02, "ratio": 0.0027, "time": 0.014}, rel=0.5)
+    assert 0.8 < fit.scatter < 1.2
+    assert fit.warnings == ()
+
+
+@pytest.mark.slow
+def test_profiles_are_near_the_covariance(body: FittedBody) -> None:
+    """Where the model is about linear within its errors; none of the bootstrap, as no rows are drawn again."""
+    made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.2, seed=4)
+    plain, profiled = (relaxation_fit(body, made, relaxation_settings("sls", confidence=how))
+                       for how in ("covariance", "profile"))  # fmt: skip
+    for name in ("E_star", "ratio", "time", "delta0"):
+        one, other = plain.estimate(name), profiled.estimate(name)
+        assert (other.low, other.high) == pytest.approx((one.low, one.high), abs=0.2 * one.error)
+        assert other.low != one.low
+    with pytest.raises(InputError, match="--confidence bootstrap: is for curves each for itself"):
+        relaxation_fit(body, made, relaxation_settings("sls", confidence="bootstrap"))
+
+
+def test_a_quick_press_of_a_long_record(body: FittedBody) -> None:
+    """Four of 300 rows, which lie between those that starts are compared by."""
+    motion = np.array([0.0, 0.4, 29.6, 30.0]), HELD[1]
+    made = record(loads(body), 1.2, SOLID, motion, rows=300, zero=0.1, seed=1)
+    fit = relaxation_fit(body, made, relaxation_settings("sls"))
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.1).values())) < 3.5
+
+
+def test_a_power_law_of_a_clean_record(body: FittedBody) -> None:
+    """Its modulus is that at its time, which is given; another law shows itself."""
+    modes = jkr.PowerRelaxation(1.0, 0.2).modes(4.0)
+    spectrum = modes.relaxed, tuple(modes.weights), tuple(modes.rates)
+    made = record(loads(body), 1.4, spectrum, (np.array([0.0, 0.4, 4.0]), HELD[1][:3]), rows=41, noise=0.0)
+    fit = relaxation_fit(body, made, relaxation_settings("power", [("delta0", "0")]))
+    assert fit.estimate("exponent").value == pytest.approx(0.2, rel=2e-3)  # 5e-4, of the rings and steps
+    assert fit.estimate("E_star").value == pytest.approx(1.0, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_creep_is_known_by_its_load(body: FittedBody) -> None:
+    made = record(loads(body), 1.4, SOLID, (np.array([0.0, 0.2, 4.0]), np.array([0.0, 0.3, 0.3])), 80, stiffness=0.0)
+    fit = relaxation_fit(body, made, relaxation_settings("sls", [("delta0", "0")]))
+    assert fit.record.loaded
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0).values())) < 3.5
+
+
+def test_corners_of_a_motion() -> None:
+    t, rng = np.linspace(0, 10, 400), np.random.default_rng(1)
+    found, places = corners(t, np.interp(t, [0, 2, 7, 10], [0, 1, 1, -1]) + 0.01 * rng.standard_normal(400), 0.01)
+    assert found == pytest.approx([0, 2, 7, 10], abs=0.08)  # 1.5 times the distance of rows over the noise
+    assert places == pytest.approx([0, 1, 1, -1], abs=0.02)
+
+
+def test_what_cannot_be_fitted(body: FittedBody) -> None:
+    t = np.linspace(0, 1, 30)
+    for columns, line in (
+        ({"delta": t, "P": t}, "a fit of relaxation needs t, delta and P, it lacks t"),
+        ({"t": t[:10], "delta": t[:10], "P": t[:10]}, "10 rows, at least 20 are needed"),
+        ({"t": t[::-1], "delta": t, "P": t}, "time must rise from row to row, it does not in row 2"),
+    ):
+        with pytest.raises(InputError, match=line):
+            relaxation_fit(body, Curve("made", **columns), relaxation_settings("sls"))
+    with pytest.raises(InputError, match='unknown parameter "ratoi", did you mean "ratio"'):
+        relaxation_settings("sls", [("ratoi", "0.3")])
+    with pytest.raises(InputError, match="time: must be > 0, got -1"):
+        relaxation_settings("sls", [("time", "-1")])
+
+
+def test_one_parameter_by_two_names_is_refused() -> None:
+    """The last was taken in silence."""
+    with pytest.raises(InputError, match="E_star and modulus are one parameter, which is given twice"):
+        relaxation_settings("sls", [("E_star", "1"), ("modulus", "2")])
+
+
+@pytest.mark.slow
+def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
+    made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.0)
+    (tmp_path / "gel.toml").write_text(CASE)
+    rows = np.stack([made.t, made.delta, made.P], axis=1)
+    np.savetxt(tmp_path / "held.csv", rows, delimiter=",", header="t_s,delta_m,P_N", comments="")
+    done = jkr(
+        "fit", "gel.toml", "held.csv", "--free", "relaxation", "--relaxation", "sls", "--fix", "delta0=0", "--json"
+    )
+    assert done.code == 0, done.err
+    found = json.loads(done.out)["fits"][0]
+    assert found["estimates"]["ratio"]["value"] == pytest.approx(0.25, abs=0.02)
+    assert found["control"] == "displacement"
+    assert (tmp_path / "gel-fit.png").exists()
+    for words, line in (
+        (("--free", "relaxation"), "fit: the law is not named: give --relaxation sls, power, prony"),
+        (("--relaxation", "sls", "--law", "power"), "fit: --relaxation does not take --law"),
+        (("--relaxation", "sls", "--bound", "w=..1"), "fit: --relaxation does not take --bound"),
+        (("--terms", "2"), "fit: --terms: applies only with --relaxation prony"),
+    ):
+        done = jkr("fit", "gel.toml", "held.csv", *words)
+        assert (done.code, line in done.err) == (2, True), done.err
+
+
+def test_a_retraction_that_adheres_and_a_base_line(body: FittedBody) -> None:
+    """The press and the wait alone are fitted, with what the rows before contact show; many rows by their means."""
+    t, x = np.array([0.0, 1.0, 1.3, 4.0, 5.0]), np.array([-0.6, 0.0, 1.0, 1.0, -2.0])
+    history = history_of(body, t, x)
+    at, rng = np.linspace(0, 5, 6001), np.random.default_rng(3)
+    load = history.states(at)[2] + 0.2 + 0.05 * np.interp(at, t, x) - np.where(at > 4.3, 0.3, 0.0)
+    noisy = (column + 0.01 * rng.standard_normal(at.size) for column in (np.interp(at, t, x), load))
+    fit = relaxation_fit(
+        body, Curve("made", t=at, **dict(zip(("delta", "P"), noisy, strict=True))), relaxation_settings("sls")
+    )
+    assert fit.free[-2:] == ("P0", "tilt")
+    assert fit.record.t.size < 1500
+    assert "adhesion pulls with" in fit.warnings[0]
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.0, tilt=0.05).values())) < 3.5
+
+
+def test_a_motion_that_is_not_straight_is_followed(body: FittedBody) -> None:
+    t = np.linspace(0, 4, 400)
+    x = np.sin(np.minimum(t, 1.0) * np.pi / 2) + 0.2 * np.sqrt(np.maximum(t - 1, 0)) - 0.1
+    history = history_of(body, t, x)
+    load = history.states(t)[2]
+    load += 0.003 * np.ptp(load) * np.random.default_rng(1).standard_normal(t.size)
+    fit = relaxation_fit(body, Curve("made", t=t, delta=x + 1e-5 * np.sin(1e3 * t), P=load), relaxation_settings("sls"))
+    assert fit.record.read
+    assert "the displacement of the tip is used as read" in fit.warnings[0]
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.0).values())) < 3.5
+
+
+@pytest.mark.slow
+def test_terms_that_a_record_does_not_tell(body: FittedBody) -> None:
+    """Of one time no second is told; two that are a decade apart are."""
+    for modes, untold in ((SOLID, True), ((0.2, (0.4, 0.4), (3.0, 0.3)), False)):
+        made = record(loads(body), 1.4, modes, (np.array([0.0, 0.2, 9.0, 9.3]), HELD[1]), rows=150, seed=2, noise=0.003)
+        fit = relaxation_fit(body, made, relaxation_settings("prony", [("delta0", "0")]))
+        said = [line for line in fit.warnings if "1 terms fit as well as 2 (BIC better by" in line]
+        assert bool(said) == untold, (fit.estimates, fit.warnings)
+
+
+# ---------------------------------------------------------------------- a lever, and a power law
+@pytest.fixture(scope="module", name="probed")
+def _probed() -> FittedBody:
+    """A paraboloid of 5 um on a half-space of E* 4/3 kPa."""
+    sizes = (("radius = 1.0", 'radius = "5 um"'), ("E = 1.0", "E = 1e3"), ("nu = 0.0", "nu = 0.5"),
+             ("depth = 1.5", 'depth = "1 um"'))  # fmt: skip
+    text = CASE
+    for one, other in sizes:
+        text = text.replace(one, other)
+    return body_of(jkr.parse_case(text))
+
+
+def by_power(body: FittedBody, made: tuple[Array, float], zero: float = 0.0) -> RelaxationFit:
+    (t, x, P), k = made[0].T, made[1]
+    curve = Curve("made", t=t, delta=x + zero - P / k, P=P, stiffness=k)
+    return relaxation_fit(body, curve, relaxation_settings("power", E_star=body.problem.E_star))
+
+
+def test_a_tip_at_constant_speed_on_a_lever(probed: FittedBody) -> None:
+    """Ting's curve of a power law in closed form: the device, by which it is read, does not move in straight pieces."""
+    for seed, exact, lever, noise in ((1, False, 28.0, 0.024), (2, True, 0.2, 0.05)):
+        made = ting_record(np.random.default_rng(seed), noise, lever, rows=300, exact=exact)
+        fit = by_power(probed, made, zero=2e-7)
+        assert fit.record.control == "tip"
+        assert max(map(abs, off(fit, E_star=4e3 / 3, exponent=0.2, delta0=2e-7).values())) < 3.5
+        assert fit.warnings == ()
+        assert fit.doubts == []
+
+
+def test_errors_are_those_of_the_load_alone_where_a_position_is_exact(probed: FittedBody) -> None:
+    """A position without noise takes none of the errors away: they are the bound of Cramer and Rao by Ting's formula,
+    but for the scatter of the rows in contact."""
+    made, k = ting_record(np.random.default_rng(5), 0.02, 5.0, rows=400)
+    fit = by_power(probed, (made, k))
+    t, true, steps = made[:, 0] - 0.75, np.array([0.0, np.log(4e3 / 3), 0.2]), np.array([1e-5, 1e-5, 1e-5])
+
+    def loads(begin: float, log_E: float, exponent: float) -> Array:
+        return ting_loads(t - begin, 1e-5, 0.1 - begin, float(np.exp(log_E)), exponent, 5e-6)
+
+    rates = np.stack([(loads(*(true + h)) - loads(*(true - h))) / (2 * h.sum()) for h in np.diag(steps)], axis=1)
+    noise = 0.02 * loads(*true).max()
+    bound = noise * np.sqrt(np.diag(np.linalg.inv(rates.T @ rates)))
+    scale = float(np.mean((fit.record.response - fit.response)[loads(*true) > 0] ** 2)) ** 0.5 / noise
+    found = [fit.estimate("E_star").error / fit.value("E_star"), fit.estimate("exponent").error]
+    assert found == pytest.approx(scale * bound[1:], rel=0.25)  # 0.71 of it where the exact column counted as rows
+
+
+@pytest.mark.slow
+def test_intervals_of_power_laws_on_levers(probed: FittedBody) -> None:
+    """Noise of 0.1 to 5 %, levers of 0.1 to 10 of the contact's stiffness: 95 % intervals hold 88 of 100 and more."""
+    inside = dict.fromkeys(("E_star", "exponent"), 0)
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        noise, lever = 10 ** rng.uniform(-3, np.log10(0.05)), 10 ** rng.uniform(-1, 1)
+        made = ting_record(rng, noise, lever, rows=400, exact=seed % 2 == 0)
+        fit = by_power(probed, made)
+        for name, true in (("E_star", 4e3 / 3), ("exponent", 0.2)):
+            found = fit.estimate(name)
+            inside[name] += found.low <= true <= found.high
+    assert min(inside.values()) >= 88, inside
+
+
+@pytest.mark.slow
+def test_a_device_at_constant_speed_on_a_lever(probed: FittedBody) -> None:
+    """By rings stepped through time; the turn lies between two rows."""
+    made = ramp_record(np.random.default_rng(1), 0.02, 1.0, rows=300)
+    fit = by_power(probed, made)
+    assert fit.record.control == "displacement"
+    assert max(map(abs, off(fit, E_star=4e3 / 3, exponent=0.2).values())) < 3.5
+
+
+def test_a_turn_between_two_rows_is_one_corner() -> None:
+    t = np.linspace(0, 2, 400)  # 1 lies in the middle between two
+    found, places = corners(t, 1 - np.abs(t - 1), 1e-12)
+    assert found == pytest.approx([0, 1, 2])
+    assert places == pytest.approx([0, 1, 0], abs=1e-12)
+    stepped, _ = corners(t, np.where(t < 1, 0.0, 1.0), 1e-12)  # a step stays one
+    assert {t[199], t[200]} <= set(stepped)
+
+
+def test_what_a_record_does_not_determine_is_said_first(probed: FittedBody) -> None:
+    """Of a contact that shows no more than its noise."""
+    fit = by_power(probed, ting_record(np.random.default_rng(3), 0.1, 1.0, rows=60))
+    ((first, *_),) = RelaxationFits([fit], "a body").parts
+    assert "doubtful: E* is uncertain by" in first
+    with pytest.raises(InputError, match="no contact shows: the load stays within its noise"):
+        by_power(probed, ting_record(np.random.default_rng(3), 0.4, 1.0, rows=120))

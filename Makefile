@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help study setup run test test-all test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study mesh-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help study setup run test test-all core test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study mesh-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -60,6 +60,9 @@ test: $(READY) ## the fast tests
 
 test-all: $(READY) ## every test
 	$(PYTEST)
+
+core: $(READY) #: the core alone, without its wings: the shipped cases as by the whole, and its tests (five minutes)
+	$(STUDY).core
 
 test-processors: $(READY) #: the fast tests of TESTS as other processors compute: MOST settings [default: all that this machine has]
 	$(STUDY).processors $(TESTS) $(if $(MOST),--most $(call QUOTE,$(MOST)))

@@ -1,0 +1,115 @@
+"""The core alone: a copy of the project without the folders of its wings and their tests.
+
+The shipped cases go through the verbs of the core in both, and what is said and written is the same to the byte, but
+for times; then the tests of the core's rooms that need no wing run in the copy, in the arithmetic of most laptops.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from jkrcli.base.errors import SolveError
+from jkrcli.base.wings import PACKAGE, wings
+
+from .command import call
+from .processors import arithmetic, settings
+
+ABOUT = "The core without its wings: shipped cases beside those of the whole, and its tests (five minutes)"
+ROOT = PACKAGE.parent
+ROOMS = ("base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "resolve")
+KEPT = ("jkrcli", "cases", "tests", "docs/studies", "docs/examples", "pyproject.toml")
+SLOW = ("rough", "fem")  # cases of minutes, by a part of their names
+VERBS = (
+    "check {case}", "run {case} -o s.h5", "transform s.h5 --no-plots --json -o .", "pull-off s.h5 --json",
+    "cycle s.h5 --no-plots --json -o .", "show --json s.h5",
+)  # fmt: skip
+
+
+def copied(folder: Path) -> Path:
+    """The project without its wings, in a ``folder``."""
+    names = [wing.name for wing in wings()]
+    for kept in KEPT:
+        source, target = ROOT / kept, folder / kept
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if source.is_file():
+            shutil.copy(source, target)
+        else:
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", ".hypothesis"))
+    for name in names:
+        shutil.rmtree(folder / "jkrcli" / name)
+        shutil.rmtree(folder / "tests" / name, ignore_errors=True)
+    return folder
+
+
+def said(project: Path, folder: Path, words: str) -> tuple[int, str, dict[str, bytes]]:
+    """What a command of the program in ``project`` says, but for times, and writes beside the series."""
+    environment = {**os.environ, "PYTHONPATH": str(project), "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [sys.executable, "-m", "jkrcli", *words.split()], cwd=folder, env=environment, capture_output=True, text=True
+    )
+    text = re.sub(r"[\d.e+-]+ s\b|\"timings_s\": \{[^}]*\}", "", done.stdout + done.stderr)
+    left = {path.name: path.read_bytes() for path in sorted(folder.glob("*.csv"))}
+    return done.returncode, text, left
+
+
+def differing(core: Path, cases: Sequence[Path]) -> Iterator[str]:
+    """Commands of which the ``core`` says or writes something else than the whole."""
+    for case in cases:
+        found = []
+        for project in (ROOT, core):
+            with tempfile.TemporaryDirectory() as folder:
+                place = Path(folder)
+                shutil.copytree(ROOT / "cases", place / "cases")
+                found.append([said(project, place, words.format(case=f"cases/{case.name}")) for words in VERBS])
+        for words, whole, alone in zip(VERBS, *found, strict=True):
+            if whole != alone and "is of the wing" not in alone[1]:
+                yield f"{words.format(case=case.name)}: the core says {alone[1]!r}, the whole {whole[1]!r}"
+
+
+def needs_wing(tests: Path, path: Path, names: Sequence[str], known: dict[Path, bool]) -> bool:
+    """Whether a test or a helper of tests imports from a wing, or a helper that does."""
+    if path not in known:
+        known[path] = False
+        text = path.read_text(encoding="utf-8")
+        helpers = [tests / f"{name}.py" for name in re.findall(r"^\s*(?:from|import) (\w+)", text, re.M)]
+        known[path] = any(f"jkrcli.{name}" in text for name in names) or any(
+            needs_wing(tests, helper, names, known) for helper in helpers if helper.exists()
+        )
+    return known[path]
+
+
+def tested(core: Path, names: Sequence[str]) -> int:
+    """The exit code of the tests of the core's rooms that need no wing, in the copy."""
+    known: dict[Path, bool] = {}
+    files = [path for room in ROOMS for path in sorted((core / "tests" / room).glob("test_*.py"))
+             if not needs_wing(core / "tests", path, names, known)]  # fmt: skip
+    other = next(iter(settings(own := arithmetic({})))).environment(own)
+    environment: Mapping[str, str] = {**os.environ, "OPENBLAS_NUM_THREADS": "1", **other, "PYTHONPATH": str(core)}
+    words = [sys.executable, "-m", "pytest", "-n", "auto", "-q", "-m", "not slow", *map(str, files)]
+    return subprocess.run(words, cwd=core, env=environment).returncode
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """The study; 1 where the core says something else alone, or a test of it fails."""
+    parser = argparse.ArgumentParser(description=ABOUT)
+    parser.add_argument("--no-tests", action="store_true", help="the shipped cases alone")
+    given = parser.parse_args(words)
+    cases = [path for path in sorted((ROOT / "cases").glob("*.toml")) if not any(part in path.stem for part in SLOW)]
+    with tempfile.TemporaryDirectory() as folder:
+        core = copied(Path(folder))
+        if wrong := list(differing(core, cases)):
+            raise SolveError("core: " + "\n".join(wrong))
+        print(f"{len(cases)} cases: the core alone says and writes what the whole does")
+        return 0 if given.no_tests else tested(core, [wing.name for wing in wings()])
+
+
+if __name__ == "__main__":
+    sys.exit(call(main))

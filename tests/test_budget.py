@@ -1,0 +1,64 @@
+"""The code stays within its budget: lines and tokens of the core, of each wing and of the tests (``budget.toml``)."""
+
+from __future__ import annotations
+
+import ast
+import io
+import tokenize
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from jkrcli.base.wings import PACKAGE, wings
+
+ROOT = PACKAGE.parent
+BUDGET = tomllib.loads((Path(__file__).parent / "budget.toml").read_text())
+SILENT = {
+    tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER,
+    tokenize.ENCODING,
+}  # fmt: skip
+
+
+def docstrings(source: str) -> set[int]:
+    """The lines of all docstrings."""
+    lines = set[int]()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) and node.body:
+            first = node.body[0]
+            if isinstance(first, ast.Expr) and isinstance(getattr(first.value, "value", None), str):
+                lines.update(range(first.lineno, (first.end_lineno or first.lineno) + 1))
+    return lines
+
+
+def counted(paths: Iterator[Path]) -> dict[str, int]:
+    """Lines that hold code and their tokens, without comments and docstrings."""
+    lines = tokens = 0
+    for path in paths:
+        source = path.read_text(encoding="utf-8")
+        silent = docstrings(source)
+        code = [token for token in tokenize.generate_tokens(io.StringIO(source).readline)
+                if token.type not in SILENT and token.start[0] not in silent]  # fmt: skip
+        lines += len({line for token in code for line in range(token.start[0], token.end[0] + 1)})
+        tokens += len(code)
+    return {"lines": lines, "tokens": tokens}
+
+
+def parts() -> dict[str, Iterator[Path]]:
+    """The files of the core, of each wing and of the tests."""
+    names = [wing.name for wing in wings()]
+    core = (path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in names)
+    return {"core": core, **{name: (PACKAGE / name).rglob("*.py") for name in names},
+            "tests": (ROOT / "tests").rglob("*.py")}  # fmt: skip
+
+
+@pytest.mark.parametrize("part", BUDGET)
+def test_no_part_is_larger_than_its_budget(part: str) -> None:
+    """What is to grow names what it replaces, or what else gets smaller: see CONTRIBUTING."""
+    found = counted(parts()[part])
+    assert {name: max(size, BUDGET[part][name]) for name, size in found.items()} == BUDGET[part], found
+
+
+def test_every_part_has_a_budget() -> None:
+    assert set(parts()) == set(BUDGET)

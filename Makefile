@@ -61,7 +61,7 @@ test: $(READY) ## the fast tests
 test-all: $(READY) ## every test
 	$(PYTEST)
 
-core: $(READY) #: the core alone, without its wings: the shipped cases as by the whole, and its tests (five minutes)
+core: $(READY) #: the core alone, without its wings: the shipped cases as by the whole, and its tests (six minutes)
 	$(STUDY).core
 
 test-processors: $(READY) #: the fast tests of TESTS as other processors compute: MOST settings [default: all that this machine has]

@@ -35,7 +35,7 @@ def __getattr__(name: str) -> Any:
         if name in api.__all__:
             return getattr(api, name)
         if refused := absent(name):
-            raise AttributeError(refused)
+            raise AttributeError(f"{name} {refused}")
     raise AttributeError(f"module {__name__} has no attribute {name}")
 
 

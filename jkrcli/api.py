@@ -475,7 +475,7 @@ def pull_off(
     exactly_one("pull_off", w=w, load=load)
     if load is not None or uncertain:
         if not is_offered("work of one pull-off"):
-            raise InputError(f"pull_off: {absent('measured curves')}")
+            raise InputError(f"pull_off: load {absent('measured curves')}")
         offered("idle options of a measured pull-off")(load, uncertain or {}, stress, length)
     solution, devices, rest = solution_of(solved, None), list(stiffness), rest_of(rest_load, rest_depth)
     if load is not None:

@@ -19,6 +19,8 @@ SILENT = {
     tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER,
     tokenize.ENCODING,
 }  # fmt: skip
+# Since Python 3.12 the parts of an f-string are tokens: it counts as one
+F_STRING = getattr(tokenize, "FSTRING_START", -1), getattr(tokenize, "FSTRING_END", -1)
 
 
 def docstrings(source: str) -> set[int]:
@@ -34,15 +36,20 @@ def docstrings(source: str) -> set[int]:
 
 def counted(paths: Iterator[Path]) -> dict[str, int]:
     """Lines that hold code and their tokens, without comments and docstrings."""
-    lines = tokens = 0
+    tokens, held = 0, set[tuple[Path, int]]()
     for path in paths:
         source = path.read_text(encoding="utf-8")
         silent = docstrings(source)
-        code = [token for token in tokenize.generate_tokens(io.StringIO(source).readline)
-                if token.type not in SILENT and token.start[0] not in silent]  # fmt: skip
-        lines += len({line for token in code for line in range(token.start[0], token.end[0] + 1)})
+        code, inside = list[tokenize.TokenInfo](), 0
+        for token in tokenize.generate_tokens(io.StringIO(source).readline):
+            inside -= token.type == F_STRING[1]
+            if not inside and token.type not in SILENT and token.type != F_STRING[1] and token.start[0] not in silent:
+                code.append(token)
+            if token.type not in SILENT and token.start[0] not in silent:
+                held.update((path, line) for line in range(token.start[0], token.end[0] + 1))
+            inside += token.type == F_STRING[0]
         tokens += len(code)
-    return {"lines": lines, "tokens": tokens}
+    return {"lines": len(held), "tokens": tokens}
 
 
 def parts() -> dict[str, Iterator[Path]]:
@@ -57,7 +64,7 @@ def parts() -> dict[str, Iterator[Path]]:
 def test_no_part_is_larger_than_its_budget(part: str) -> None:
     """What is to grow names what it replaces, or what else gets smaller: see CONTRIBUTING."""
     found = counted(parts()[part])
-    assert {name: max(size, BUDGET[part][name]) for name, size in found.items()} == BUDGET[part], found
+    assert all(size <= BUDGET[part][name] for name, size in found.items()), found
 
 
 def test_every_part_has_a_budget() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import jkrcli
-from jkrcli.base.wings import wings
+from jkrcli.base.wings import offered, wings
 
 PACKAGE = Path(jkrcli.__file__).parent
 CASES = PACKAGE.parent / "cases"
@@ -22,11 +23,21 @@ def test_what_is_refused_by_name_is_what_wings_register() -> None:
     assert {wing.name: wing.names for wing in wings()} == WINGS
 
 
+def test_what_is_asked_for_is_offered_and_there() -> None:
+    text = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
+    asked = set(re.findall(r'offered\(\s*["\']([^"\']+)["\']', text))
+    offers = {name: place for wing in wings() for name, place in wing.offers.items()}
+    assert asked == set(offers)
+    assert all(offered(name) is not None for name in offers)
+
+
 @pytest.mark.parametrize("wing", WINGS)
 def test_a_wing_is_names_and_help_alone(wing: str) -> None:
-    code = f"import sys, jkrcli.{wing}.wing\nprint([name for name in sys.modules if name.startswith('numpy')])"
+    code = (
+        f"import sys, jkrcli.{wing}.wing\nprint({{name.split('.')[0] for name in sys.modules}} & {{'numpy', 'click'}})"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    assert done.stdout.strip() == "set()"
     assert {path.name for path in (PACKAGE / wing).iterdir()} > {"wing.py"}
 
 
@@ -51,14 +62,19 @@ def test_without_a_wing_the_core_gives_the_same(wing: str, tmp_path: Path) -> No
     shutil.rmtree(tmp_path / "jkrcli" / wing)
     assert curves() == whole
     told = jkr("--help").stdout
+    needed = f'needs the wing "{wing}", which this installation lacks'
     for verb in WINGS[wing].get("verbs", ()):
         assert f"  {verb} " not in told
         refused = jkr(verb)
-        assert (refused.returncode, f'is of the wing "{wing}"' in refused.stderr) == (2, True)
-    for option in WINGS[wing].get("options", ()):
-        refused = jkr("fit" if option in ("--law", "--relaxation", "--terms") else "cycle", "gel.h5", option, "1")
-        assert (refused.returncode, f'is of the wing "{wing}"' in refused.stderr) == (2, True), option
-    for name in WINGS[wing]["functions"]:
+        assert (refused.returncode, needed in refused.stderr) == (2, True)
+    for named in WINGS[wing].get("options", ()):
+        verb, option = named.split()
+        refused = jkr(verb, "gel.h5", option, "1")
+        assert (refused.returncode, f"{verb}: {option} {needed}" in refused.stderr) == (2, True), option
+        assert needed not in jkr("check", "gel.toml", option, "1").stderr  # which never had it
+    for name in WINGS[wing].get("functions", ()):
         program = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import jkrcli; jkrcli.{name}"
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-        assert f'AttributeError: {name}: is of the wing "{wing}"' in done.stderr
+        assert f"AttributeError: {name} {needed}" in done.stderr
+    for words in (("pull-off", "gel.h5", "--json"), ("cycle", "gel.h5", "--no-plots", "-o", ".")):
+        assert jkr(*words).returncode == 0

@@ -16,13 +16,12 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from jkrcli.base.errors import SolveError
 from jkrcli.base.wings import PACKAGE, wings
 
 from .command import call
 from .processors import arithmetic, settings
 
-ABOUT = "The core without its wings: shipped cases beside those of the whole, and its tests (five minutes)"
+ABOUT = "The core without its wings: shipped cases beside those of the whole, and its tests (six minutes)"
 ROOT = PACKAGE.parent
 ROOMS = ("base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "resolve")
 KEPT = ("jkrcli", "cases", "tests", "docs/studies", "docs/examples", "pyproject.toml")
@@ -61,7 +60,7 @@ def said(project: Path, folder: Path, words: str) -> tuple[int, str, dict[str, b
 
 
 def differing(core: Path, cases: Sequence[Path]) -> Iterator[str]:
-    """Commands of which the ``core`` says or writes something else than the whole."""
+    """Commands that fail, or of which the ``core`` says or writes something else than the whole."""
     for case in cases:
         found = []
         for project in (ROOT, core):
@@ -70,7 +69,8 @@ def differing(core: Path, cases: Sequence[Path]) -> Iterator[str]:
                 shutil.copytree(ROOT / "cases", place / "cases")
                 found.append([said(project, place, words.format(case=f"cases/{case.name}")) for words in VERBS])
         for words, whole, alone in zip(VERBS, *found, strict=True):
-            if whole != alone and "is of the wing" not in alone[1]:
+            of_wing = words.startswith("cycle") and "contact of a viscoelastic specimen over time needs" in alone[1]
+            if whole != alone and not of_wing:
                 yield f"{words.format(case=case.name)}: the core says {alone[1]!r}, the whole {whole[1]!r}"
 
 
@@ -80,8 +80,12 @@ def needs_wing(tests: Path, path: Path, names: Sequence[str], known: dict[Path, 
         known[path] = False
         text = path.read_text(encoding="utf-8")
         helpers = [tests / f"{name}.py" for name in re.findall(r"^\s*(?:from|import) (\w+)", text, re.M)]
-        known[path] = any(f"jkrcli.{name}" in text for name in names) or any(
-            needs_wing(tests, helper, names, known) for helper in helpers if helper.exists()
+        functions = "|".join(function for wing in wings() for function in wing.functions)
+        by_name = re.search(rf"^from jkrcli import .*\b({functions})\b|jkrcli\.({functions})\(", text, re.M)
+        known[path] = (
+            by_name is not None
+            or any(f"jkrcli.{name}" in text for name in names)
+            or any(needs_wing(tests, helper, names, known) for helper in helpers if helper.exists())
         )
     return known[path]
 
@@ -89,8 +93,10 @@ def needs_wing(tests: Path, path: Path, names: Sequence[str], known: dict[Path, 
 def tested(core: Path, names: Sequence[str]) -> int:
     """The exit code of the tests of the core's rooms that need no wing, in the copy."""
     known: dict[Path, bool] = {}
-    files = [path for room in ROOMS for path in sorted((core / "tests" / room).glob("test_*.py"))
-             if not needs_wing(core / "tests", path, names, known)]  # fmt: skip
+    found = [path for room in ROOMS for path in sorted((core / "tests" / room).rglob("test_*.py"))]
+    files = [path for path in found if not needs_wing(core / "tests", path, names, known)]
+    left = ", ".join(path.stem for path in found if path not in files)
+    print(f"{len(files)} files of tests; left out, as they use wings: {left}", flush=True)
     other = next(iter(settings(own := arithmetic({})))).environment(own)
     environment: Mapping[str, str] = {**os.environ, "OPENBLAS_NUM_THREADS": "1", **other, "PYTHONPATH": str(core)}
     words = [sys.executable, "-m", "pytest", "-n", "auto", "-q", "-m", "not slow", *map(str, files)]
@@ -106,7 +112,8 @@ def main(words: Sequence[str] | None = None) -> int:
     with tempfile.TemporaryDirectory() as folder:
         core = copied(Path(folder))
         if wrong := list(differing(core, cases)):
-            raise SolveError("core: " + "\n".join(wrong))
+            print("\n".join(wrong))
+            return 1
         print(f"{len(cases)} cases: the core alone says and writes what the whole does")
         return 0 if given.no_tests else tested(core, [wing.name for wing in wings()])
 

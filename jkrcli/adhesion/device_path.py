@@ -4,7 +4,7 @@ The contact is free, or its edge advances, rests, or recedes; it jumps where no 
 stiffness k holds D = delta + P/k (load control: P). At fixed D the contact at radius a is stable where dD/da > 0, the
 energy release rate then falls as the contact shrinks (Maugis, J. Phys. D 18 (1985) 293). A rule that can be exchanged
 says how the edge moves each way: in equilibrium with a curve, G = w_a or w_r, or of finite range (``EdgeRule``), or at
-a speed (``rate.py: ByLaw``). Between the two it rests: P over delta is a straight line of slope S.
+a speed (a subclass). Between the two it rests: P over delta is a straight line of slope S.
 """
 
 from __future__ import annotations

@@ -34,14 +34,15 @@ class Verb:
 
 @dataclass(frozen=True)
 class Wing:
-    """What a wing registers: ``verbs`` of the command line, or more of one of the core; ``options`` of these;
-    ``functions`` of the Python interface with the modules that hold them; ``uses``: what else one cannot do without it;
-    ``offers``: by the names that others ask for, what it adds to their results, as "module:name"."""
+    """What a wing registers: ``verbs`` of the command line, or more of one of the core; ``options`` of verbs that are
+    not its own alone, by the verb; ``functions`` of the Python interface with the modules that hold them; ``uses``:
+    words by which others refuse what they cannot do without it; ``offers``: by the names that others ask for, what it
+    adds to their results, as "module:name"."""
 
     name: str
     verbs: Mapping[str, Verb] = field(default_factory=dict)
     functions: Mapping[str, str] = field(default_factory=dict)
-    options: tuple[str, ...] = ()
+    options: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     uses: tuple[str, ...] = ()
     offers: Mapping[str, str] = field(default_factory=dict)
 
@@ -49,7 +50,8 @@ class Wing:
     def names(self) -> dict[str, list[str]]:
         """All that is refused by name where the wing is not there, by kind."""
         own = [name for name, verb in self.verbs.items() if not verb.of_core]
-        kinds = ("verbs", own), ("options", self.options), ("functions", self.functions), ("uses", self.uses)
+        options = [f"{verb} {option}" for verb, some in self.options.items() for option in some]
+        kinds = ("verbs", own), ("options", options), ("functions", self.functions), ("uses", self.uses)
         return {kind: list(names) for kind, names in kinds if names}
 
 
@@ -75,11 +77,11 @@ def offered(name: str) -> Any:
 
 
 def absent(name: str) -> str:
-    """The sentence that refuses a ``name`` of a wing that is not there; empty for any other."""
+    """What refuses a ``name`` of a wing that is not there, "cycle --speed" of an option; empty for any other."""
     import tomllib
 
     known = tomllib.loads((PACKAGE / "wings.toml").read_text(encoding="utf-8"))
     for wing, kinds in known.items():
         if wing not in {each.name for each in wings()} and any(name in names for names in kinds.values()):
-            return f'{name}: is of the wing "{wing}", which this installation lacks: install the whole of jkrcli'
+            return f'needs the wing "{wing}", which this installation lacks: install the whole of jkrcli'
     return ""

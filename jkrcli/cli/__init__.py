@@ -79,9 +79,9 @@ def _with_wings(core: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, st
     groups = {title: list(names.items()) for title, names in core.items()}
     for wing in wings():
         for verb, each in wing.verbs.items():
-            before = [name for name, _ in groups[each.section]]
+            before = ["", *(name for name, _ in groups[each.section])]
             if verb not in before:
-                at = before.index(each.after) + 1 if each.after in before else 0
+                at = before.index(each.after)
                 groups[each.section].insert(at, (verb, each.help))
     return {title: dict(names) for title, names in groups.items() if names}
 
@@ -145,7 +145,9 @@ class Verbs(LateGroup):
         return command
 
     def unknown(self, name: str) -> str:
-        return absent(name) or f'unknown command "{name}"{did_you_mean(name, VERBS)} (commands: {", ".join(VERBS)})'
+        if lacking := absent(name):
+            return f"{name}: {lacking}"
+        return f'unknown command "{name}"{did_you_mean(name, VERBS)} (commands: {", ".join(VERBS)})'
 
 
 jkr = Verbs(
@@ -208,8 +210,10 @@ def call(arguments: Sequence[str] | None = None) -> int:
         click.echo(error.format_message())
         return 0
     except click.ClickException as error:
-        if isinstance(error, click.NoSuchOption) and (lacking := absent(error.option_name)):
-            return _fail([lacking], 2)
+        if isinstance(error, click.NoSuchOption) and error.ctx is not None:
+            verb = error.ctx.info_name
+            if lacking := absent(f"{verb} {error.option_name}"):
+                return _fail([f"{verb}: {error.option_name} {lacking}"], 2)
         message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
         message = re.sub(r"\. Did you mean (.*)\?$", r", did you mean \1?", message)
         if isinstance(error, click.UsageError) and error.ctx is not None:

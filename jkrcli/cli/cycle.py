@@ -101,7 +101,7 @@ def begin_program(program: Path | None, points: int, limits: Limits) -> None:
                             mib_per_row=TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
 
 
-def told(
+def name_suffix(
     approach: float | None, retraction: float | None, stiffness: float, turn: str, rest: Rest | None,
     ranged: RangeRequest, more: str = "", factor: float = 1.0,
 ) -> str:  # fmt: skip
@@ -152,7 +152,7 @@ class Asked:
         return Cycled.from_rest(solution.record.path, *curves, self.stiffness, self.points, history.words)
 
 
-def trace(
+def write_cycle(
     file: Path, ends: str, known: tuple[LoadingHistory, ...], asked: Asked, limits: Limits, output: Output,
     one: Callable[[], Result], after: Callable[[LoadingHistory], Result],
 ) -> None:  # fmt: skip
@@ -202,7 +202,7 @@ def cycle(
     works, ranged = works_of(solution, w_approach, w_retract), how.of(solution)
     relaxes = solution.problem.specimen.relaxation is not None
     if relaxes and (not any(works) or turn.program is not None):
-        raise InputError(f"cycle: {absent('contact over time')}")
+        raise InputError(f"cycle: contact of a viscoelastic specimen over time {absent('contact over time')}")
     ranged.refuse_two(*works)
     begin_program(turn.program, points, limits)
     rest = rest_of(rest_load, rest_depth, flag)
@@ -210,5 +210,5 @@ def cycle(
         raise InputError(NO_REST)
     known = traced_histories(solution, rest, turn.to_load, turn.to_depth, not ranged) if relaxes else ()
     asked = Asked(solution, works, stiffness, points, how, ranged, turn.to_load, turn.to_depth, turn.program)
-    ends = told(w_approach, w_retract, stiffness, turn.suffix(), rest, ranged, factor=how.modulus_factor)
-    trace(file, ends, known, asked, limits, output, asked.quasi_static, asked.quasi_static)
+    ends = name_suffix(w_approach, w_retract, stiffness, turn.suffix(), rest, ranged, factor=how.modulus_factor)
+    write_cycle(file, ends, known, asked, limits, output, asked.quasi_static, asked.quasi_static)

@@ -236,7 +236,7 @@ def explore(
     from .explorer import Explored, page, payload, start_work
 
     if data and reading is None:
-        raise InputError(f"explore: {absent('measured curves')}")
+        raise InputError(f"explore: measured DATA {absent('measured curves')}")
     if work == 0:
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
     if output.where is not None:

@@ -465,8 +465,10 @@ def fit(
         kind = TENSION if has_tension(request) else kind
         check_unused(kind, typed, flag)
         request = replace(request, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
-    if kind in (RELAXATION, LAW):
-        offered(f"fit of {kind}")(request)
+    if kind == RELAXATION:
+        offered("fit of a law of relaxation")(request)
+    elif kind == LAW:
+        offered("fit of a law over speed")(request)
     elif kind == TENSION:
         fit_tension(replace(request, targets=output.files(targets.stem, (".csv", ".json"), inputs)))
     elif kind == SHARED:

@@ -60,7 +60,7 @@ def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody
 # The options by which verbs read measured curves: one set for all of them.
 
 # What verbs do with the rows of tables.
-TABLE_FIT_PER_ROW = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
+TABLE_FIT_PER_ROW = 5e-5  # CPU seconds to fit; tuned on tables of 1e5 and 1e6 rows, by `make guards`
 TABLE_WORK_PER_ROW = 8e-6  # CPU seconds of `jkr work`; tuned on the same, by `make guards`
 TABLE_REFIT = 6e-3  # CPU seconds of a fit from near its end; tuned on 200 rows, by `make guards`
 TABLE_REFIT_PER_ROW = 5e-6  # and per row; tuned on 1e4 rows, by `make guards`

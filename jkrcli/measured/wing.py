@@ -22,7 +22,7 @@ WING = Wing(
         "fit": Verb("Commands", "look", "E*, w and contact point of measured curves, with errors.", "measured.fits"),
         "work": Verb("More of a measurement", "", "Energy release rate G along a measured curve.", "measured.verbs"),
     },
-    options=("--load", "--uncertain"),
+    options={"pull-off": ("--load", "--uncertain")},
     functions=dict.fromkeys(FUNCTIONS, "measured.functions"),
     uses=("measured curves",),
     offers={

@@ -21,12 +21,12 @@ from ..cli.cycle import (
     Asked,
     begin_program,
     end_options,
+    name_suffix,
     read_program,
     rest_options,
-    told,
-    trace,
     works_of,
     works_options,
+    write_cycle,
 )
 from ..cli.options import flag, typed
 from ..methods.protocol import Limits
@@ -244,5 +244,5 @@ def cycle(
     asked = Asked(solution, works, stiffness, points, how, ranged, rates.to_load, rates.to_depth, rates.program)
     zone = "" if rates.stress is None else f"-stress{rates.stress:g}"
     turn = rates.suffix(stiffness)
-    ends = told(w_approach, w_retract, stiffness, turn, rest, ranged, zone, how.modulus_factor)
-    trace(file, ends, known, asked, limits, output, one, partial(cycled, asked, rates))
+    ends = name_suffix(w_approach, w_retract, stiffness, turn, rest, ranged, zone, how.modulus_factor)
+    write_cycle(file, ends, known, asked, limits, output, one, partial(cycled, asked, rates))

@@ -3,10 +3,13 @@
 from ..base.wings import Verb, Wing
 
 CYCLE = "Force curve of an approach-retract cycle, over time too."
-OPTIONS = (
-    "--rate", "--rate-advance", "--speed", "--speed-approach", "--hold", "--dwell", "--dwell-time", "--compare-rate",
-    "--law", "--relaxation", "--terms",
-)  # fmt: skip
+OPTIONS = {
+    "cycle": (
+        "--rate", "--rate-advance", "--speed", "--speed-approach", "--hold", "--dwell", "--dwell-time",
+        "--compare-rate",
+    ),
+    "fit": ("--law", "--relaxation", "--terms"),
+}  # fmt: skip
 FUNCTIONS = ("LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify_law", "identify_relaxation")
 WING = Wing(
     "viscoelastic",
@@ -22,7 +25,7 @@ WING = Wing(
         "law over speed": "viscoelastic.rate_fit:law_along",
         "summary of a law over speed": "viscoelastic.report:through_summary",
         "words of a law over speed": "viscoelastic.report:through_words",
-        "fit of --law": "viscoelastic.fits:fit_law",
-        "fit of --relaxation": "viscoelastic.fits:fit_relaxation",
+        "fit of a law over speed": "viscoelastic.fits:fit_law",
+        "fit of a law of relaxation": "viscoelastic.fits:fit_relaxation",
     },
 )

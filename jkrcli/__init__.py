@@ -28,7 +28,8 @@ def __getattr__(name: str) -> Any:
         from .base.wings import absent
 
         if name == "__all__":
-            return [*import_module(".api", __name__).__all__, *_of_wings()]
+            names = [*import_module(".api", __name__).__all__, *_of_wings()]
+            return sorted(names, key=lambda name: (not name.isupper(), name))  # FEM, classes, functions
         if name in (of_wings := _of_wings()):
             return getattr(import_module(f".{of_wings[name]}", __name__), name)
         api = import_module(".api", __name__)

@@ -10,6 +10,7 @@ import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -18,14 +19,17 @@ import jkrcli as jkr_python
 from jkrcli import api
 from jkrcli.measured.curve import Curve
 from jkrcli.report.tables import read_curve
+from jkrcli.viscoelastic import functions
 
 CASES = Path(__file__).parent.parent / "cases"
 PACKAGE = Path(jkr_python.__file__).parent
 EXAMPLES = Path(__file__).parent.parent / "docs" / "examples"
 
 
-def test_the_documented_examples_run() -> None:
-    assert doctest.testmod(api).failed == 0
+@pytest.mark.parametrize("module", [api, functions])
+def test_the_documented_examples_run(module: ModuleType) -> None:
+    tried = doctest.testmod(module)
+    assert (tried.failed, tried.attempted > 5) == (0, True)
 
 
 def test_every_name_of_the_interface_is_documented() -> None:

@@ -2,6 +2,9 @@
 
 Adhesion that depends on the speed of the contact's edge, over time:
 
+>>> import jkrcli as jkr
+>>> gel = jkr.Specimen((jkr.Layer(jkr.Elastic(E=1e6, nu=0.499), thickness=5e-6),), jkr.Rigid(bonded=True))
+>>> solved = jkr.solve(jkr.Problem(jkr.Paraboloid(R=10e-6), gel, jkr.Loading("radius", 8e-6)))
 >>> history = jkr.cycle_at_speed(solved, 0.05, jkr.PowerRate(v0=1e-6, n=0.5), speed="10 um/s", to_load="1 uN")
 >>> f"{history.pull_off.P * 1e6:.2f} uN after {history.pull_off.t:.3f} s"
 '-12.98 uN after 0.126 s'

@@ -24,7 +24,9 @@ from .processors import arithmetic, settings
 ABOUT = "The core without its wings: shipped cases beside those of the whole, and its tests (six minutes)"
 ROOT = PACKAGE.parent
 ROOMS = ("base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "resolve")
-KEPT = ("jkrcli", "cases", "tests", "docs/studies", "docs/examples", "pyproject.toml")
+KEPT = (
+    "jkrcli", "cases", "tests", "docs/studies", "docs/examples", "pyproject.toml", "Makefile", "LICENSE-EXCEPTION.md",
+)  # fmt: skip
 SLOW = ("rough", "fem")  # cases of minutes, by a part of their names
 VERBS = (
     "check {case}", "run {case} -o s.h5", "transform s.h5 --no-plots --json -o .", "pull-off s.h5 --json",

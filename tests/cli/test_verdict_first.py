@@ -89,8 +89,8 @@ def test_the_verdict_comes_first(
         judge(jkr, line, whole)
 
 
-def test_every_verb_is_among_these() -> None:
-    assert {line[0] for line in (*WORDS, *DEAR)} == set(VERBS) - {"completion"}
+def test_these_are_verbs() -> None:
+    assert {line[0] for line in (*WORDS, *DEAR)} <= set(VERBS) - {"completion"}
 
 
 def test_errors_are_one_line_in_a_log(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -83,9 +83,10 @@ def needs_wing(tests: Path, path: Path, names: Sequence[str], known: dict[Path, 
         text = path.read_text(encoding="utf-8")
         helpers = [tests / f"{name}.py" for name in re.findall(r"^\s*(?:from|import) (\w+)", text, re.M)]
         functions = "|".join(function for wing in wings() for function in wing.functions)
-        by_name = re.search(rf"^from jkrcli import .*\b({functions})\b|jkrcli\.({functions})\(", text, re.M)
+        verbs = "|".join(verb for wing in wings() for verb, more in wing.verbs.items() if not more.of_core)
+        by_name = rf"^from jkrcli import .*\b({functions})\b|jkrcli\.({functions})\(|[\"']({verbs}) "
         known[path] = (
-            by_name is not None
+            re.search(by_name, text, re.M) is not None
             or any(f"jkrcli.{name}" in text for name in names)
             or any(needs_wing(tests, helper, names, known) for helper in helpers if helper.exists())
         )

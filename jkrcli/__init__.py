@@ -48,6 +48,4 @@ def _of_wings() -> dict[str, str]:
 
 
 def __dir__() -> list[str]:
-    from .api import __all__
-
-    return [*__all__, *_of_wings(), "__version__"]
+    return [*__getattr__("__all__"), "__version__"]

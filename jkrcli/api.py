@@ -91,7 +91,7 @@ from .report.forward import (
     traced_histories,
 )
 from .report.result import PICTURES, Figure
-from .resolve.analysis import Analysis, analyse, with_solved_points
+from .resolve.analysis import Analysis, analyse, profile_columns, radius_under, where_lost, with_solved_points
 from .resolve.histories import checked_histories, curves_from_rest, lost_by_history, rest_of
 from .series import Solution
 
@@ -424,8 +424,6 @@ def profile(
     InputError
         Where the contact is not one of the series.
     """
-    from .resolve.analysis import profile_columns, radius_under
-
     exactly_one("profile", a=a, load=load)
     solution = solution_of(solved, None)
     ranged = range_of(solution, stress, length)
@@ -470,8 +468,6 @@ def pull_off(
     InputError
         Where contact is not lost within the series, or the force is none of this body.
     """
-    from .resolve.analysis import where_lost
-
     exactly_one("pull_off", w=w, load=load)
     if load is not None or uncertain:
         if not is_offered("work of one pull-off"):
@@ -483,8 +479,7 @@ def pull_off(
         if len(devices) > 1:
             raise InputError(f"stiffness: a measured load has one, got {len(devices)}")
         under, pairs = (devices or [LOAD_CONTROL])[0], texts_of(uncertain or {})
-        found: Result = offered("work of one pull-off")(solution, abs(load), under, rest, slopes, modulus_factor, pairs)
-        return found
+        return offered("work of one pull-off")(solution, abs(load), under, rest, slopes, modulus_factor, pairs)
     ranged = range_of(solution, stress, length)
     works: list[Any] = [w]
     curve, lost = where_lost(solution, works, devices, slopes, modulus_factor, ranged)[0]

@@ -210,10 +210,9 @@ def call(arguments: Sequence[str] | None = None) -> int:
         click.echo(error.format_message())
         return 0
     except click.ClickException as error:
-        if isinstance(error, click.NoSuchOption) and error.ctx is not None:
-            verb = error.ctx.info_name
-            if lacking := absent(f"{verb} {error.option_name}"):
-                return _fail([f"{verb}: {error.option_name} {lacking}"], 2)
+        verb, option = getattr(getattr(error, "ctx", None), "info_name", ""), getattr(error, "option_name", "")
+        if lacking := absent(f"{verb} {option}"):
+            return _fail([f"{verb}: {option} {lacking}"], 2)
         message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
         message = re.sub(r"\. Did you mean (.*)\?$", r", did you mean \1?", message)
         if isinstance(error, click.UsageError) and error.ctx is not None:

@@ -252,6 +252,5 @@ def explore(
     result = analyse(solution, works or (1.0,), slopes)[0]
     if not works:
         result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
-    text = page(payload(result, curves, slopes))
-    write_text(target, text)
+    write_text(target, page(payload(result, curves, slopes)))
     give(Explored(file, target, result.w, len(result.curve.series), len(curves), sum(map(len, curves))), output.json)

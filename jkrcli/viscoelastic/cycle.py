@@ -242,7 +242,6 @@ def cycle(
         return followed(asked, rates, rest, compare_rate) if adhering else cycled(asked, rates)
 
     asked = Asked(solution, works, stiffness, points, how, ranged, rates.to_load, rates.to_depth, rates.program)
-    zone = "" if rates.stress is None else f"-stress{rates.stress:g}"
-    turn = rates.suffix(stiffness)
+    turn, zone = rates.suffix(stiffness), "" if rates.stress is None else f"-stress{rates.stress:g}"
     ends = name_suffix(w_approach, w_retract, stiffness, turn, rest, ranged, zone, how.modulus_factor)
     write_cycle(file, ends, known, asked, limits, output, one, partial(cycled, asked, rates))

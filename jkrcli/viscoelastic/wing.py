@@ -3,18 +3,12 @@
 from ..base.wings import Verb, Wing
 
 CYCLE = "Force curve of an approach-retract cycle, over time too."
-OPTIONS = {
-    "cycle": (
-        "--rate", "--rate-advance", "--speed", "--speed-approach", "--hold", "--dwell", "--dwell-time",
-        "--compare-rate",
-    ),
-    "fit": ("--law", "--relaxation", "--terms"),
-}  # fmt: skip
+OF_CYCLE = "--rate --rate-advance --speed --speed-approach --hold --dwell --dwell-time --compare-rate"
 FUNCTIONS = ("LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify_law", "identify_relaxation")
 WING = Wing(
     "viscoelastic",
     verbs={"cycle": Verb("More of an adhesive curve", "", CYCLE, "viscoelastic.cycle", of_core=True)},
-    options=OPTIONS,
+    options={"cycle": tuple(OF_CYCLE.split()), "fit": ("--law", "--relaxation", "--terms")},
     functions=dict.fromkeys(FUNCTIONS, "viscoelastic.functions"),
     uses=("contact over time",),
     offers={

@@ -10,9 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, wait
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -158,29 +156,45 @@ def _runs(pid: int) -> bool:
         return False
 
 
-def test_work_is_given_up_in_silence_however_the_threads_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+GIVEN_UP = """
+import threading
+import time
+from concurrent.futures import ProcessPoolExecutor, wait
+
+from jkrcli.base import executors
+
+shutdown, failures, first = ProcessPoolExecutor.shutdown, [], iter([wait])
+
+
+def late(pool, *arguments, **named):
+    time.sleep(0.3)
+    shutdown(pool, *arguments, **named)
+
+
+def interrupted(*arguments, **named):
+    for turn in first:
+        return turn(*arguments, **named)
+    time.sleep(0.1)  # until two tasks are in work and others wait for them
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    ProcessPoolExecutor.shutdown, threading.excepthook = late, failures.append
+    executors.wait_for, executors.POOL_AHEAD = interrupted, 4  # more than Python itself sends to its processes
+    try:
+        with executors.executor(2) as pool:
+            list(executors.completed(pool, time.sleep, [0.0] + [10.0] * 40, "naps"))
+    except KeyboardInterrupt:
+        print("given up", failures)
+"""
+
+
+def test_work_is_given_up_in_silence_however_the_threads_take_turns(tmp_path: Path) -> None:
     """Processes that end before their pool is told so are a broken pool, which reports to every task."""
-    shutdown, failures = ProcessPoolExecutor.shutdown, list[object]()
-
-    def late(pool: ProcessPoolExecutor, *arguments: bool, **named: bool) -> None:
-        time.sleep(0.3)
-        shutdown(pool, *arguments, **named)
-
-    monkeypatch.setattr(ProcessPoolExecutor, "shutdown", late)
-    monkeypatch.setattr(threading, "excepthook", failures.append)
-    monkeypatch.setattr("jkrcli.base.executors.POOL_AHEAD", 4)  # more than Python itself sends to its processes
-    first = iter([wait])
-
-    def interrupted(*arguments: Any, **named: Any) -> Any:
-        for turn in first:
-            return turn(*arguments, **named)
-        time.sleep(0.1)  # until two tasks are in work and others wait for them
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("jkrcli.base.executors.wait_for", interrupted)
-    with pytest.raises(KeyboardInterrupt), executor(2) as pool:
-        list(completed(pool, time.sleep, [0.0] + [10.0] * 40, "naps"))
-    assert not failures
+    script = tmp_path / "given_up.py"
+    script.write_text(GIVEN_UP)
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=DEADLINE, check=True)
+    assert (done.stdout, done.stderr) == ("given up []\n", "")
 
 
 def test_progress_is_told_of_every_item_and_of_failures() -> None:

@@ -82,6 +82,7 @@ from .methods.layered.solver import Layered
 from .methods.protocol import METHODS, Limits, Method
 from .report.check import Check
 from .report.forward import (
+    AskedCycle,
     Compared,
     Cycled,
     CycledByProgram,
@@ -91,8 +92,8 @@ from .report.forward import (
     traced_histories,
 )
 from .report.result import PICTURES, Figure
-from .resolve.analysis import Analysis, analyse, profile_columns, radius_under, where_lost, with_solved_points
-from .resolve.histories import checked_histories, curves_from_rest, lost_by_history, rest_of
+from .resolve.analysis import Analysis, analyse, profile_columns, radius_under, where_lost
+from .resolve.histories import checked_histories, lost_by_history, rest_of
 from .series import Solution
 
 __all__ = [
@@ -322,26 +323,14 @@ def cycle(
         Where the contact leaves the series.
     """
 
-    solution, k = solution_of(solved, None), stiffness
+    solution = solution_of(solved, None)
     Course(to_load=to_load, to_depth=to_depth, tabulated=program).refuse_idle()
     works = (w if w_approach is None else w_approach, w)
     ranged = range_of(solution, stress, length)
     ranged.refuse_two(*works)
-    turn = to_load, to_depth
-
-    def cycled(history: LoadingHistory | None) -> Cycled | CycledByProgram:
-        if history is not None and history.rest is not None:
-            pulled = curves_from_rest(solution, works, history, slopes, modulus_factor, k)
-            return Cycled.from_rest(solution.record.path, *pulled, k, history=history.words)
-        share, words = (1.0, "") if history is None else (history.moduli, history.words)
-        pair = analyse(solution, works, slopes, modulus_factor * share, ranged)
-        curves = [with_solved_points(curve, k) for curve in pair]
-        if program is not None:
-            return CycledByProgram.of(curves, k, program)
-        return Cycled.of(curves, k, *turn, history=words)
-
+    asked = AskedCycle(solution, works, stiffness, ranged, slopes, modulus_factor, to_load, to_depth, program)
     rest = rest_of(rest_load, rest_depth)
-    return in_limits(solution, cycled, rest, *turn, program is None and not ranged)
+    return in_limits(solution, asked.quasi_static, rest, to_load, to_depth, program is None and not ranged)
 
 
 def in_limits(

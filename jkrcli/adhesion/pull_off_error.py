@@ -74,6 +74,7 @@ def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float)
     return {name: max(error, float(least)) for (name, error), least in zip(own.items(), off, strict=True)}
 
 
+@lru_cache(maxsize=4)  # warnings ask twice for what the result states
 def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """The same by the series alone."""
     if curve.w == 0:

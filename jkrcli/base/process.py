@@ -35,9 +35,18 @@ def begin() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, PTH123 - to the end
     if not sys.argv[0].endswith("__main__.py"):  # of python -m, which may find this package in the folder at hand
         os.environ["PYTHONSAFEPATH"] = "1"  # processes that are started here take no modules from there either
-    gc.set_threshold(*RARELY)
+    os.environ["PYDANTIC_DISABLE_PLUGINS"] = "1"  # cases are read by its own rules, and no package is searched for more
+    gc.disable()  # until the verb is loaded: what modules hold stays
     atexit.register(gc.freeze)  # else all is searched for cycles once more at the end: a quarter of a command's time
     _begun.append(True)
+
+
+def loaded() -> None:
+    """Modules are loaded: what they hold is not searched for cycles, in the program, which is from now on."""
+    if runs():
+        gc.freeze()
+        gc.set_threshold(*RARELY)
+        gc.enable()
 
 
 def runs() -> bool:

@@ -142,6 +142,7 @@ class Verbs(LateGroup):
     def made(self, name: str) -> click.Command:
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
         command: click.Command = getattr(importlib.import_module(f"jkrcli.{MODULES[name]}"), attribute)
+        process.loaded()
         return command
 
     def unknown(self, name: str) -> str:

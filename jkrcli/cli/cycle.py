@@ -15,11 +15,10 @@ from ..base.files import together
 from ..base.registry import Result
 from ..base.wings import absent
 from ..methods.protocol import Limits
-from ..report.forward import Cycled, CycledByProgram, CycledInLimits, traced_histories
+from ..report.forward import AskedCycle, CycledInLimits, traced_histories
 from ..report.result import PICTURES, Output
-from ..resolve.analysis import analyse, with_solved_points
 from ..resolve.foreign import read_program as rows_of_program
-from ..resolve.histories import curves_from_rest, rest_of
+from ..resolve.histories import rest_of
 from ..series import Solution
 from ..tables import rows_of_text
 from . import inputs, options
@@ -78,9 +77,9 @@ rest_options = options.several(
 )  # fmt: skip
 
 
-def read_program(path: Path, stiffness: float) -> Program:
-    """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
-    return Program(*rows_of_program(path, "load" if stiffness == LOAD_CONTROL else "length"))
+def read_program(path: Path | None, stiffness: float) -> Program | None:
+    """What the table at ``path`` says that a device of ``stiffness`` [N/m] does, where there is one."""
+    return None if path is None else Program(*rows_of_program(path, "load" if stiffness == LOAD_CONTROL else "length"))
 
 
 def works_of(solution: Solution, approach: float | None, retraction: float | None) -> tuple[float, float]:
@@ -120,40 +119,8 @@ def name_suffix(
     return "".join(parts if factor == 1 else [*parts, f"-modulus{factor:g}"])
 
 
-@dataclass(frozen=True)
-class Asked:
-    """A cycle on a ``solution`` that a verb was asked for, with the ``works`` of adhesion [J/m^2] on approach and
-    retraction, by a device of a ``stiffness`` [N/m] that turns at a load [N] or depth [m] or follows a table."""
-
-    solution: Solution
-    works: tuple[float, float]
-    stiffness: float
-    points: int
-    how: options.CurveOptions
-    ranged: RangeRequest
-    to_load: float | None = None
-    to_depth: float | None = None
-    program: Path | None = None
-
-    def quasi_static(self, history: LoadingHistory | None = None) -> Result:
-        """The trace; of a viscoelastic specimen at the moduli after a loading ``history``."""
-        share, words = (1.0, "") if history is None else (history.moduli, history.words)
-        factor = self.how.modulus_factor * share
-        curves = [with_solved_points(curve, self.stiffness)
-                  for curve in analyse(self.solution, self.works, self.how.slopes, factor, self.ranged)]  # fmt: skip
-        if self.program is not None:
-            return CycledByProgram.of(curves, self.stiffness, read_program(self.program, self.stiffness), self.points)
-        return Cycled.of(curves, self.stiffness, self.to_load, self.to_depth, self.points, words)
-
-    def from_rest(self, history: LoadingHistory) -> Result:
-        """The trace of a viscoelastic specimen that is pulled at once from where it was at rest."""
-        how, solution = self.how, self.solution
-        curves = curves_from_rest(solution, self.works, history, how.slopes, how.modulus_factor, self.stiffness)
-        return Cycled.from_rest(solution.record.path, *curves, self.stiffness, self.points, history.words)
-
-
 def write_cycle(
-    file: Path, ends: str, known: tuple[LoadingHistory, ...], asked: Asked, limits: Limits, output: Output,
+    file: Path, ends: str, known: tuple[LoadingHistory, ...], asked: AskedCycle, limits: Limits, output: Output,
     one: Callable[[], Result], after: Callable[[LoadingHistory], Result],
 ) -> None:  # fmt: skip
     """Compute and write what was ``asked``, the ``one`` cycle or those ``after`` each history that is ``known``."""
@@ -164,7 +131,7 @@ def write_cycle(
     inputs.begin_curves("cycle", [asked.solution], [asked.works], limits, [asked.ranged])
 
     def cycled(history: LoadingHistory) -> Result:
-        return after(history) if history.rest is None else asked.from_rest(history)
+        return after(history) if history.rest is None else asked.quasi_static(history)
 
     result = CycledInLimits.of(file, known, cycled) if known else one()
     cycles = [each for _, each in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
@@ -209,6 +176,9 @@ def cycle(
     if rest is not None and not relaxes:
         raise InputError(NO_REST)
     known = traced_histories(solution, rest, turn.to_load, turn.to_depth, not ranged) if relaxes else ()
-    asked = Asked(solution, works, stiffness, points, how, ranged, turn.to_load, turn.to_depth, turn.program)
+    asked = AskedCycle(
+        solution, works, stiffness, ranged, how.slopes, how.modulus_factor, turn.to_load, turn.to_depth,
+        read_program(turn.program, stiffness), points,
+    )  # fmt: skip
     ends = name_suffix(w_approach, w_retract, stiffness, turn.suffix(), rest, ranged, factor=how.modulus_factor)
     write_cycle(file, ends, known, asked, limits, output, asked.quasi_static, asked.quasi_static)

@@ -13,6 +13,7 @@ import numpy as np
 from ..adhesion import device_path
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, control
 from ..adhesion.device_path import Jump, Program, cycle, trace
+from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory, Rest
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, faces, strain_words, yield_warning
@@ -22,8 +23,8 @@ from ..base.numerics import LEVEL, ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import show
 from ..bodies.problem import relaxing
-from ..resolve.analysis import Analysis, Lost
-from ..resolve.histories import LostByHistory, checked_histories, strains_after
+from ..resolve.analysis import Analysis, Lost, analyse, with_solved_points
+from ..resolve.histories import LostByHistory, checked_histories, curves_from_rest, strains_after
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
 from .result import Figure, Several
@@ -682,6 +683,37 @@ class CycledInLimits(Several):
     @property
     def warnings(self) -> list[str]:
         return list(dict.fromkeys(line for _, result in self.limits.values() for line in result.warnings))
+
+
+@dataclass(frozen=True)
+class AskedCycle:
+    """A cycle asked for on a ``solution``, with the ``works`` of adhesion [J/m^2] on approach and retraction, by a
+    device of a ``stiffness`` [N/m] that turns at a load [N] or depth [m], or follows a ``program``."""
+
+    solution: Solution
+    works: tuple[float, float]
+    stiffness: float
+    ranged: RangeRequest
+    slopes: str = "auto"
+    modulus_factor: float = 1.0
+    to_load: float | None = None
+    to_depth: float | None = None
+    program: Program | None = None
+    points: int = ROWS
+
+    def quasi_static(self, history: LoadingHistory | None = None) -> Cycled | CycledByProgram:
+        """The trace; of a viscoelastic specimen at the moduli after a loading ``history``, at once where it rested."""
+        share, words = (1.0, "") if history is None else (history.moduli, history.words)
+        if history is not None and history.rest is not None:
+            pulled = curves_from_rest(
+                self.solution, self.works, history, self.slopes, self.modulus_factor, self.stiffness
+            )
+            return Cycled.from_rest(self.solution.record.path, *pulled, self.stiffness, self.points, words)
+        analysed = analyse(self.solution, self.works, self.slopes, self.modulus_factor * share, self.ranged)
+        curves = [with_solved_points(curve, self.stiffness) for curve in analysed]
+        if self.program is not None:
+            return CycledByProgram.of(curves, self.stiffness, self.program, self.points)
+        return Cycled.of(curves, self.stiffness, self.to_load, self.to_depth, self.points, words)
 
 
 def traced_histories(

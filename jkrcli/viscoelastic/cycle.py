@@ -18,7 +18,6 @@ from ..cli.cycle import (
     PROGRAM,
     TO_DEPTH,
     TO_LOAD,
-    Asked,
     begin_program,
     end_options,
     name_suffix,
@@ -30,7 +29,7 @@ from ..cli.cycle import (
 )
 from ..cli.options import flag, typed
 from ..methods.protocol import Limits
-from ..report.forward import traced_histories
+from ..report.forward import AskedCycle, traced_histories
 from ..report.result import Output
 from ..resolve.analysis import analyse, nonadhesive, with_solved_points
 from ..resolve.histories import rest_of
@@ -99,9 +98,7 @@ class RateOptions:
 
     def program_of(self, contact: RateContact | RelaxingContact | RelaxingAdhesion) -> Program:
         """What the device does, of the table or of the speeds."""
-        if self.program is not None:
-            return read_program(self.program, contact.stiffness)
-        return self._course.program(contact, flag)
+        return read_program(self.program, contact.stiffness) or self._course.program(contact, flag)
 
     def pulled(self, x: float, stiffness: float) -> Program:
         """What the device does from rest at its position ``x`` on: back at once, to a dwell where there is one."""
@@ -139,16 +136,16 @@ class RateOptions:
 rate_options = options.as_one("rates", RateOptions)
 
 
-def cycled(asked: Asked, rates: RateOptions, history: LoadingHistory | None = None) -> Result:
+def cycled(asked: AskedCycle, rates: RateOptions, history: LoadingHistory | None = None) -> Result:
     """The cycle without adhesion on a body that relaxes; else with a w that depends on the speed of the edge where the
     ``rates`` say so, of a viscoelastic specimen at the moduli after a loading ``history``, or quasi-static."""
-    law, stiffness, how = asked.solution.problem.specimen.relaxation, asked.stiffness, asked.how
+    law, stiffness = asked.solution.problem.specimen.relaxation, asked.stiffness
     if law is not None and history is None:
         if rates.rate is not None:
             raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
         if rates.speed is None and rates.program is None:
             raise InputError('cycle: viscoelastic specimen: give the motion, --speed "10 um/s" or --program TABLE')
-        body = nonadhesive(asked.solution, how.slopes).scaled(how.modulus_factor)
+        body = nonadhesive(asked.solution, asked.slopes).scaled(asked.modulus_factor)
         relaxing = RelaxingContact(body, law, stiffness)
         return CycledRelaxing.of(relaxing, rates.program_of(relaxing), asked.solution.record.path, asked.points)
     if rates.rate is None:
@@ -156,17 +153,17 @@ def cycled(asked: Asked, rates: RateOptions, history: LoadingHistory | None = No
     share, words = (1.0, "") if history is None else (history.moduli, history.words)
     outwards_law = rate_law_of(rates.rate, "--rate")
     advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
-    result = analyse(asked.solution, asked.works[1:], how.slopes, how.modulus_factor * share, asked.ranged)[0]
+    result = analyse(asked.solution, asked.works[1:], asked.slopes, asked.modulus_factor * share, asked.ranged)[0]
     outwards = with_solved_points(result, stiffness)
     contact = RateContact(outwards.jkr.nonadhesive, outwards_law, *asked.works[::-1], stiffness, advance)
     program = rates.program_of(contact)
     return CycledAtSpeed.of(contact, program, outwards, stress=rates.stress, points=asked.points, history=words)
 
 
-def followed(asked: Asked, rates: RateOptions, rest: Rest | None, compare_rate: bool) -> Result:
+def followed(asked: AskedCycle, rates: RateOptions, rest: Rest | None, compare_rate: bool) -> Result:
     """Adhesion of a viscoelastic specimen over time, from ``rest`` on where there is one, with its limits."""
     solution, w, ranged, stiffness = asked.solution, asked.works[1], asked.ranged, asked.stiffness
-    law, slopes, factor = solution.problem.specimen.relaxation, asked.how.slopes, asked.how.modulus_factor
+    law, slopes, factor = solution.problem.specimen.relaxation, asked.slopes, asked.modulus_factor
     assert law is not None
     contact = RelaxingAdhesion.of(solution.scaled(factor), ranged.law(w), law, stiffness)
     if rest is None:
@@ -241,7 +238,10 @@ def cycle(
     def one() -> Result:
         return followed(asked, rates, rest, compare_rate) if adhering else cycled(asked, rates)
 
-    asked = Asked(solution, works, stiffness, points, how, ranged, rates.to_load, rates.to_depth, rates.program)
+    asked = AskedCycle(
+        solution, works, stiffness, ranged, how.slopes, how.modulus_factor, rates.to_load, rates.to_depth,
+        read_program(rates.program, stiffness), points,
+    )  # fmt: skip
     turn, zone = rates.suffix(stiffness), "" if rates.stress is None else f"-stress{rates.stress:g}"
     ends = name_suffix(w_approach, w_retract, stiffness, turn, rest, ranged, zone, how.modulus_factor)
     write_cycle(file, ends, known, asked, limits, output, one, partial(cycled, asked, rates))

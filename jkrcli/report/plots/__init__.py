@@ -98,6 +98,7 @@ with without_tables():
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
     from matplotlib.transforms import ScaledTranslation
 
+process.loaded()
 DPI = 300  # choice: of PNG files
 STYLE = dict(mpl.rc_params_from_file(Path(__file__).with_name("jkr.mplstyle"), use_default_template=False))
 Box: TypeAlias = tuple[float, float, float, float]  # left, bottom, width, height, of the axes

@@ -655,6 +655,7 @@ FULL_HALVES = 2  # choice: bisections between the largest amount that the data l
 # were left one, of Tabor numbers 0.15 to 1, the most was 3.5; the same to first order in the loads, where of 260
 # that were left one the most was 5.1
 FULL_EXCLUDED = 6.0
+FULL_LONGER = 6.0  # choice: of chi^2, odds of 1 to 20, of a range longer than is likely
 FULL_ABOUT = 0.5  # choice: standard errors, by which what a range does to a fit may be off
 FULL_FALLING = 2.0  # choice: of the step to come, by which chi^2 may still fall
 FULL_STILL = 0.02  # choice: standard errors, below which a step is the last one
@@ -870,42 +871,48 @@ def _by_chance(record: FittedRecord, taken: float) -> bool:
 def _of_amounts(tried: _Amounts, score: Score) -> Flow[Score]:
     """The score with the largest moves at those amounts ``tried`` that the data leave, where they leave none, at
     smaller ones; it is detected where one takes enough of the misfit. Those beyond the interval count by the chord to
-    it, as moves may grow steeply there."""
+    it, as moves may grow steeply there; longer ranges than are likely count where the data outweigh
+    their odds."""
     within, least = score.quantile**2, min(tried.moves)
+    likely = score.known if score.name == RANGE.name else math.inf
+    longer = math.inf if tried.near.record.known.told else FULL_LONGER
+
+    def possible() -> dict[float, Moves]:
+        return {amount: moves for amount, moves in tried.left.items()
+                if amount <= likely or moves[0] + longer < within}  # fmt: skip
+
     for _ in range(MOST_STEPS):
-        if any(moves[0] < within for moves in tried.left.values()):
+        if any(moves[0] < within for moves in possible().values()):
             break
         moves = tried.moves[least]  # chi^2 rises with the square of the amount
         yield from tried.at(least := least * (0.5 if moves is None else math.sqrt(FULL_CLOSE * within / moves[0])))
     else:
         return score
-    end = max(amount for amount, moves in tried.left.items() if moves[0] < within)
-    beyond = min((amount for amount in tried.moves if amount > end), default=0.0)
+    end = max(amount for amount, moves in possible().items() if moves[0] < within)
+    most = likely if end <= likely else math.inf
+    beyond = min((amount for amount in tried.moves if end < amount <= most), default=0.0)
     for _ in range(FULL_HALVES * (beyond > 0)):
         if tried.left[end][0] > FULL_NEARLY * within:
             break
         middle = math.sqrt(end * beyond)
         moves = yield from tried.at(middle)
         end, beyond = (end, middle) if moves is None or moves[0] > within else (middle, beyond)
-    possible, record = tried.left, tried.near.record
-    best = min(possible, key=lambda amount: possible[amount][0])
-    taken = -possible[best][0]
+    left, record = tried.left, tried.near.record
+    best = min(left, key=lambda amount: left[amount][0])
+    taken = -left[best][0]
     chance = chance_of(record.fit, taken)
     if _by_chance(record, taken):
-        return replace(_moving(score, best, possible[best][1:]), amount=best, word=DETECTED, chance=chance, taken=taken)
+        return replace(_moving(score, best, left[best][1:]), amount=best, word=DETECTED, chance=chance, taken=taken)
     chords = [min(1.0, score.quantile / math.sqrt(max(moves[0], TINY))) * np.abs(moves[1:])
-              for moves in possible.values()]  # fmt: skip
+              for moves in possible().values()]  # fmt: skip
     moving = _moving(score, end, np.max(chords, axis=0).tolist())
     return replace(moving, amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
 
 
 def _ranges(record: FittedRecord, score: Score) -> list[float]:
-    """Amounts of ranges to try, from the longest that there may be down to the one that is likely before the data."""
-    longest, deep = record.known.range, record.neck
-    known = [longest] * (FULL_RANGES[-1] * deep < longest < ADHESION_ENDLESS * deep)
-    ranges = [*known, *(r * deep for r in (ADHESION_ENDLESS, *FULL_RANGES) if r * deep < longest)]
-    amounts = [amount_of_range(record, z0) for z0 in ranges]
-    return [*amounts, *[score.known] * (score.known < min(amounts, default=math.inf))]
+    """Amounts of ranges to try: endless ones, that no short one is detected for, and the longest that is likely."""
+    ranges = (ADHESION_ENDLESS, *FULL_RANGES)
+    return [*(amount_of_range(record, times * record.neck) for times in ranges), score.known]
 
 
 def _moves(near: Linearised, x: Array) -> tuple[float, float]:

@@ -66,6 +66,7 @@ from .force_curve import (
     receding,
 )
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
+from .settings import LONGEST_RANGE
 
 # --------------------------------------------------------------------------------------------------
 # An alternative model in full: the model of a raw record with an amount of what it leaves out as one more unknown, or
@@ -405,12 +406,13 @@ def changed_offs(asked: Sequence[tuple[ChangedModel, Array, float]]) -> list[Arr
 
 @dataclass(frozen=True)
 class Known:
-    """What the user knows before the data: the longest ``range`` of adhesion [m], inf where nothing is, and the largest
-    surface ``tension`` [N/m], 0 where nothing is; and the ``level`` of intervals."""
+    """What is known before the data: the longest ``range`` of adhesion [m] that is likely, or possible where ``told``
+    by the user, and the largest surface ``tension`` [N/m], 0 where nothing is; and the ``level`` of intervals."""
 
-    range: float = math.inf
+    range: float = LONGEST_RANGE
     tension: float = 0.0
     level: float = LEVEL
+    told: bool = False
 
     @cached_property
     def quantile(self) -> float:
@@ -680,7 +682,6 @@ def log_ratio(other: Family, family: Family) -> Array:
 # With r = sqrt(w/s) the contact has delta = D - r T and P = s (H - r V): a change of w is one of the logs of T and V.
 
 # Which ranges and laws of w are searched.
-ADHESION_LONGEST = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
 # choice: Tabor numbers, to begin with: chi^2 has two valleys over the range, the longer one about a factor 1.4 wide
 ADHESION_TABOR = (3.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06, 0.03)
 ADHESION_ENDLESS = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
@@ -807,9 +808,8 @@ def finite_range(record: FittedRecord) -> Perturbation | None:
 
 
 def likely_range(record: FittedRecord) -> float:
-    """The amount of the longest range that is known, or usual."""
-    longest = record.known.range if math.isfinite(record.known.range) else ADHESION_LONGEST
-    return amount_of_range(record, longest) if record.work else 0.0
+    """The amount of the longest range that is known, or likely."""
+    return amount_of_range(record, record.known.range) if record.work else 0.0
 
 
 def amount_of_range(record: FittedRecord, z0: float) -> float:

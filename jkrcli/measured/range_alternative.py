@@ -94,7 +94,7 @@ def range_alternative_of(
     rungs = _climbed(
         lengths, partial(_rung, minimum, variance=variance, limit=limit, loss=settings.loss), values, limit
     )
-    return _judged(rungs, minimum, limit)
+    return _judged(rungs, minimum, limit, settings.longest_range)
 
 
 def _climbed(
@@ -181,22 +181,26 @@ def _works(values: Mapping[str, float]) -> list[float]:
     return [values[name] for name in WORKS if name in values]
 
 
-def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeAlternative:
+def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float, likely: float) -> RangeAlternative:
     """The alternative by its ``rungs``, by increasing length: those within the ``limit`` of the best are possible, and
-    between the longest of them and the next the root of the excess is a straight line."""
+    between the longest of them and the next the root of the excess is a straight line. Moves count up to the longest
+    range that is ``likely`` [m]."""
     best, i = min(rungs, key=lambda rung: rung.excess), _last_possible(rungs, limit)
-    last, possible = rungs[i], [rung for rung in rungs if rung.excess - best.excess <= limit]
-    most, moves = last.length, {key: max(abs(rung.moves[key]) for rung in possible) for key in last.moves}
+    possible = [rung for rung in rungs if rung.excess - best.excess <= limit]
+    # A short range counts by its square, as the work within the annulus does.
+    squares, moves = [rung.length**2 for rung in possible], [[*rung.moves.values()] for rung in possible]
     if i + 1 < len(rungs):
-        beyond = rungs[i + 1]
+        last, beyond = rungs[i : i + 2]
         low, high = (math.sqrt(rung.excess - best.excess) for rung in (last, beyond))
         part = (math.sqrt(limit) - low) / (high - low) if math.isfinite(high) else 0.0
-        # A short range counts by its square, as the work within the annulus does.
-        most = math.sqrt(last.length**2 + part * (beyond.length**2 - last.length**2))
-        ends = {key: abs(move + part * (beyond.moves[key] - move)) for key, move in last.moves.items()}
-        moves = {key: max(move, ends[key]) for key, move in moves.items()}
+        squares.append(last.length**2 + part * (beyond.length**2 - last.length**2))
+        end = (move + part * (beyond.moves[key] - move) for key, move in last.moves.items())
+        moves.append([*end])
+    within = np.minimum(squares, likely**2)
+    largest = [float(np.abs(np.interp(within, squares, column)).max()) for column in np.transpose(moves)]
     n = minimum.distances.residuals.size - minimum.least.x.size
-    return RangeAlternative(best.length, most, moves, float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0))))
+    chance = float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0)))
+    return RangeAlternative(best.length, math.sqrt(squares[-1]), dict(zip(best.moves, largest, strict=True)), chance)
 
 
 # --------------------------------------------------------------------------------------------------

@@ -264,7 +264,8 @@ VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten 
 def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fit]:
     """The result with its verdict: that of a ``fit`` of all directions of the record."""
     settings = result.settings
-    record = FittedRecord(body, fit, Known(settings.range_at_most, settings.tension_at_most, settings.level))
+    told = math.isfinite(settings.range_at_most)
+    record = FittedRecord(body, fit, Known(settings.longest_range, settings.tension_at_most, settings.level, told))
     scores = yield from ask(alternatives_of_records, record)
     alternatives = yield from bounds(record, scores)
     new = {name: sentence for name, sentence in _flags(alternatives, fit) if name not in result.flags}

@@ -37,6 +37,8 @@ TENSION = "surface_tension"  # a bound of what is left out
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
 CALIBRATED = ("stiffness", "sensitivity")  # of a device, relative: what its loads are made from
 USUALLY_FREE = ("modulus", "w", "delta0")
+LONGEST_RANGE = 10e-9  # choice: [m], of adhesion, that is likely; of molecules in dry contact 1 nm, of hairs more
+LEFT_OUT = ("range", TENSION)  # of adhesion and of the solid, where JKR is fitted: known up to a largest value
 BETWEEN = ".."  # the ends of bounds
 
 
@@ -58,7 +60,8 @@ class Settings:
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
     ``model`` of a raw record: "auto" fits the best alternatives in full where the data favour one.
     ``named``: the parameters that the user frees or fixes. ``range_at_most`` [m]: what is known of the range of
-    adhesion where JKR is fitted; ``tension_at_most`` [N/m]: of a surface tension that is left out.
+    adhesion where JKR is fitted, else ``LONGEST_RANGE`` is likely; ``tension_at_most`` [N/m]: of a surface tension that
+    is left out.
     """
 
     parameters: tuple[Parameter, ...]
@@ -113,6 +116,11 @@ class Settings:
     def positions(self) -> tuple[str, ...]:
         """The errors of positions that there are, free or known."""
         return tuple(name for name in POSITIONS if self.parameter(name) is not None)
+
+    @property
+    def longest_range(self) -> float:
+        """The longest range of adhesion [m] that is known to be possible, or likely."""
+        return self.range_at_most if math.isfinite(self.range_at_most) else LONGEST_RANGE
 
     def of_a_cycle(self, both: bool) -> Settings:
         """The same of a way back, whose radius at the turn is free too, or of ``both`` directions with w of the
@@ -196,7 +204,9 @@ def settings_of(
     Free are the common modulus, w and delta0, but for those that ``fix`` names, and what ``free`` adds. Where that is
     a quantity of a layer, the common modulus stays as in the case unless it is named too.
     """
-    bounded = texts_of(bound)
+    inputs = texts_of(uncertain)
+    bounded = [*texts_of(bound), *((name, BETWEEN + text) for name, text in inputs if name in LEFT_OUT)]
+    inputs = [pair for pair in inputs if pair[0] not in LEFT_OUT]
     for text in (text for name, text in bounded if name == TENSION):
         options["tension_at_most"] = _largest_tension(body, text)
     bounded = [pair for pair in bounded if pair[0] != TENSION]
@@ -228,7 +238,7 @@ def settings_of(
     if not set(RANGES) & {parameter.name for parameter in parameters}:
         parameters += [Parameter(name, False, value) for name, value in of_case.items()]
     settings = Settings(tuple(parameters), **options)
-    return replace(settings, uncertain=_uncertain(body, texts_of(uncertain), settings)) if uncertain else settings
+    return replace(settings, uncertain=_uncertain(body, inputs, settings)) if inputs else settings
 
 
 def _uncertain(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: Settings) -> dict[str, float]:

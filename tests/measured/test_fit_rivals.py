@@ -37,6 +37,7 @@ from jkrcli.measured.procedure import OF_STRAINS, fit
 from jkrcli.measured.range_alternative import ALTERNATIVES, RANGE, AddedTerm
 from jkrcli.measured.result import Fit
 from jkrcli.measured.rows import Readings
+from jkrcli.measured.settings import settings_of
 from jkrcli.methods.closed_form import ClosedForm
 
 SEEDS = [5, pytest.param(100, marks=pytest.mark.slow)]
@@ -191,13 +192,14 @@ def test_parts_of_what_follows_are_those_of_the_moduli() -> None:
         assert E_star.model[name] / E_star.value == pytest.approx(part / factor.value, rel=1e-12)
 
 
-def test_a_range_known_to_be_short_leaves_less_open() -> None:
-    curve = sphere(200, 0.01, 3)
-    open_, known = (fit(half_space(), curve, usual(range_at_most=most)) for most in (math.inf, 10e-9))
-    assert open_.range_left > 1e-6
-    assert known.range_left == 10e-9
-    assert open_.estimate("w").model[RANGE] > 0.1 * W
-    assert known.estimate("w").model[RANGE] < 1e-4 * W  # Tabor number 46
+def test_a_range_counts_up_to_the_longest_that_is_likely() -> None:
+    curve, body = sphere(200, 0.01, 3), half_space()
+    usually = fit(body, curve, usual())
+    ten, long = (fit(body, curve, settings_of(body, uncertain={"range": most})) for most in ("10 nm", "1 um"))
+    assert usually.range_left > 1e-6  # which the data leave
+    assert ten.range_left == 10e-9
+    assert max(one.estimate("w").model[RANGE] for one in (usually, ten)) < 1e-4 * W  # Tabor number 46
+    assert long.estimate("w").model[RANGE] > 0.03 * W
 
 
 def test_rungs_are_near_the_fits_with_their_range() -> None:

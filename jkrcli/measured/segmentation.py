@@ -85,9 +85,11 @@ RECORD_BLOCK = 1 / 200  # tuned on records, by `make constants`: rows averaged i
 # choice: the part of a direction that is free if anything is; of the whole way, least of both ways that make two
 # directions of one segment
 RECORD_FAR = 0.1
-RECORD_INSIDE = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
+RECORD_INSIDE = (0.5, 0.8)  # tuned on records, by `make constants`: of the free part found before, what surely is
 RECORD_SIGMAS = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
 RECORD_LEAST = 0.005  # choice: of the range of the load, below which no departure counts
+# choice: of the range of the load next to the free part, below which no row leaves its line; a pull-off may be 0.002
+RECORD_BENT = 0.001
 RECORD_WHOLE = 0.1  # theory: off whole numbers, of steps between levels; a few that are none are so by chance
 RECORD_RUN = 3  # tuned on records, by `make constants`: blocks in succession that must agree
 # choice: of all rows, the range of the load, or the way: what is no direction, no jump, no motion, no place of
@@ -649,8 +651,8 @@ def _ends_of_free_parts(x: Array, y: Array, rows: Array) -> Array:
     x, y = _blocks(x, size), _blocks(y, size)
     blocks = np.arange(x.shape[1] + RECORD_RUN - 1)
     last = np.minimum(blocks, rows[:, None] // size - 1)  # which may alone be in contact: it goes on
-    for _ in range(2):
-        sure = np.maximum(np.rint(RECORD_INSIDE * ends).astype(int), 5)
+    for share in RECORD_INSIDE:
+        sure = np.maximum(np.rint(share * ends).astype(int), 5)
         X, Y, XX, XY = (_over_first(np.add, column, starts, sure) for column in products)
         way = XX - X * X / sure
         tilt = np.where(way > 0, XY - X * Y / sure, 0.0) / np.where(way > 0, way, 1.0)
@@ -660,9 +662,10 @@ def _ends_of_free_parts(x: Array, y: Array, rows: Array) -> Array:
         scatter = np.maximum(np.sqrt(slow), rough)
         seen = np.minimum(2 * ends, rows)
         highest, lowest = (_over_first(extreme, loads, starts, seen) for extreme in (np.maximum, np.minimum))
-        least = RECORD_LEAST * (highest - lowest)
+        least = RECORD_BENT * (highest - lowest)
         away = np.abs(off) > np.maximum(RECORD_SIGMAS * scatter, least)[:, None]
         away &= (inside > 0)[:, None]
+        away[:, 1:-1] |= away[:, :-2] & away[:, 2:]  # where a tension passes through the line to a load
         runs = in_succession(np.take_along_axis(away, last, axis=1))
         ends = np.where(runs.any(axis=1), np.maximum(np.argmax(runs, axis=1) * size, 5), rows)
     return ends
@@ -779,7 +782,7 @@ def _are_curved(x: Array, y: Array, rows: Array, ends: Array) -> Array:
     """Whether the first ``ends`` rows (B,) go on smoothly in as many more: one polynomial through all of them leaves
     much less than the line through what surely would be free. Contact begins with a kink or a jump, which none
     follows."""
-    sure = np.rint(RECORD_INSIDE * ends).astype(int)
+    sure = np.rint(RECORD_INSIDE[-1] * ends).astype(int)
     curved = (sure >= 2 * (RECORD_SMOOTH + 1)) & (2 * ends <= rows)
     if curved.any():
         x, y, sure, ends = x[curved], y[curved], sure[curved], ends[curved]
@@ -838,6 +841,8 @@ def _jumps(
     first = jumps[0] if jumps else off.size
     within = {row for row in rises if row >= first and min(tension(row + width), tension(row)) > 1}
     others = [row for row in falls if tension(row + width) < RECORD_HALF] + [row for row in rises if row not in within]
+    least = RECORD_SMALL * float(np.ptp(off))
+    others = [row for row in others if abs(float(off[row + width] - off[row])) > least]
     return _runs(sorted([*jumps, *within]), width), _runs(sorted(others), width)
 
 
@@ -897,7 +902,8 @@ def _sudden(off: Array, rows: Array, bases: Sequence[BaseLine]) -> tuple[list[li
     width = _jump_width(int(rows[0]))
     step = off[:, width:] - off[:, :-width]
     least = np.array([[max(RECORD_SIGMAS * math.sqrt(2) * one.noise, ROUNDED * abs(one.offset))] for one in bases])
-    least = np.maximum(least, RECORD_SMALL * np.ptp(off, axis=1, keepdims=True))
+    weak = np.minimum(RECORD_SMALL * np.ptp(off, axis=1), -RECORD_FAR * off.min(axis=1))  # a weak pull-off jumps, too
+    least = np.maximum(least, weak[:, None])
     # The median of the steps over `width` rows just before each of them, and just after: none is above, or below, as
     # many of all steps as of its own window.
     n, last = FEWEST_ROWS, rows[:, None] - width - 1

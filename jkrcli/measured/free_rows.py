@@ -2,8 +2,9 @@
 
 A tether or a second weak contact holds the device at a level tension after pull-off, and lets go at once: a step of
 the load between free rows, which is found by its edges. Charge, a double layer or a van der Waals tail draw the device
-in before contact: A f(gap/range), by f = exp(-x) or (1 + x)^-2, is A throughout contact. Both are taken off the load
-before anything else is read from it; how well they are known a fit finds out with loads that are a little different.
+in before contact: A f(gap/range), by f = exp(-x) or (1 + x)^-2, is A throughout contact, or 0 where it is adhesion's
+own and ends at touch. Both are taken off the load before anything else is read from it; how well they are known, and
+which of them there are, a fit finds out with loads that are a little different.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ import numpy as np
 from ..base.numerics import HALF_WIDTH, Array, median
 from ..base.units import show
 from .lockstep import Flow, ask
+
+STAYS = {True: "stays in contact", False: "ends at touch"}
 
 # When a step of the free rows is one.
 FREE_FEWEST = 40  # choice: free rows, below which no more than a line is seen in them
@@ -90,18 +93,26 @@ class Level:
 
 @dataclass(frozen=True)
 class Attraction:
-    """An attraction of ``size`` [N] at contact, with its standard ``error``, over a ``range`` [m] by a ``law``."""
+    """An attraction of ``size`` [N] at contact, with its standard ``error``, over a ``range`` [m] by a ``law``, that
+    ``stays`` in contact, or ends at touch."""
 
     size: float
     error: float
     range: float
     law: str
+    stays: bool = True
 
     @property
     def words(self) -> str:
         what = "an attraction" if self.size < 0 else "a repulsion"
         size = f"{show(abs(self.size), 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)}"
-        return f"{what} before contact of {size} at contact, {self.law} over a range of {show(self.range, 'length', 3)}"
+        reach = f"{self.law} over a range of {show(self.range, 'length', 3)}"
+        return f"{what} before contact of {size} at contact, {reach}, that {STAYS[self.stays]}"
+
+    @property
+    def brief(self) -> str:
+        """What it is beside another one."""
+        return f"{self.law}, {STAYS[self.stays]}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,23 +145,29 @@ class FreeRows:
     @property
     def straight(self) -> FreeRows:
         """The same without an attraction."""
-        if self.bent is None:
+        if self.bent is None or self.attraction is None:
             return self
-        return replace(self, attraction=None, taken=self.taken - self.bent.over_rows(self.bent.best), bent=None)
+        taken = self.taken - self.bent.over_rows(self.bent.best, self.attraction.stays)
+        return replace(self, attraction=None, taken=taken, bent=None)
 
     @property
     def by_other_law(self) -> FreeRows:
         """The same by the other law of attraction."""
         return self._by(lambda bent: bent.other.best)
 
-    def _by(self, bend_of: Callable[[Bent], _Bend]) -> FreeRows:
-        if self.bent is None:
+    @property
+    def ending(self) -> FreeRows:
+        """The same with an attraction that ends at touch."""
+        return self._by(lambda bent: bent.best, stays=False)
+
+    def _by(self, bend_of: Callable[[Bent], _Bend], stays: bool | None = None) -> FreeRows:
+        if self.bent is None or self.attraction is None:
             return self
-        bend = bend_of(self.bent)
+        bend, stays = bend_of(self.bent), self.attraction.stays if stays is None else stays
         bent = self.bent if bend.law == self.bent.best.law else self.bent.other
-        found = Attraction(bend.sizes[0], bent.error, bend.range, bend.law)
-        change = bent.over_rows(bend) - self.bent.over_rows(self.bent.best)
-        return replace(self, attraction=found, taken=self.taken + change, bent=replace(bent, best=bend))
+        found = Attraction(bend.sizes[0], bent.error, bend.range, bend.law, stays)
+        taken = self.straight.taken + bent.over_rows(bend, stays)
+        return replace(self, attraction=found, taken=taken, bent=replace(bent, best=bend))
 
 
 def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRows | None]:
@@ -326,13 +343,13 @@ class Bent:
             return replace(best, sizes=tuple(A + larger for A in best.sizes))
         return _bend(self.blocks, best.law, best.at, self.way, self.stiffness, False, best.sizes[0] + larger)
 
-    def over_rows(self, bend: _Bend) -> Array:
-        """The attraction [N] at all rows of the record: that at contact where a row is not free."""
+    def over_rows(self, bend: _Bend, stays: bool = True) -> Array:
+        """The attraction [N] at all rows of the record: that at contact, or none, where a row is not free."""
         taken = np.zeros(self.size)
         for side, A in zip(self.sides, bend.sizes, strict=True):
             gaps = _gaps(side.x, bend.at, A, bend.range, bend.law, self.stiffness)
             taken[side.rows] = A * LAWS[bend.law](gaps / bend.range)
-            taken[side.contact] = A
+            taken[side.contact] = A * stays
         return taken
 
 

@@ -42,6 +42,7 @@ from .kinds_records import KINDS, Made, clean, identities
 
 FAR = 3.0  # half-widths beyond which an answer without a flag is silently wrong
 CLEAN, MORE = "clean, wide", 10  # the kind that is judged as clean, as many for each of another kind unless told
+RIGHT = (CLEAN, "clean")  # kinds without dirt, where a flag accuses
 STRAINS = "large strains"  # a part of the model that depends on the depth, not on what is in a record
 ASKED = ("E_star", "w", "w_approach")
 LONGEST = 400  # characters shown of what a fit says
@@ -75,12 +76,13 @@ class Told:
 
 @dataclass(frozen=True)
 class Answer:
-    """What came of a record: ``status`` "fitted", "flagged" or "refused", all that was said in ``words``, what was
-    ``told`` of each quantity that was asked for, those ``missing``, CPU ``seconds``."""
+    """What came of a record, ``about`` which: ``status`` "fitted", "flagged" or "refused", all that was said in
+    ``words``, what was ``told`` of each quantity that was asked for, those ``missing``, CPU ``seconds``."""
 
     status: str
     words: str
     seconds: float
+    about: str = ""
     told: Mapping[str, Told] = field(default_factory=dict)
     missing: tuple[str, ...] = ()
 
@@ -119,7 +121,7 @@ def judged(made: Made, file: Path) -> Answer:
         found = fit(held, curve, settings_of(held, **options))
     except JkrError as error:
         lines = error.lines if isinstance(error, InputError) else (str(error),)
-        return Answer("refused", " ".join(lines), time.process_time() - begin)
+        return Answer("refused", " ".join(lines), time.process_time() - begin, made.at.words)
     seconds = time.process_time() - begin
     told, estimates = dict[str, Told](), {item.name: item for item in found.estimates}
     for name, truth in made.truth.items():
@@ -130,7 +132,7 @@ def judged(made: Made, file: Path) -> Answer:
             told[name] = Told(item.value, (item.high - item.low) / 2, math.hypot(*parts.values()), varied, truth)
     words = " | ".join([*found.flags, *found.warnings, *found.held])
     missing = tuple(name for name in made.truth if name not in told)
-    return Answer("flagged" if found.flags else "fitted", words, seconds, told, missing)
+    return Answer("flagged" if found.flags else "fitted", words, seconds, made.at.words, told, missing)
 
 
 def answer(kind: str, seed: int, i: int) -> Answer:
@@ -143,13 +145,15 @@ def answer(kind: str, seed: int, i: int) -> Answer:
 # What is printed.
 
 
-def inside(answers: list[Answer], name: str) -> list[bool]:
-    """Tell of each answer that states a quantity whether the truth is within its half-width."""
-    return [one.told[name].off <= 1 for one in answers if name in one.told]
+def inside(answers: list[Answer], name: str, alone: bool = False) -> list[bool]:
+    """Tell of each answer that states a quantity whether the truth is within its half-width; ``alone``: without the
+    model's part."""
+    told = [one.told[name] for one in answers if name in one.told]
+    return [(abs(one.value - one.truth) <= one.half) if alone else one.off <= 1 for one in told]
 
 
-def coverage(answers: list[Answer]) -> str:
-    shares = {name: inside(answers, name) for name in ASKED}
+def coverage(answers: list[Answer], alone: bool = False) -> str:
+    shares = {name: inside(answers, name, alone) for name in ASKED}
     return " ".join(f"{name} {f'{sum(held)}/{len(held)}' if held else '-':<7}" for name, held in shares.items())
 
 
@@ -166,15 +170,15 @@ def line(kind: str, answers: list[Answer]) -> str:
             f"{parts[0]} w {parts[1]}; {np.mean([one.seconds for one in answers]):.2f} s")  # fmt: skip
 
 
-def remarks(answers: list[Answer]) -> list[str]:
-    """Describe each record that is silent, has a quantity outside, or is refused."""
+def remarks(answers: list[Answer], right: bool = False) -> list[str]:
+    """Describe each record that is silent, has a quantity outside, or is refused, of ``right`` ones with a flag too."""
     lines = []
     for i, one in enumerate(answers):
         outside = any(told.off > 1 for told in one.told.values())
-        if one.silent or outside or one.status == "refused":
+        if one.silent or outside or one.status == "refused" or (right and one.status == "flagged"):
             what = "SILENT" if one.silent else f"{one.status}{', outside' * outside}"
             told = "; ".join(f"{name} {item}" for name, item in one.told.items())
-            lines.append(f"    {i} {what}: {told}: {one.words[:LONGEST]}")
+            lines.append(f"    {i} {what}: {told}; {one.about}: {one.words[:LONGEST]}")
     return lines
 
 
@@ -188,7 +192,9 @@ def totals(found: Mapping[str, list[Answer]]) -> list[str]:
             silent = sum(one.silent for one in answers)
             lines.append(f"{title}: {len(answers)} records, inside {coverage(answers)}; silent {silent}")
             fitted = [one for one in answers if one.status == "fitted"]
-            lines.append(f"    fitted: {len(fitted)}, inside {coverage(fitted)}")
+            lines.append(
+                f"    fitted: {len(fitted)}, inside {coverage(fitted)}; by the interval alone {coverage(fitted, True)}"
+            )
     lowest = []
     for name in ASKED:
         shares = {kind: float(np.mean(inside(several, name))) for kind, several in dirty.items()
@@ -196,7 +202,7 @@ def totals(found: Mapping[str, list[Answer]]) -> list[str]:
         if shares:
             kind = min(shares, key=lambda one: shares[one])
             lowest.append(f"{name} {shares[kind]:.0%} of {kind}")
-    accused = [one.status != "fitted" for kind in (CLEAN, "clean") for one in found.get(kind, [])]
+    accused = [one.status != "fitted" for kind in RIGHT for one in found.get(kind, [])]
     lines += [f"lowest: {', '.join(lowest)}"] if lowest else []
     lines += [f"accused: {sum(accused)} of {len(accused)} clean ones"] if accused else []
     answers = [one for several in found.values() for one in several]
@@ -259,7 +265,7 @@ def main() -> None:
         for kind, futures in waiting.items():
             found[kind] = [one.result() for one in futures]
             lines = [line(kind, found[kind])] if found[kind] else []
-            print("\n".join([*lines, *(remarks(found[kind]) if asked.verbose else [])]), flush=True)
+            print("\n".join([*lines, *(remarks(found[kind], kind in RIGHT) if asked.verbose else [])]), flush=True)
     print("\n".join(totals(found)))
 
 

@@ -166,6 +166,16 @@ class Setup:
         return float(self.contact.adhesive(self.E, self.w_in)[1][-1])
 
     @property
+    def words(self) -> str:
+        """What is drawn, in a line."""
+        tip, body = "sphere" if self.contact.tip.sphere else "paraboloid", "half-space"
+        if self.contact.h is not None:
+            body = f"layer of nu {self.contact.nu:g}, a/h to {self.contact.largest / self.contact.h:.2g}"
+        ratio = self.E * float(self.contact.functions[2][-1]) / self.k
+        return (f"{tip} on {body}: pull-off {self.force / self.top:.2g} of load, contact {ratio:.2g} times as stiff "
+                f"as lever, noise {self.noise / self.force:.2g} of the pull-off, {self.rows} rows")  # fmt: skip
+
+    @property
     def truth(self) -> dict[str, float]:
         return {"E_star": self.E, "w": self.w, "w_approach": self.w_in}
 

@@ -41,7 +41,7 @@ def test_fits_of_clean_records_hold_the_truth(kind: str) -> None:
 
 def test_an_answer_far_off_without_a_flag_is_silent() -> None:
     told = {"w": Told(1.0, 0.05, 0.05, 0.02, 0.6)}
-    found = {kind: [Answer(status, "", 1.0, told)] for kind, status in ((CLEAN, "fitted"), ("drag", "flagged"))}
+    found = {kind: [Answer(status, "", 1.0, "", told)] for kind, status in ((CLEAN, "fitted"), ("drag", "flagged"))}
     assert [one.silent for answers in found.values() for one in answers] == [True, False]
     assert "SILENT" in remarks(found[CLEAN])[0]
     assert "silent 1; model part E*      - w  2.00%" in line(CLEAN, found[CLEAN])

@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -41,13 +42,14 @@ FREE_COARSE = math.log(FREE_RANGES[1] / FREE_RANGES[0])  # theory: of logs, the 
 FREE_FINER = 4  # choice: rounds of finer ranges, each by a third
 FREE_ROUNDS = 3  # theory: of the deflection by the attraction, which converges by the ratio of stiffnesses each
 FREE_LOOKED_AT = np.geomspace(0.03, 0.3, 5)  # choice: those that are looked at before, at contact and at the far end
-FREE_MIRRORED = 4.0  # choice: fall of chi^2 by a bend at contact over that by one at the far end, which is colour
+FREE_SLOWEST = 0.5  # choice: of the rows, range of a drift that decays; of a slower one no more than a parabola is seen
 FREE_APART = 36.0  # theory: fall of chi^2, six standard errors, by an amount for each direction
 FREE_TELLS = 0.2  # choice: of the noise of a row, the least attraction at contact
 FREE_DESCRIBED = 2.5  # choice: of chi^2 of the blocks per degree of freedom, that a law leaves at most
 FREE_SHALLOWEST = 0.05  # choice: rise of chi^2 by a standard error at a given range, below which it is no parabola
 
 LAWS: dict[str, Callable[[Array], Array]] = {"exponential": lambda x: np.exp(-x), "power": lambda x: (1 + x) ** -2.0}
+VIRTUAL, DECAY = "virtual deflection", "decaying drift"  # a parabola over the positions; exp(-row/range) from the first
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +96,8 @@ class Level:
 @dataclass(frozen=True)
 class Attraction:
     """An attraction of ``size`` [N] at contact, with its standard ``error``, over a ``range`` [m] by a ``law``, that
-    ``stays`` in contact, or ends at touch."""
+    ``stays`` in contact, or ends at touch; or what bends the base line of all rows: a virtual deflection of ``size``
+    over the free way, or a drift that decays over ``range`` rows."""
 
     size: float
     error: float
@@ -106,13 +109,17 @@ class Attraction:
     def words(self) -> str:
         what = "an attraction" if self.size < 0 else "a repulsion"
         size = f"{show(abs(self.size), 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)}"
+        if self.law == VIRTUAL:
+            return f"a {VIRTUAL} that bends the base line by {size} over the free way"
+        if self.law == DECAY:
+            return f"a {DECAY} of the load, {size} at first, by a factor e over {self.range:.3g} rows"
         reach = f"{self.law} over a range of {show(self.range, 'length', 3)}"
         return f"{what} before contact of {size} at contact, {reach}, that {STAYS[self.stays]}"
 
     @property
     def brief(self) -> str:
         """What it is beside another one."""
-        return f"{self.law}, {STAYS[self.stays]}"
+        return f"{self.law}, {STAYS[self.stays]}" if self.law in LAWS else self.law
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +147,7 @@ class FreeRows:
 
     def stronger(self, step: float) -> FreeRows:
         """The same with an attraction so many standard errors larger, its range as the free rows have it then."""
-        return self if step == 0 else self._by(lambda bent: bent.at(step))
+        return self if step == 0 or self.bent is None else self._by(self.bent.at(step), self)
 
     @property
     def straight(self) -> FreeRows:
@@ -151,23 +158,20 @@ class FreeRows:
         return replace(self, attraction=None, taken=taken, bent=None)
 
     @property
-    def by_other_law(self) -> FreeRows:
-        """The same by the other law of attraction."""
-        return self._by(lambda bent: bent.other.best)
+    def by_laws(self) -> list[FreeRows]:
+        """The same by all laws, its own first, and by those of an attraction that ends at touch."""
+        laws = [self, *(replace(self, bent=one)._by(one.best, self) for one in (self.bent.laws if self.bent else ()))]
+        ends = [one._by(one.bent.best, one, stays=False) for one in laws if one.bent and one.bent.best.law in LAWS]
+        return [*laws, *ends]
 
-    @property
-    def ending(self) -> FreeRows:
-        """The same with an attraction that ends at touch."""
-        return self._by(lambda bent: bent.best, stays=False)
-
-    def _by(self, bend_of: Callable[[Bent], _Bend], stays: bool | None = None) -> FreeRows:
-        if self.bent is None or self.attraction is None:
+    def _by(self, bend: _Bend, before: FreeRows, stays: bool | None = None) -> FreeRows:
+        """The same with a ``bend`` of its own law in place of what was taken off ``before``."""
+        if self.bent is None or before.attraction is None:
             return self
-        bend, stays = bend_of(self.bent), self.attraction.stays if stays is None else stays
-        bent = self.bent if bend.law == self.bent.best.law else self.bent.other
-        found = Attraction(bend.sizes[0], bent.error, bend.range, bend.law, stays)
-        taken = self.straight.taken + bent.over_rows(bend, stays)
-        return replace(self, attraction=found, taken=taken, bent=replace(bent, best=bend))
+        stays = before.attraction.stays if stays is None else stays
+        found = Attraction(bend.sizes[0], self.bent.error, bend.range, bend.law, stays)
+        taken = before.straight.taken + self.bent.over_rows(bend, stays)
+        return replace(self, attraction=found, taken=taken, bent=replace(self.bent, best=bend))
 
 
 def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRows | None]:
@@ -301,7 +305,10 @@ def _edge(y: Array, noise: float) -> int | None:
     return first + near[int(np.argmin(left))]
 
 
-# ---------------------------------------------------------------------- attraction
+# ---------------------------------------------------------------------- attraction, virtual deflection, drift
+Block: TypeAlias = tuple[Array, Array, float, Array]  # positions, loads, standard deviation, numbers of rows
+
+
 @dataclass(frozen=True, eq=False)
 class _Bend:
     """A bend towards contact at ``at`` [m] of blocks of all sides: its ``cost`` chi^2 on so many ``dof``, the ``sizes``
@@ -323,18 +330,13 @@ class Bent:
     by other laws."""
 
     sides: tuple[Side, ...]
-    blocks: tuple[tuple[Array, Array, float], ...]
+    blocks: tuple[Block, ...]
     best: _Bend
     error: float
     way: float
     stiffness: float
     size: int
     laws: tuple[Bent, ...] = ()
-
-    @property
-    def other(self) -> Bent:
-        """The nearest by another law."""
-        return replace(self.laws[0], laws=(self,))
 
     def at(self, step: float) -> _Bend:
         """The bend whose size is so many standard errors larger."""
@@ -347,15 +349,15 @@ class Bent:
         """The attraction [N] at all rows of the record: that at contact, or none, where a row is not free."""
         taken = np.zeros(self.size)
         for side, A in zip(self.sides, bend.sizes, strict=True):
-            gaps = _gaps(side.x, bend.at, A, bend.range, bend.law, self.stiffness)
-            taken[side.rows] = A * LAWS[bend.law](gaps / bend.range)
-            taken[side.contact] = A * stays
+            taken[side.rows] = A * _shape(bend, side.x, side.rows, A, self.way, self.stiffness)
+            inside = 1.0 if bend.law in LAWS else _shape(bend, side.deep, side.contact, A, self.way, self.stiffness)
+            taken[side.contact] = A * stays * inside
         return taken
 
 
 def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Flow[Bent | None]:
-    """The attraction before contact; None where the free rows bend no more at contact than elsewhere, or as no law
-    does."""
+    """What bends the base lines: an attraction, where the free rows bend at contact and not elsewhere; a virtual
+    deflection or a drift, where they bend at all; None where none of these describes them."""
     usable = tuple(side for side in sides if side.y.size >= FREE_FEWEST and side.noise > 0)
     if not usable or all(side.kind != "approach" for side in usable):
         return None
@@ -363,27 +365,32 @@ def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Flow[Bent | Non
     at = next(float(side.x[-1]) for side in usable if side.kind == "approach")
     way = max(float(np.ptp(side.x)) for side in usable)
     noise = max(side.noise for side in usable)
-    fall, mirrored = yield from ask(_falls, (blocks, at, way))
-    if fall < max(FREE_SIGMAS**2, FREE_MIRRORED * mirrored):
+    fall, mirrored = yield from ask(_falls, ([block[:3] for block in blocks], at, way))
+    if max(fall, mirrored) < FREE_SIGMAS**2:
         return None
-    # Rows next to contact may belong to it, or to a slow jump: an attraction is seen without them, too.
-    beyond = [(x < at - FREE_RANGES[0] * way, x, y, noise) for x, y, noise in blocks]
-    apart_from_contact = [(x[far], y[far], noise) for far, x, y, noise in beyond if far.any()]
-    if not apart_from_contact or (yield from ask(_falls, (apart_from_contact, at, way)))[0] < FREE_SIGMAS**2:
+    fit = partial(_bend, blocks, at=at, way=way, stiffness=stiffness)
+    straight = fit(VIRTUAL, own=False, held=0.0)
+    bends = list[_Bend]()
+    if fall >= FREE_SIGMAS**2:
+        bends = [fit(law, own=False) for law in LAWS]
+        least = min(one.cost for one in bends)
+        apart = [fit(law, own=True) for law in LAWS] if len(blocks) > 1 else bends
+        if least - min(one.cost for one in apart) > max(least / bends[0].dof, 1.0) * FREE_APART:
+            bends = apart
+    bends += [fit(law, own=False) for law in (VIRTUAL, DECAY)]
+    bends = [one for one in bends if _describes(one, straight) and abs(one.sizes[0]) >= FREE_TELLS * noise]
+    if not bends:
         return None
-    bends = [_bend(blocks, law, at, way, stiffness, False) for law in LAWS]
-    least = min(one.cost for one in bends)
-    colour = max(least / bends[0].dof, 1.0)
-    if len(blocks) > 1:
-        apart = [_bend(blocks, law, at, way, stiffness, True) for law in LAWS]
-        if least - min(one.cost for one in apart) > colour * FREE_APART:
-            bends, least = apart, min(one.cost for one in apart)
-            colour = max(least / apart[0].dof, 1.0)
     bends.sort(key=lambda one: one.cost)
-    if fall < colour * FREE_SIGMAS**2 or abs(bends[0].sizes[0]) < FREE_TELLS * noise or colour > FREE_DESCRIBED:
-        return None
+    colour = max(bends[0].cost / bends[0].dof, 1.0)
     laws = [_with_error(Bent(usable, blocks, one, one.error, way, stiffness, size), colour) for one in bends]
     return replace(laws[0], laws=tuple(laws[1:]))
+
+
+def _describes(bend: _Bend, straight: _Bend) -> bool:
+    """Whether what a ``bend`` leaves is noise, and beside it what lines leave, ``straight``, is not."""
+    colour = max(bend.cost / bend.dof, 1.0)
+    return straight.cost - bend.cost >= colour * FREE_SIGMAS**2 and colour <= FREE_DESCRIBED
 
 
 def _with_error(bent: Bent, colour: float) -> Bent:
@@ -393,18 +400,22 @@ def _with_error(bent: Bent, colour: float) -> Bent:
     return replace(bent, error=bent.error / math.sqrt(min(rise, 1.0)))
 
 
-def _blocked(side: Side) -> tuple[Array, Array, float]:
-    """Positions and loads of blocks of rows and the standard deviation of a block, by the differences of neighbours."""
+def _blocked(side: Side) -> Block:
+    """Positions and loads of blocks of rows, the standard deviation of a block, by the differences of neighbours, and
+    the numbers of their rows in the record."""
     size = max(1, side.y.size // FREE_BLOCKS)
-    x, y = (np.einsum("ij->i", v[v.size % size :].reshape(-1, size)) / size for v in (side.x, side.y))
-    return x, y, max(row_noise(y), side.noise / math.sqrt(size))
+    x, y, rows = (
+        np.einsum("ij->i", v[v.size % size :].reshape(-1, size)) / size
+        for v in (side.x, side.y, side.rows.astype(float))
+    )
+    return x, y, max(row_noise(y), side.noise / math.sqrt(size)), rows
 
 
-def _lines(blocks: Sequence[tuple[Array, Array, float]], bends: Sequence[Array] | None, own: bool = False) -> Array:
+def _lines(blocks: Sequence[Block], bends: Sequence[Array] | None, own: bool = False) -> Array:
     """Columns of a line for each side and of a bend, common or of each side."""
     ends = np.cumsum([0, *(block[0].size for block in blocks)])
     columns = []
-    for i, (x, _, _) in enumerate(blocks):
+    for i, (x, _, _, _) in enumerate(blocks):
         for values in (np.ones_like(x), (x - x[-1]) / (float(np.ptp(x)) or 1.0)):
             columns.append(np.zeros(ends[-1]))
             columns[-1][ends[i] : ends[i + 1]] = values
@@ -418,8 +429,7 @@ def _lines(blocks: Sequence[tuple[Array, Array, float]], bends: Sequence[Array] 
 
 
 def _bend(
-    blocks: Sequence[tuple[Array, Array, float]], law: str, at: float, way: float, stiffness: float, own: bool,
-    held: float | None = None,
+    blocks: Sequence[Block], law: str, at: float, way: float, stiffness: float, own: bool, held: float | None = None,
 ) -> _Bend:  # fmt: skip
     """The bend by a ``law`` of the range that leaves least; ``own``: of another size for each side; ``held``: its
     size [N], where that is known."""
@@ -428,12 +438,9 @@ def _bend(
 
     def of(reach: float) -> _Bend:
         """The bend of a range [m], whose gaps follow from its size."""
-        size = np.zeros(len(blocks))
-        for _ in range(FREE_ROUNDS):
-            bends = [
-                LAWS[law](_gaps(block[0], at, A, reach, law, stiffness) / reach)
-                for block, A in zip(blocks, size, strict=True)
-            ]
+        size, unit = np.zeros(len(blocks)), _Bend(0.0, 1, reach, law, at, (), 0.0)
+        for _ in range(FREE_ROUNDS if law in LAWS else 1):
+            bends = [_shape(unit, block[0], block[3], A, way, stiffness) for block, A in zip(blocks, size, strict=True)]
             scaled = _lines(blocks, bends, own) / noise[:, None]
             if held is None:
                 values = np.linalg.lstsq(scaled, y / noise, rcond=None)[0]
@@ -447,11 +454,24 @@ def _bend(
         dof = max(y.size - scaled.shape[1] - 1, 1)
         return _Bend(float(off @ off), dof, reach, law, at, tuple(map(float, size)), error)
 
-    best, step = min((of(share * way) for share in FREE_RANGES), key=lambda one: one.cost), FREE_COARSE
+    if law == VIRTUAL:
+        return of(way)
+    rows = max(float(block[3].max()) for block in blocks)
+    ranges = way * FREE_RANGES if law in LAWS else rows * FREE_RANGES[FREE_RANGES < FREE_SLOWEST]
+    best, step = min(map(of, ranges.tolist()), key=lambda one: one.cost), FREE_COARSE
     for _ in range(FREE_FINER):
         step /= 3
         best = min([best, *(of(best.range * math.exp(i * step)) for i in (-2, -1, 1, 2))], key=lambda one: one.cost)
     return best
+
+
+def _shape(bend: _Bend, x: Array, rows: Array, size: float, way: float, stiffness: float) -> Array:
+    """The load over its ``size`` [N] at positions ``x`` [m] and numbers of ``rows``."""
+    if bend.law == VIRTUAL:
+        return ((x - bend.at) / way) ** 2
+    if bend.law == DECAY:
+        return np.exp(-rows / bend.range)
+    return LAWS[bend.law](_gaps(x, bend.at, size, bend.range, bend.law, stiffness) / bend.range)
 
 
 def _gaps(x: Array, at: float, size: float, reach: float, law: str, stiffness: float) -> Array:

@@ -22,7 +22,7 @@ from ..base.executors import Pool
 from ..base.units import show
 from .force_curve import ForceCurveFit
 from .forward_model import FittedBody
-from .free_rows import FreeRows
+from .free_rows import LAWS, FreeRows
 from .least_squares import t_quantile, wider
 from .lockstep import Flow
 from .record import fit_record, outcome_of, whole_fit
@@ -76,7 +76,9 @@ class Hypothesis:
         """What tells it from an ``other`` one."""
         mine, theirs = self.held.attraction, other.held.attraction
         if mine is None or theirs is None:
-            return "an attraction before contact"
+            return "a bend of the base line"
+        if {mine.law, theirs.law} - LAWS.keys():
+            return "what bends the base line"
         return "the law of the attraction" if mine.stays == theirs.stays else "the attraction in contact"
 
     @property
@@ -166,8 +168,8 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
 def _hypotheses(record: ForceCurve, held: FreeRows, of: Callable[[ForceCurve], Outcome]) -> list[Hypothesis]:
     """What the free rows may hold, the likeliest first: an attraction that stays in contact, one that ends at touch, by
     either law, or none; JkrError where no curve fits with any. Contact tells the size of one that stays."""
-    laws, found, reasons = (held, held.by_other_law), list[Hypothesis](), list[JkrError]()
-    for each in (*laws, *(law.ending for law in laws), held.straight):
+    found, reasons = list[Hypothesis](), list[JkrError]()
+    for each in (*held.by_laws, held.straight):
         try:
             found.append(Hypothesis.of(record, each, of))
         except JkrError as error:

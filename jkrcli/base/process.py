@@ -36,7 +36,7 @@ def begin() -> None:
     if not sys.argv[0].endswith("__main__.py"):  # of python -m, which may find this package in the folder at hand
         os.environ["PYTHONSAFEPATH"] = "1"  # processes that are started here take no modules from there either
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "1"  # cases are read by its own rules, and no package is searched for more
-    gc.disable()  # until the verb is loaded: what modules hold stays
+    gc.set_threshold(0)  # never, until the verb is loaded: what modules hold stays
     atexit.register(gc.freeze)  # else all is searched for cycles once more at the end: a quarter of a command's time
     _begun.append(True)
 
@@ -46,7 +46,6 @@ def loaded() -> None:
     if runs():
         gc.freeze()
         gc.set_threshold(*RARELY)
-        gc.enable()
 
 
 def runs() -> bool:

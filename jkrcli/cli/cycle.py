@@ -130,10 +130,7 @@ def write_cycle(
     targets = [output.files(each, (".csv", *PICTURES), [file]) for each in named]
     inputs.begin_curves("cycle", [asked.solution], [asked.works], limits, [asked.ranged])
 
-    def cycled(history: LoadingHistory) -> Result:
-        return after(history) if history.rest is None else asked.quasi_static(history)
-
-    result = CycledInLimits.of(file, known, cycled) if known else one()
+    result = CycledInLimits.of(file, known, after) if known else one()
     cycles = [each for _, each in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
     with together():
         for each, files in zip(cycles, targets, strict=True):
@@ -176,9 +173,7 @@ def cycle(
     if rest is not None and not relaxes:
         raise InputError(NO_REST)
     known = traced_histories(solution, rest, turn.to_load, turn.to_depth, not ranged) if relaxes else ()
-    asked = AskedCycle(
-        solution, works, stiffness, ranged, how.slopes, how.modulus_factor, turn.to_load, turn.to_depth,
-        read_program(turn.program, stiffness), points,
-    )  # fmt: skip
+    program, ways = read_program(turn.program, stiffness), (how.slopes, how.modulus_factor)
+    asked = AskedCycle(solution, works, stiffness, ranged, *ways, turn.to_load, turn.to_depth, program, points)
     ends = name_suffix(w_approach, w_retract, stiffness, turn.suffix(), rest, ranged, factor=how.modulus_factor)
     write_cycle(file, ends, known, asked, limits, output, asked.quasi_static, asked.quasi_static)

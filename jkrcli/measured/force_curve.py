@@ -258,6 +258,24 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     )  # fmt: skip
 
 
+def unbroken(record: ForceCurve, model: ForceCurveModel) -> ForceCurveModel:
+    """The ``model`` of all rows of its directions of a record, within jumps too, in contact where the model says so;
+    without a base line as it is."""
+    parts = list[DirectionReadings]()
+    for part in model.stretches:
+        side = record.direction(part.kind)
+        if side is None or not side.begins_free:
+            parts.append(part)
+            continue
+        rows = np.arange(side.segment.first, side.segment.last + 1)[:: 1 if part.kind == APPROACH else -1]
+        rows = rows[~np.isin(rows, record.ignored)]
+        z, P = record.curve.device[rows], record.curve.load[rows]
+        P = P if part.wave is None else P + part.wave(z)
+        free = np.zeros(rows.size, dtype=bool)
+        parts.append(replace(part, rows=rows, z=z, P=P, touching=free, jumped=False, t=free.astype(float)))
+    return replace(model, stretches=tuple(parts))
+
+
 def _base_and_contact(side: Direction, z: Array, P: Array) -> tuple[BaseLine, float, Array, Array]:
     """Base line of a direction, its largest tension [N], masks of the rows in contact and of those to keep; no row is
     surely in contact without a jump at first touch. Without a base line the load is that over 0."""

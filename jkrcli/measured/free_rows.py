@@ -36,6 +36,7 @@ FREE_EVEN_LEVEL = 0.5  # theory: of a step of a converter, by which neighbours d
 FREE_RESTS = 0.7  # theory: share of equal neighbours; noise of half a step, which rounding averages over, leaves half
 FREE_CODES = 1.5  # theory: steps of a converter, above which a level is none of them
 # When a bend towards contact is an attraction.
+FREE_BENDS = 16.0  # choice: fall of chi^2, four standard errors, from which on what bends is a hypothesis
 FREE_BLOCKS = 150  # choice: means of rows that a bend is looked for in
 FREE_RANGES = np.geomspace(0.02, 4.0, 22)  # choice: of the free way, ranges tried
 FREE_COARSE = math.log(FREE_RANGES[1] / FREE_RANGES[0])  # theory: of logs, the distance of two of them
@@ -365,13 +366,18 @@ def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Flow[Bent | Non
     at = next(float(side.x[-1]) for side in usable if side.kind == "approach")
     way = max(float(np.ptp(side.x)) for side in usable)
     noise = max(side.noise for side in usable)
-    fall, mirrored = yield from ask(_falls, ([block[:3] for block in blocks], at, way))
-    if max(fall, mirrored) < FREE_SIGMAS**2:
+    near, far = yield from ask(_falls, ([block[:3] for block in blocks], at, way))
+    if max(near, far) < FREE_BENDS:
+        return None
+    # Rows next to contact may belong to it, or to a slow jump: what bends is seen without them, too.
+    beyond = [(x < at - FREE_RANGES[0] * way, x, y) for x, y, _, _ in blocks]
+    apart_from_contact = [(x[some], y[some], noise) for some, x, y in beyond if some.any()]
+    if not apart_from_contact or max((yield from ask(_falls, (apart_from_contact, at, way)))) < FREE_BENDS:
         return None
     fit = partial(_bend, blocks, at=at, way=way, stiffness=stiffness)
     straight = fit(VIRTUAL, own=False, held=0.0)
     bends = list[_Bend]()
-    if fall >= FREE_SIGMAS**2:
+    if near >= FREE_BENDS:
         bends = [fit(law, own=False) for law in LAWS]
         least = min(one.cost for one in bends)
         apart = [fit(law, own=True) for law in LAWS] if len(blocks) > 1 else bends
@@ -390,7 +396,7 @@ def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Flow[Bent | Non
 def _describes(bend: _Bend, straight: _Bend) -> bool:
     """Whether what a ``bend`` leaves is noise, and beside it what lines leave, ``straight``, is not."""
     colour = max(bend.cost / bend.dof, 1.0)
-    return straight.cost - bend.cost >= colour * FREE_SIGMAS**2 and colour <= FREE_DESCRIBED
+    return straight.cost - bend.cost >= colour * FREE_BENDS and colour <= FREE_DESCRIBED
 
 
 def _with_error(bent: Bent, colour: float) -> Bent:
@@ -485,11 +491,8 @@ def _gaps(x: Array, at: float, size: float, reach: float, law: str, stiffness: f
 
 
 def _falls(asked: Sequence[tuple[Sequence[tuple[Array, Array, float]], float, float]]) -> list[tuple[float, float]]:
-    """How far chi^2 of lines falls by a bend at contact, and then by another at the far end, each of the best range.
-
-    ``asked``: the blocks of each record, the position of contact and the free way [m]. The latter is looked for where
-    the former is seen.
-    """
+    """How far chi^2 of lines falls by a bend at contact, and by one at the far end, each of the best range; ``asked``:
+    the blocks of each record, the position of contact and the free way [m]."""
     sides = [(x, y, noise, at, way) for blocks, at, way in asked for x, y, noise in blocks]
     counts = np.array([x.size for x, *_ in sides])
     starts = np.cumsum(counts) - counts
@@ -521,17 +524,6 @@ def _falls(asked: Sequence[tuple[Sequence[tuple[Array, Array, float]], float, fl
         return np.add.reduceat(columns * off, records, axis=1) ** 2 / np.maximum(square, 1e-300)
 
     off, shares = beside_lines(y), -1 / FREE_LOOKED_AT
-    near = beside_lines(np.exp(np.outer(shares, np.maximum(at - x, 0.0) / way)))
-    falls, each = by_each(near), np.arange(len(asked))
-    best = np.argmax(falls, axis=0)
-    falls, seen = falls[best, each], np.flatnonzero(falls[best, each] >= FREE_SIGMAS**2)
-    mirrored = np.zeros(each.size)
-    if seen.size == each.size:
-        far = beside_lines(np.exp(np.outer(shares, (x - np.repeat(x[starts], counts)) / way)))
-        of_record = np.diff(np.append(records, x.size))
-        bend = near[np.repeat(best, of_record), np.arange(x.size)]
-        shared = np.add.reduceat(far * bend, records, axis=1) / np.add.reduceat(bend**2, records)
-        mirrored = by_each(far - np.repeat(shared, of_record, axis=1) * bend).max(axis=0)
-    elif seen.size:
-        mirrored[seen] = [far for _, far in _falls([asked[i] for i in seen.tolist()])]
-    return list(zip(falls.tolist(), mirrored.tolist(), strict=True))
+    ways = np.maximum(at - x, 0.0) / way, (x - np.repeat(x[starts], counts)) / way  # from contact, and from the far end
+    falls = [by_each(beside_lines(np.exp(np.outer(shares, one)))).max(axis=0).tolist() for one in ways]
+    return list(zip(*falls, strict=True))

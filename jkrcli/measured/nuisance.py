@@ -19,26 +19,28 @@ import numpy as np
 
 from ..base.errors import JkrError
 from ..base.executors import Pool
+from ..base.numerics import TINY, Array
 from ..base.units import show
-from .force_curve import ForceCurveFit
+from .force_curve import ForceCurveFit, unbroken
 from .forward_model import FittedBody
 from .free_rows import LAWS, FreeRows
 from .least_squares import t_quantile, wider
-from .lockstep import Flow
-from .record import fit_record, outcome_of, whole_fit
+from .lockstep import Flow, alone, beside, together
+from .record import fit_record, fitted_whole, outcome_of
 from .result import Fit, attempted, later
 from .segmentation import ForceCurve
-from .settings import AUTO, Settings
+from .settings import Settings
 
 NUISANCE_FARTHEST = 10.0  # choice: standard errors of the free rows, which the contact moves the size by at most
 NUISANCE_ROUNDS = 3  # choice: parabolas through sizes
 NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which a hypothesis is none of these data
 NUISANCE_NEEDED = 4.0  # theory: of chi^2, Akaike's criterion, the fall by the two parameters of an attraction
-NUISANCE_LEFT_OUT = 2.0  # theory: the same of a row, by one parameter
+NUISANCE_FAR = 3.0  # choice: standard deviations of a row, beyond which it counts no more: a jump a row late is none
 NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the next hypothesis are told
 
 
-Outcome: TypeAlias = tuple[float, Mapping[str, float], ForceCurveFit]  # cost, values, and the fit itself
+Outcome: TypeAlias = Mapping[str, float]  # of a fit, SI, by name
+Fitted: TypeAlias = Callable[[ForceCurve, ForceCurveFit | None], Flow[tuple[Outcome, ForceCurveFit]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,23 +56,35 @@ class Nuisance:
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """What the free rows may hold: loads ``held``, the ``outcome`` and chi^2 of the fit less them, in ``per_row`` [N^2]
-    of one row, and the standard error ``width`` of an attraction's size in those of the free rows."""
+    """What the free rows may hold: loads ``held``, the ``fit`` less them, its ``outcome``, what it leaves ``off`` all
+    rows of the record [N], those that it left out too, and the standard error ``width`` of a size in those of the free
+    rows."""
 
     held: FreeRows
-    outcome: Mapping[str, float]
-    chi2: float
-    per_row: float
+    fit: ForceCurveFit
+    outcome: Outcome
+    off: Array
     width: float = 1.0
 
     @classmethod
-    def of(cls, record: ForceCurve, held: FreeRows, fitted: Callable[[ForceCurve], Outcome]) -> Hypothesis:
-        """By a fit; no attraction is the simpler one, and each row that is left out a number of its own."""
-        cost, outcome, best = fitted(record.holding(held))
-        per_row = best.sigma**2 * best.spread.tau
-        left_out = NUISANCE_LEFT_OUT * (len(record.curve) - best.off.size)
-        simpler = NUISANCE_NEEDED * (held.attraction is None)
-        return cls(held, outcome, cost + (left_out - simpler) * per_row, per_row)
+    def of(
+        cls, record: ForceCurve, held: FreeRows, fitted: Fitted, begin: ForceCurveFit | None = None
+    ) -> Flow[Hypothesis]:
+        """By a fit, which may leave rows out."""
+        record = record.holding(held)
+        outcome, best = yield from fitted(record, begin)
+        whole, off = unbroken(record, best.model), np.zeros(len(record.curve))
+        off[whole.rows] = whole.off(best.x, 0.0)
+        off[best.model.rows] = best.off
+        return cls(held, best, outcome, off)
+
+    def rise(self, other: Hypothesis) -> float:
+        """By how much chi^2 is higher than that of an ``other`` one, in units of its noise: of the rows that either is
+        fitted to, of which none counts for more than one at ``NUISANCE_FAR``; no bend is the simpler one."""
+        noise, rows = max(other.fit.sigma, TINY), np.union1d(self.fit.model.rows, other.fit.model.rows)
+        mine, theirs = (float(np.minimum((one.off[rows] / noise) ** 2, NUISANCE_FAR**2).sum()) for one in (self, other))
+        simpler = float(other.held.attraction is None) - float(self.held.attraction is None)
+        return (mine - theirs) / other.fit.spread.tau + NUISANCE_NEEDED * simpler
 
     def name(self, other: Hypothesis) -> str:
         """What tells it from an ``other`` one."""
@@ -81,20 +95,15 @@ class Hypothesis:
             return "what bends the base line"
         return "the law of the attraction" if mine.stays == theirs.stays else "the attraction in contact"
 
-    @property
-    def values(self) -> str:
-        """E* and w in words."""
-        work = "w" if "w" in self.outcome else "w_approach"
-        E_star, w = self.outcome["E_star"], max(self.outcome[work], 0.0)
-        return f"E* = {show(E_star, 'modulus', 4)}, {work} = {show(w, 'work', 4)}"
+
+def _values(outcome: Mapping[str, float]) -> str:
+    """E* and w in words."""
+    work = "w" if "w" in outcome else "w_approach"
+    return f"E* = {show(outcome['E_star'], 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}"
 
 
 def fit_settled(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Flow[Fit]:
-    """The fit of a raw record less what its free rows hold.
-
-    A model that is wrong in the first rows of contact makes them look like an attraction: where the best alternative
-    is to be taken, it is fitted to the loads with the attraction too, and that is the answer where it leaves no more.
-    """
+    """The fit of a raw record less what its free rows hold."""
     left = list[str]()
     sizes = partial(settled, body, record, settings)
     nuisance = attempted("how large what the free rows hold is", sizes, None, left)
@@ -102,20 +111,7 @@ def fit_settled(body: FittedBody, record: ForceCurve, settings: Settings, pool: 
         fitted = yield from fit_record(body, record, settings, pool)
         return replace(fitted, warnings=(*fitted.warnings, *left))
     fitted = yield from fit_record(body, nuisance.record, settings, pool)
-    fitted = yield from later(fitted, "errors by what free rows hold", partial(with_nuisance, fitted, nuisance))
-    if settings.model != AUTO or record.held.attraction is None:
-        return fitted
-    straight = record.holding(record.held.straight)
-
-    def without_attraction() -> Flow[Fit]:
-        other = yield from fit_settled(body, straight, settings, pool)
-        rise = other.rows.size * ((other.scales["P"] / fitted.scales["P"]) ** 2 - 1)
-        if other.verdict is not None and other.verdict.tied and rise < NUISANCE_NEEDED:
-            words = f"no attraction before contact remains with the alternative model: {other.verdict.tied[0].name}"
-            return replace(other, held=(*other.held, words))
-        return fitted
-
-    return (yield from later(fitted, "the alternative model without the attraction", without_attraction))
+    return (yield from later(fitted, "errors by what free rows hold", partial(with_nuisance, fitted, nuisance)))
 
 
 def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisance | None:
@@ -124,86 +120,85 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
     if held is None:
         return None
 
-    def of(other: ForceCurve) -> Outcome:
-        best = whole_fit(body, other, settings)
+    def of(other: ForceCurve, begin: ForceCurveFit | None) -> Flow[tuple[Outcome, ForceCurveFit]]:
+        best = yield from fitted_whole(body, other, settings, begin)
         E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
-        return float(best.off @ best.off), outcome_of(best, best.x, body) | {"E_star": E_star}, best
+        return outcome_of(best, best.x, body) | {"E_star": E_star}, best
 
     changes, spread, words = list[Mapping[str, float]](), dict[str, Mapping[str, float]](), list[str]()
     try:
         if held.attraction is not None:
             likeliest, *others = _hypotheses(record, held, of)
-            held, here = likeliest.held, likeliest.outcome
+            held, here, begin = likeliest.held, likeliest.outcome, likeliest.fit
             record = record.holding(held)
             if held.attraction is not None:
-                changes.append(_between(here, of(record.holding(held.stronger(likeliest.width)))[1]))
-            # Beside the likeliest, one of odds p has the standard deviation sqrt(p (1 - p)) of the difference
+                changes.append(_between(here, alone(of(record.holding(held.stronger(likeliest.width)), begin))[0]))
             for one in others:
-                rise = (one.chi2 - likeliest.chi2) / likeliest.per_row
-                share = 1 / math.cosh(
-                    min(rise, 2 * NUISANCE_EXCLUDED) / 4
-                )  # 2 sqrt(p (1 - p)), p = 1/(1 + exp(rise/2))
+                rise = min(one.rise(likeliest), 2 * NUISANCE_EXCLUDED)
+                # of odds p = 1/(1 + exp(rise/2)): 2 sqrt(p (1 - p)), two standard deviations of the difference
+                share = 1 / math.cosh(rise / 4)
                 parts = {name: share * abs(off) for name, off in _between(here, one.outcome).items()}
                 before = spread.get(one.name(likeliest), {})
                 spread[one.name(likeliest)] = {name: max(part, before.get(name, 0.0)) for name, part in parts.items()}
                 if rise < NUISANCE_TOLD:
                     what = "no attraction" if one.held.attraction is None else one.held.attraction.brief
-                    words.append(f"{what}: {one.values} (chi^2 higher by {rise:.2g})")
+                    words.append(f"{what}: {_values(one.outcome)} (chi^2 higher by {rise:.2g})")
         else:
-            here = of(record)[1]
+            here, begin = alone(of(record, None))
         for raised in held.raised:
             moved = replace(held, taken=held.taken + raised)
-            changes.append(_between(here, of(record.holding(moved))[1]))
+            changes.append(_between(here, alone(of(record.holding(moved), begin))[0]))
     except JkrError:  # a size that no curve resembles tells nothing
         words.append("how well its size is known is not in the errors: no curve fits at other sizes")
     if record.plain is not None and held.levels:
         try:
-            _, outcome, _ = of(record.plain)
-            words.append(f"left in the loads {Hypothesis(held, outcome, 0.0, 1.0).values}")
+            words.append(f"left in the loads {_values(alone(of(record.plain, None))[0])}")
         except JkrError:
             words.append("left in the loads no fit converges")
     return Nuisance(record, tuple(changes), spread, (*held.words, *words))
 
 
-def _hypotheses(record: ForceCurve, held: FreeRows, of: Callable[[ForceCurve], Outcome]) -> list[Hypothesis]:
+def _hypotheses(record: ForceCurve, held: FreeRows, of: Fitted) -> list[Hypothesis]:
     """What the free rows may hold, the likeliest first: an attraction that stays in contact, one that ends at touch, by
-    either law, or none; JkrError where no curve fits with any. Contact tells the size of one that stays."""
-    found, reasons = list[Hypothesis](), list[JkrError]()
-    for each in (*held.by_laws, held.straight):
-        try:
-            found.append(Hypothesis.of(record, each, of))
-        except JkrError as error:
-            reasons.append(error)
-    if not found:
-        raise reasons[0]
-    least = min(found, key=lambda one: one.chi2)
-    for i, one in enumerate(found):
-        law = one.held.attraction
-        if law is not None and law.stays and one.chi2 - least.chi2 < NUISANCE_EXCLUDED * least.per_row:
-            found[i] = _of_size(record, one, of)
-    return sorted(found, key=lambda one: one.chi2)
+    either law, a virtual deflection, a drift, or none; JkrError where no curve fits with any. Contact tells the size of
+    what stays."""
+    ends = together([Hypothesis.of(record, one, of) for one in (*held.by_laws, held.straight)])
+    found = [one for one in ends if isinstance(one, Hypothesis)]
+    for wrong in ends:
+        if isinstance(wrong, Exception) and not (found and isinstance(wrong, JkrError)):
+            raise wrong
+    most = min(found, key=lambda one: one.fit.sigma)
+    near = [
+        i for i, one in enumerate(found)
+        if (law := one.held.attraction) and law.stays and one.rise(most) < NUISANCE_EXCLUDED
+    ]  # fmt: skip
+    for i, sized in zip(near, together([_of_size(record, found[i], of) for i in near]), strict=True):
+        found[i] = sized if isinstance(sized, Hypothesis) else found[i]
+    most = min(found, key=lambda one: one.fit.sigma)
+    return sorted(found, key=lambda one: one.rise(most))
 
 
-def _of_size(record: ForceCurve, begin: Hypothesis, of: Callable[[ForceCurve], Outcome]) -> Hypothesis:
+def _of_size(record: ForceCurve, begin: Hypothesis, of: Fitted) -> Flow[Hypothesis]:
     """The hypothesis of an attraction at its size of least chi^2, with the standard error of the size."""
     held = begin.held
 
-    def at(size: float) -> Hypothesis:
-        return Hypothesis.of(record, held.stronger(size), of)
+    def at(size: float) -> Flow[Hypothesis]:
+        return Hypothesis.of(record, held.stronger(size), of, begin.fit)
 
-    tried, found = {0.0: begin} | {size: at(size) for size in (-1.0, 1.0)}, (0.0, 1.0)  # the size and its error
+    less, more = yield from beside([at(-1.0), at(1.0)])
+    tried, found = {-1.0: less, 0.0: begin, 1.0: more}, (0.0, 1.0)  # the size and its error
     for _ in range(NUISANCE_ROUNDS):
-        sizes = sorted(sorted(tried, key=lambda size: tried[size].chi2)[:3])
-        per_row = min(tried.values(), key=lambda one: one.chi2).per_row
-        bend, slope, _ = np.polyfit(sizes, [tried[size].chi2 / per_row for size in sizes], 2)
+        rises = {size: one.rise(begin) for size, one in tried.items()}
+        sizes = sorted(sorted(rises, key=lambda size: rises[size])[:3])
+        bend, slope, _ = np.polyfit(sizes, [rises[size] for size in sizes], 2)
         if bend <= 0 or abs(least := -slope / (2 * bend)) > NUISANCE_FARTHEST:
             found = 0.0, 1.0  # as the free rows have it, where the record has no least
             break
         found = float(least), float(1 / math.sqrt(bend))
         if min(abs(least - size) for size in tried) < 0.3 / math.sqrt(bend):
             break
-        tried[least] = at(least)
-    return replace(tried.get(found[0]) or at(found[0]), width=found[1])
+        tried[least] = yield from at(least)
+    return replace(tried.get(found[0]) or (yield from at(found[0])), width=found[1])
 
 
 def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str, float]:

@@ -1016,9 +1016,19 @@ def _of_directions(
 
 def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> ForceCurveFit:
     """What leaves least of all directions of a record."""
+    return alone(fitted_whole(body, record, settings))
+
+
+def fitted_whole(
+    body: FittedBody, record: ForceCurve, settings: Settings, begin: ForceCurveFit | None = None
+) -> Flow[ForceCurveFit]:
+    """The same as a flow, searched from the fit of a record that differs little, where it has all unknowns."""
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
     body = _with_known(body, settings)
-    return alone(_fitted(body, _model(body, record, settings, waves, directions_of(record, settings)), settings))[1]
+    model = _model(body, record, settings, waves, directions_of(record, settings))
+    if begin is not None and not begin.model.values(begin.x).keys() >= set(model.names):
+        begin = None
+    return (yield from _fitted(body, model, settings, begin))[1]
 
 
 def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
@@ -1078,14 +1088,16 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
     return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
 
-def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> Flow[tuple[FittedBody, ForceCurveFit]]:
-    """The model that fits best, and the body solved as far as it reaches."""
+def _fitted(
+    body: FittedBody, model: ForceCurveModel, settings: Settings, best: ForceCurveFit | None = None
+) -> Flow[tuple[FittedBody, ForceCurveFit]]:
+    """The model that fits best, and the body solved as far as it reaches; from that of a record that differs little."""
     for part in model.stretches:
         if part.z.size == 0:
             raise InputError(f"the {part.kind} has no row to fit: contact ends where it begins, or its signs are wrong")
         if np.ptp(part.z) == 0:
             raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one piezo position")
-    body, best = _deep_enough(body, model), None
+    body = _deep_enough(body, model)
     for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
         best = yield from nearest(model, settings.loss) if best is None else _again(best, model, settings)

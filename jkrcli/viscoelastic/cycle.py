@@ -238,10 +238,8 @@ def cycle(
     def one() -> Result:
         return followed(asked, rates, rest, compare_rate) if adhering else cycled(asked, rates)
 
-    asked = AskedCycle(
-        solution, works, stiffness, ranged, how.slopes, how.modulus_factor, rates.to_load, rates.to_depth,
-        read_program(rates.program, stiffness), points,
-    )  # fmt: skip
+    program, ways = read_program(rates.program, stiffness), (how.slopes, how.modulus_factor)
+    asked = AskedCycle(solution, works, stiffness, ranged, *ways, rates.to_load, rates.to_depth, program, points)
     turn, zone = rates.suffix(stiffness), "" if rates.stress is None else f"-stress{rates.stress:g}"
     ends = name_suffix(w_approach, w_retract, stiffness, turn, rest, ranged, zone, how.modulus_factor)
     write_cycle(file, ends, known, asked, limits, output, one, partial(cycled, asked, rates))

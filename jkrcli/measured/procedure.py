@@ -41,7 +41,7 @@ from .lockstep import Flow, alone, together
 from .nuisance import fit_settled
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import TableAlternatives, alternatives_of, missed_pull_off
-from .record import RESTS, beside, beyond_the_record, contact_rows, differ, raw_force_curve
+from .record import REJECTED, RESTS, beside, beyond_the_record, contact_rows, differ, raw_force_curve
 from .result import Fit, Further, JKRBeside, attempted, later, left_out, without
 from .rows import (
     COLUMNS,
@@ -320,23 +320,9 @@ def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = 
 
 def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Flow[Fit]:
     try:
-        fitted = yield from _fit(body, curve, settings, pool)
-        flags = [
-            WARNED.get(flag, "") + flag
-            for flag in curve.flags
-            if flag in WARNED or any(part in flag for part in (OVERRULED, NO_UNIT, GAPS))
-        ]
-        warnings = (*flags, *fitted.warnings)
-        fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
-        steps: tuple[tuple[str, Callable[[Fit], Fit]], ...] = (
-            ("inputs that no error holds", lambda fit: with_inputs(fit, body, curve.stiffness)),
-            (OF_SHAPE, lambda fit: with_shape(fit, body)),
-            (OF_STRAINS, lambda fit: with_strains(fit, body)),
-            ("the other profile of the same radius", lambda fit: with_other_profile(fit, body, curve, settings)),
-        )
-        for what, step in steps:
-            fitted = yield from later(fitted, what, partial(step, fitted))
-        return fitted
+        fitted = yield from _completed((yield from _fit(body, curve, settings, pool)), body, curve)
+        other = partial(with_other_profile, fitted, body, curve, settings)
+        return (yield from later(fitted, "the other profile of the same radius", other))
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
@@ -345,6 +331,25 @@ def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | No
         raise SolveError(f"{curve.where}: {error}") from None
     except (ArithmeticError, RuntimeWarning) as error:  # of one curve, which takes no others of a map with it
         raise SolveError(f"{curve.where}: the numbers leave the range of arithmetic ({error})") from error
+
+
+def _completed(fitted: Fit, body: FittedBody, curve: Curve) -> Flow[Fit]:
+    """The fit with what its readings, inputs and body say besides."""
+    flags = [
+        WARNED.get(flag, "") + flag
+        for flag in curve.flags
+        if flag in WARNED or any(part in flag for part in (OVERRULED, NO_UNIT, GAPS))
+    ]
+    warnings = (*flags, *fitted.warnings)
+    fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
+    steps: tuple[tuple[str, Callable[[Fit], Fit]], ...] = (
+        ("inputs that no error holds", lambda fit: with_inputs(fit, body, curve.stiffness)),
+        (OF_SHAPE, lambda fit: with_shape(fit, body)),
+        (OF_STRAINS, lambda fit: with_strains(fit, body)),
+    )
+    for what, step in steps:
+        fitted = yield from later(fitted, what, partial(step, fitted))
+    return fitted
 
 
 def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
@@ -437,7 +442,8 @@ def with_strains(fitted: Fit, body: FittedBody) -> Fit:
 
 
 def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Settings) -> Fit:
-    """The fit with E* and w by the other profile of the same radius, where they differ by more than their errors.
+    """The fit with E* and w by the other profile of the same radius, where they differ by more than their errors; that
+    fit, where the data reject this one and not the other.
 
     The literature's JKR is that of the paraboloid r^2/(2R), a ball is an exact sphere: beyond a/R of 0.3 they differ by
     more than many errors. Fitted again only there, and not for the curves of a map.
@@ -448,11 +454,19 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
         return fitted
     if largest < FLAT * R or indenter.material is not None:
         return fitted
-    name, other = ("paraboloid", Paraboloid(R)) if isinstance(indenter, Sphere) else ("exact sphere", Sphere(R))
+    own, name, other = "exact sphere", "paraboloid", body.under(Paraboloid(R), largest)
+    if not isinstance(indenter, Sphere):
+        own, name, other = name, own, body.under(Sphere(R), largest)
     try:
-        again = alone(_fit(body.under(other, largest), curve, settings, None))
+        again = alone(_fit(other, curve, settings, None))
     except JkrError:
         return fitted
+    if REJECTED in fitted.flags and not {REJECTED, "misfit"} & {*again.flags}:
+        E_star, work = fitted.estimate("E_star"), fitted.work
+        values = f"E* = {show(E_star.value, 'modulus')}, {work.name} = {show(work.value, 'work')}"
+        words = f"the {name} of the same radius, which describes the record; the {own} does not and would give {values}"
+        again = alone(_completed(again, other, curve))
+        return replace(again, tip=words, warnings=(f"E* and w are of {words}: choose --shape", *again.warnings))
     found = {item.name: item for item in again.estimates}
     pairs = [
         (item, found[item.name])

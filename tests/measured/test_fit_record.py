@@ -18,7 +18,7 @@ from layer_contact import BondedLayer, half_space
 
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.measured.curve import Curve, Reading
 from jkrcli.measured.files import read
@@ -730,6 +730,22 @@ def test_a_weak_pull_off_is_no_base_line(share: float, tether: float) -> None:
         item = found.estimate(name)
         assert item.error is not None
         assert item.value == pytest.approx(true, abs=max(3 * item.error, 0.02 * true))
+
+
+def test_the_profile_that_describes_a_record_is_the_answer() -> None:
+    """The literature's paraboloid, fitted by the exact sphere of its radius: the model was rejected, with the right
+    values in a remark."""
+    E_star, w, widest = 1e5, 2e-4, 0.35 * R
+    k, largest = 2 * E_star * widest, 4 * E_star * widest**3 / (3 * R)
+    z, _, _ = equilibrium(E_star, R, w, k, largest)
+    device = Instrument(k, 1500, far=float(np.ptp(z)), largest=largest, noise=1e-4 * largest)
+    columns = record(E_star, R, w / 2, w, device, 4)
+    curve = Curve("tip", delta=columns["z"] - columns["P"] / k, P=columns["P"], stiffness=k, segment=columns["segment"])
+    found = fit(body(E_star, 0.3 * R).under(Sphere(R), widest), curve, usual())
+    assert "model rejected" not in found.flags
+    assert "paraboloid of the same radius, which describes the record" in found.tip
+    for name, true in (("E_star", E_star), ("w", w), ("w_approach", w / 2)):
+        assert found.value(name) == pytest.approx(true, rel=0.02)
 
 
 def test_the_steps_of_a_converter_are_noise() -> None:

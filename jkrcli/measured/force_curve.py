@@ -270,9 +270,9 @@ def unbroken(record: ForceCurve, model: ForceCurveModel) -> ForceCurveModel:
         rows = np.arange(side.segment.first, side.segment.last + 1)[:: 1 if part.kind == APPROACH else -1]
         rows = rows[~np.isin(rows, record.ignored)]
         z, P = record.curve.device[rows], record.curve.load[rows]
-        P = P if part.wave is None else P + part.wave(z)
-        free = np.zeros(rows.size, dtype=bool)
-        parts.append(replace(part, rows=rows, z=z, P=P, touching=free, jumped=False, t=free.astype(float)))
+        order = np.argsort(part.rows)
+        t = np.interp(rows, part.rows[order], part.t[order])
+        parts.append(replace(part, rows=rows, z=z, P=P, touching=np.zeros(rows.size, dtype=bool), jumped=False, t=t))
     return replace(model, stretches=tuple(parts))
 
 

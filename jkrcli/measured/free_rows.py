@@ -159,6 +159,12 @@ class FreeRows:
         return replace(self, attraction=None, taken=taken, bent=None)
 
     @property
+    def of_signal(self) -> Array:
+        """What of it is no force, but an error of the signal [N]: a virtual deflection or a drift."""
+        bends = self.bent is not None and self.bent.best.law not in LAWS
+        return self.bent.over_rows(self.bent.best) if self.bent is not None and bends else np.zeros(self.taken.size)
+
+    @property
     def by_laws(self) -> list[FreeRows]:
         """The same by all laws, its own first, and by those of an attraction that ends at touch."""
         laws = [self, *(replace(self, bent=one)._by(one.best, self) for one in (self.bent.laws if self.bent else ()))]

@@ -36,6 +36,7 @@ NUISANCE_ROUNDS = 3  # choice: parabolas through sizes
 NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which a hypothesis is none of these data
 NUISANCE_NEEDED = 4.0  # theory: of chi^2, Akaike's criterion, the fall by the two parameters of an attraction
 NUISANCE_FAR = 3.0  # choice: standard deviations of a row, beyond which it counts no more: a jump a row late is none
+NUISANCE_SEEN = 1e-4  # choice: relative, a part of an error below which it is none
 NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the next hypothesis are told
 
 
@@ -90,10 +91,10 @@ class Hypothesis:
         """What tells it from an ``other`` one."""
         mine, theirs = self.held.attraction, other.held.attraction
         if mine is None or theirs is None:
-            return "a bend of the base line"
+            return "whether the base line bends"
         if {mine.law, theirs.law} - LAWS.keys():
-            return "what bends the base line"
-        return "the law of the attraction" if mine.stays == theirs.stays else "the attraction in contact"
+            return "attraction, virtual deflection or drift"
+        return "the law of the attraction" if mine.stays == theirs.stays else "whether the attraction stays in contact"
 
 
 def _values(outcome: Mapping[str, float]) -> str:
@@ -131,18 +132,18 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
             likeliest, *others = _hypotheses(record, held, of)
             held, here, begin = likeliest.held, likeliest.outcome, likeliest.fit
             record = record.holding(held)
-            if held.attraction is not None:
-                changes.append(_between(here, alone(of(record.holding(held.stronger(likeliest.width)), begin))[0]))
             for one in others:
-                rise = min(one.rise(likeliest), 2 * NUISANCE_EXCLUDED)
+                rise = min(max(one.rise(likeliest), 0.0), 2 * NUISANCE_EXCLUDED)
                 # of odds p = 1/(1 + exp(rise/2)): 2 sqrt(p (1 - p)), two standard deviations of the difference
                 share = 1 / math.cosh(rise / 4)
                 parts = {name: share * abs(off) for name, off in _between(here, one.outcome).items()}
                 before = spread.get(one.name(likeliest), {})
                 spread[one.name(likeliest)] = {name: max(part, before.get(name, 0.0)) for name, part in parts.items()}
                 if rise < NUISANCE_TOLD:
-                    what = "no attraction" if one.held.attraction is None else one.held.attraction.brief
+                    what = "a straight base line" if one.held.attraction is None else one.held.attraction.brief
                     words.append(f"{what}: {_values(one.outcome)} (chi^2 higher by {rise:.2g})")
+            if held.attraction is not None:
+                changes.append(_between(here, alone(of(record.holding(held.stronger(likeliest.width)), begin))[0]))
         else:
             here, begin = alone(of(record, None))
         for raised in held.raised:
@@ -173,6 +174,8 @@ def _hypotheses(record: ForceCurve, held: FreeRows, of: Fitted) -> list[Hypothes
         if (law := one.held.attraction) and law.stays and one.rise(most) < NUISANCE_EXCLUDED
     ]  # fmt: skip
     for i, sized in zip(near, together([_of_size(record, found[i], of) for i in near]), strict=True):
+        if isinstance(sized, Exception) and not isinstance(sized, JkrError):
+            raise sized
         found[i] = sized if isinstance(sized, Hypothesis) else found[i]
     most = min(found, key=lambda one: one.fit.sigma)
     return sorted(found, key=lambda one: one.rise(most))
@@ -216,6 +219,7 @@ def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:
             total = math.hypot(*(change.get(item.name, 0.0) for change in nuisance.changes))
             item = replace(wider(item, {"free rows": total}, t), systematic=item.systematic)
             for name, parts in nuisance.spread.items() if item.dimension in ("modulus", "work") else ():
-                item = item.with_model(name, parts[item.name]) if parts.get(item.name) else item
+                part = parts.get(item.name, 0.0)
+                item = item.with_model(name, part) if part > NUISANCE_SEEN * abs(item.value) else item
         estimates.append(item)
     return replace(fitted, estimates=tuple(estimates), held=nuisance.words)

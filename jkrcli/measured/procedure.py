@@ -22,6 +22,7 @@ from ..bodies.problem import RADIUS, changed, checked_names
 from ..methods.radii import ROOM
 from ..resolve.resolve import sticking_effect, sticking_warnings
 from ..series.vocabulary import NO_UNIT
+from .alternatives import RANGE, TIP
 from .checks import warnings_of
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
@@ -443,7 +444,7 @@ def with_strains(fitted: Fit, body: FittedBody) -> Fit:
 
 def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     """The fit with E* and w by the other profile of the same radius, where they differ by more than their errors; that
-    fit, where the data reject this one and not the other.
+    fit, where the data reject this one for the shape of its tip, and not the other.
 
     The literature's JKR is that of the paraboloid r^2/(2R), a ball is an exact sphere: beyond a/R of 0.3 they differ by
     more than many errors. Fitted again only there, and not for the curves of a map.
@@ -454,14 +455,17 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
         return fitted
     if largest < FLAT * R or indenter.material is not None:
         return fitted
-    own, name, other = "exact sphere", "paraboloid", body.under(Paraboloid(R), largest)
-    if not isinstance(indenter, Sphere):
-        own, name, other = name, own, body.under(Sphere(R), largest)
+    own, name = ("exact sphere", "paraboloid") if isinstance(indenter, Sphere) else ("paraboloid", "exact sphere")
     try:
+        other = body.under(Paraboloid(R) if isinstance(indenter, Sphere) else Sphere(R), largest)
         again = alone(_fit(other, curve, settings, None))
     except JkrError:
         return fitted
-    if REJECTED in fitted.flags and not {REJECTED, "misfit"} & {*again.flags}:
+    named = [] if fitted.verdict is None else [one.name for one in fitted.verdict.alternatives.named]
+    by_tip = fitted.verdict is not None and REJECTED in fitted.flags and TIP in fitted.verdict.families
+    if RANGE.name in named and math.isfinite(settings.range_at_most):  # which the user takes for as likely
+        by_tip = False
+    if by_tip and not {REJECTED, "misfit"} & {*again.flags}:
         E_star, work = fitted.estimate("E_star"), fitted.work
         values = f"E* = {show(E_star.value, 'modulus')}, {work.name} = {show(work.value, 'work')}"
         words = f"the {name} of the same radius, which describes the record; the {own} does not and would give {values}"

@@ -261,8 +261,9 @@ def fit_words(item: Fit) -> list[str]:
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         range_words = []
     else:
-        moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
-        range_words = [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
+        longest = show(min(left, item.settings.longest_range), "length", 2)
+        moved = f"of adhesion up to {longest} would change w by {show(part, 'work', 2)}"
+        range_words = [f"  {'range':<12} {moved}; if it is known to be shorter: --uncertain range=LENGTH"]
     lines = [*verdict_words(item), *range_words]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)

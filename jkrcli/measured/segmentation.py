@@ -235,8 +235,10 @@ class ForceCurve:
 
     def holding(self, held: FreeRows) -> ForceCurve:
         """The record with something else taken off its loads; base lines follow when it is fitted."""
-        taken = np.zeros(len(self.curve)) if self.held is None else self.held.taken
-        curve = replace(self.curve, P=self.curve.load + taken - held.taken)
+        taken, signal = held.taken, held.of_signal
+        if self.held is not None:
+            taken, signal = taken - self.held.taken, signal - self.held.of_signal
+        curve = _less(self.curve, taken, signal)
         sides = alone(_directions(curve.device, curve.load, [side.segment for side in self.directions]))
         return replace(self, curve=curve, held=held, directions=sides)
 
@@ -260,6 +262,13 @@ class ForceCurve:
     def direction(self, kind: str) -> Direction | None:
         """The first direction of a kind, "approach" or "retract"."""
         return next((item for item in self.directions if item.segment.kind == kind), None)
+
+
+def _less(curve: Curve, taken: Array, of_signal: Array) -> Curve:
+    """The curve less what was ``taken`` off its loads [N]: where that are forces the tip stays at its depth; where it is
+    ``of_signal``, an error of it, the device stays where it is."""
+    depth = None if curve.stiffness is None else curve.depth + of_signal / curve.stiffness
+    return replace(curve, P=curve.load - taken, delta=curve.delta if depth is None else depth)
 
 
 def segment_force_curve(curve: Curve) -> ForceCurve:
@@ -296,8 +305,9 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     directions = yield from _directions(z, P, sides)
     held = yield from _free_rows(z, P, directions, resolution(whole.load), curve.stiffness)
     plain = ForceCurve(whole, tuple(parts), directions, {}, spikes, spikes[:0]) if held is not None else None
-    if held is not None:  # the tip stays at its depth
-        curve, whole = (replace(one, P=one.load - held.taken) for one in (curve, whole))
+    saturated = saturation(curve)
+    if held is not None:
+        curve, whole = (_less(one, held.taken, held.of_signal) for one in (curve, whole))
         z, P = curve.device, curve.load
         directions = yield from _directions(z, P, sides)
     # What a reader should know before trusting anything that is fitted to this curve; the last sentence of a name.
@@ -306,7 +316,6 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     if directions and not touched:
         flags.append(("no contact", "the load never leaves its base line"))
     dent = _permanent_set(z, P, directions) if by_load else ()
-    saturated = saturation(curve)
     limits = np.flatnonzero(np.any([*saturated.values()], axis=0)) if saturated else spikes[:0]
     flags += [*(dent or _on_base_lines(P, touched)), *_on_jumps(touched, limits), *_on_signs(z, P, directions)]
     flags += [("saturated", f"{sentence}: they are left out") for sentence in _words_on(curve, saturated)]

@@ -398,7 +398,7 @@ ASKED = as_one(
     click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
                  help="Of the body, instead of its own; both: under either, and what the data favour."),
     click.option("--uncertain", multiple=True, type=options.NAMED,
-                 help="Standard deviation of an input, carried on: radius=3%, stiffness=10%; of a range of adhesion the longest, 1nm."),
+                 help="Standard deviation of an input, carried on: radius=3%, stiffness=10%; longest: range=1nm."),
 )  # fmt: skip
 
 # Of the body, of the fit, of the reading, of what is written.

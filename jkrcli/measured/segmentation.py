@@ -265,8 +265,8 @@ class ForceCurve:
 
 
 def _less(curve: Curve, taken: Array, of_signal: Array) -> Curve:
-    """The curve less what was ``taken`` off its loads [N]: where that are forces the tip stays at its depth; where it is
-    ``of_signal``, an error of it, the device stays where it is."""
+    """The curve less what was ``taken`` off its loads [N]: of forces the tip stays at its depth, of an error of the
+    signal, ``of_signal``, the device stays where it is."""
     depth = None if curve.stiffness is None else curve.depth + of_signal / curve.stiffness
     return replace(curve, P=curve.load - taken, delta=curve.delta if depth is None else depth)
 

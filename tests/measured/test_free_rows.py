@@ -149,7 +149,7 @@ def test_an_attraction_in_contact_is_told_from_one_that_ends_at_touch(stays: boo
 
 @pytest.mark.parametrize("kind", ["virtual deflection", "decaying drift"])
 def test_an_error_of_the_signal_is_taken_off_and_leaves_the_device_where_it_is(kind: str) -> None:
-    """E* was 3 to 10 % off: nothing described a parabola over the way, or a drift that decays from the first row on. The
+    """E* was 3 to 10 % off: nothing described a parabola over the way, or a drift that decays from the first row. The
     depth of the tip follows the signal."""
     parts = made(seed=5)
     z, rows = parts["z"], np.arange(parts["z"].size)

@@ -22,7 +22,8 @@ from ..bodies.problem import RADIUS, changed, checked_names
 from ..methods.radii import ROOM
 from ..resolve.resolve import sticking_effect, sticking_warnings
 from ..series.vocabulary import NO_UNIT
-from .alternatives import RANGE, TIP
+from .alternative_tests import SCORE_TIED
+from .alternatives import ADHESION, TIP
 from .checks import warnings_of
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
@@ -461,10 +462,11 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
         again = alone(_fit(other, curve, settings, None))
     except JkrError:
         return fitted
-    named = [] if fitted.verdict is None else [one.name for one in fitted.verdict.alternatives.named]
-    by_tip = fitted.verdict is not None and REJECTED in fitted.flags and TIP in fitted.verdict.families
-    if RANGE.name in named and math.isfinite(settings.range_at_most):  # which the user takes for as likely
-        by_tip = False
+    named = () if fitted.verdict is None or REJECTED not in fitted.flags else fitted.verdict.alternatives.named
+    # What another law of adhesion takes of the misfit as well as the other profile does may be the cause
+    falls = fitted.rows.size * ((fitted.scales.get("P", 0.0) / again.scales.get("P", math.inf)) ** 2 - 1)
+    by_adhesion = any(one.family == ADHESION and one.taken > falls - SCORE_TIED for one in named)
+    by_tip = any(one.family == TIP for one in named) and not by_adhesion
     if by_tip and not {REJECTED, "misfit"} & {*again.flags}:
         E_star, work = fitted.estimate("E_star"), fitted.work
         values = f"E* = {show(E_star.value, 'modulus')}, {work.name} = {show(work.value, 'work')}"

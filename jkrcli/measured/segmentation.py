@@ -85,7 +85,7 @@ RECORD_BLOCK = 1 / 200  # tuned on records, by `make constants`: rows averaged i
 # choice: the part of a direction that is free if anything is; of the whole way, least of both ways that make two
 # directions of one segment
 RECORD_FAR = 0.1
-RECORD_INSIDE = (0.5, 0.8)  # tuned on records, by `make constants`: of the free part found before, what surely is
+RECORD_INSIDE = (0.5, 0.8)  # choice: of the free part found before, what surely is free; the last was tuned, 0.8
 RECORD_SIGMAS = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
 RECORD_LEAST = 0.005  # choice: of the range of the load, below which no departure counts
 # choice: of the range of the load next to the free part, below which no row leaves its line; a pull-off may be 0.002

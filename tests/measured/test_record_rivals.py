@@ -370,6 +370,15 @@ def test_the_part_of_a_likely_range_is_what_that_range_does() -> None:
     assert item.value - AT.w < part < 2 * (item.value - AT.w)
 
 
+def test_the_other_profile_is_no_answer_where_a_range_explains_as_much() -> None:
+    """DMT by the paraboloid, whose sphere fits as well: w was half too high beside 4 %, without a flag."""
+    found = fit(BODY, curve(WRONG["DMT"](replace(AT, noise=5 * AT.noise))), usual())
+    w = found.estimate("w")
+    assert "model rejected" in found.flags
+    assert w.low is not None
+    assert w.low - sum((w.model or {}).values()) < AT.w
+
+
 def test_adhesion_of_long_range_is_named() -> None:
     """DMT, the limit of long ranges: its column from JKR explains what is left, by an amount towards it."""
     told = answer("DMT").verdict

@@ -924,6 +924,7 @@ FIT_WINDOW = 4.0  # choice: standard errors of z0 and w that the window about fi
 FIT_BESIDE = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
 FIT_NARROW = 0.3  # choice: of the depth of contact, that the window covers at most
 FIT_RECEDES = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
+FIT_SAME = 1e-3  # choice: of half the sum of squares, that of the difference of two curves that are one
 FIT_EXPLAINED = 1.05  # choice: of the noise, residuals that the search is not begun anew for
 FIT_ENOUGH = 1.5  # choice: of the noise, residuals that no other start is tried below
 FIT_BLUNT = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
@@ -1066,7 +1067,15 @@ def fitting(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss
     """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
     all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
     determine them the search creeps along a valley: it is given up, and the fit reports it."""
-    bounds, even = _bounds(model, start), _even(model)
+    least = yield from _searching(model, start, near, [])
+    assert least is not None
+    return (yield from _finished(model, least, loss))
+
+
+def _searching(model: ForceCurveModel, start: Array, near: bool, ends: list[Array]) -> Flow[Least | None]:
+    """The least of squares from a ``start`` on; None where a few rows lead to one of the ``ends`` from elsewhere, which
+    are the residuals of these rows there, and to which it adds its own."""
+    bounds, even, least = _bounds(model, start), _even(model), None
     x, sharp = np.clip(start, *bounds), FIT_BLUNT[-1]
     few = model
     if "turn" not in model.names:  # of a retraction alone other minima are near
@@ -1074,12 +1083,25 @@ def fitting(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss
     whole = _problem(model, even, bounds, sharp, FIT_CONVERGED)
     slow = FIT_BLUNT[: -1 if few is model else None]
     for stages in [()] if near else [slow] if few is model else [FIT_BLUNT[1:2], slow]:
-        begun = x
+        begun, known = x, False
         for blunt in stages:
-            begun = (yield from _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN).searching(begun)).x
+            end = yield from _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN).searching(begun)
+            begun, off = end.x, end.state.residuals
+            if blunt == FIT_BLUNT[1]:
+                if known := any(float((off - one) @ (off - one)) < FIT_SAME * end.cost for one in ends):
+                    break
+                ends.append(off)
+        if known:
+            break
         least = yield from whole.searching(begun)
         if least.ended and 2 * least.cost * even.A < (FIT_EXPLAINED * model.noise) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise
+    return least
+
+
+def _finished(model: ForceCurveModel, least: Least, loss: Loss) -> Flow[ForceCurveFit]:
+    """The fit at the least of squares, by the ``loss``, or weighted by the noise of the free rows."""
+    bounds, even, sharp = least.problem.bounds, _even(model), FIT_BLUNT[-1]
     about = _problem(model, even, bounds, sharp, SAME)
     if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
         least = yield from about.searching(least.x)
@@ -1243,16 +1265,22 @@ def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
 
 
 def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit]:
-    """The unknowns that leave least, from several starts until one leaves no more than noise, none of them of another
-    record; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
-    edge rests."""
+    """The unknowns that leave least, from several starts until one leaves no more than noise or two lead to one curve,
+    none of them of another record; SolveError where no search converges. Of a retraction alone all are tried: only its
+    shape shows how far its edge rests."""
     best: ForceCurveFit | SolveError = SolveError(
         "no curve of this body resembles the force curve; --flip P, if compression is negative"
     )
+    ends = list[Array]()
     for begin in (starts_of(model), None):
         for x in (yield from _of_each(model, loss)) if begin is None else begin:
             try:
-                fitted = yield from fitting(model, x, begin is None, loss)
+                least = yield from _searching(model, x, begin is None, ends)
+                if least is None:
+                    if "turn" not in model.names and isinstance(best, ForceCurveFit) and best.ended:
+                        return best
+                    continue
+                fitted = yield from _finished(model, least, loss)
             except SolveError as error:
                 best = error if isinstance(best, SolveError) else best
                 continue

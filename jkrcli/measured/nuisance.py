@@ -103,16 +103,19 @@ def _values(outcome: Mapping[str, float]) -> str:
     return f"E* = {show(outcome['E_star'], 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}"
 
 
-def fit_settled(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Flow[Fit]:
-    """The fit of a raw record less what its free rows hold."""
+def fit_settled(
+    body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None
+) -> Flow[tuple[Fit, ForceCurve, ForceCurveFit]]:
+    """The fit of a raw record less what its free rows hold, that record, and the fit of all its directions."""
     left = list[str]()
     sizes = partial(settled, body, record, settings)
     nuisance = attempted("how large what the free rows hold is", sizes, None, left)
     if nuisance is None or record.held is None:
-        fitted = yield from fit_record(body, record, settings, pool)
-        return replace(fitted, warnings=(*fitted.warnings, *left))
-    fitted = yield from fit_record(body, nuisance.record, settings, pool)
-    return (yield from later(fitted, "errors by what free rows hold", partial(with_nuisance, fitted, nuisance)))
+        fitted, whole = yield from fit_record(body, record, settings, pool)
+        return replace(fitted, warnings=(*fitted.warnings, *left)), record, whole
+    fitted, whole = yield from fit_record(body, nuisance.record, settings, pool)
+    known = yield from later(fitted, "errors by what free rows hold", partial(with_nuisance, fitted, nuisance))
+    return known, nuisance.record, whole
 
 
 def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisance | None:

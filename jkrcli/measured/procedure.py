@@ -26,6 +26,7 @@ from .alternative_tests import SCORE_TIED
 from .alternatives import ADHESION, TIP
 from .checks import warnings_of
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
+from .force_curve import ForceCurveFit
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
 from .least_squares import (
     Intervals,
@@ -43,7 +44,17 @@ from .lockstep import Flow, alone, together
 from .nuisance import fit_settled
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import TableAlternatives, alternatives_of, missed_pull_off
-from .record import REJECTED, RESTS, beside, beyond_the_record, contact_rows, differ, raw_force_curve
+from .record import (
+    REJECTED,
+    RESTS,
+    beside,
+    beyond_the_record,
+    contact_rows,
+    differ,
+    fitted_whole,
+    outcome_of,
+    raw_force_curve,
+)
 from .result import Fit, Further, JKRBeside, attempted, later, left_out, without
 from .rows import (
     COLUMNS,
@@ -322,8 +333,9 @@ def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = 
 
 def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Flow[Fit]:
     try:
-        fitted = yield from _completed((yield from _fit(body, curve, settings, pool)), body, curve)
-        other = partial(with_other_profile, fitted, body, curve, settings)
+        fitted, whole = yield from _fit(body, curve, settings, pool)
+        fitted = yield from _completed(fitted, body, curve)
+        other = partial(with_other_profile, fitted, body, curve, settings, whole)
         return (yield from later(fitted, "the other profile of the same radius", other))
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
@@ -443,12 +455,16 @@ def with_strains(fitted: Fit, body: FittedBody) -> Fit:
     return replace(fitted, estimates=tuple(moving))
 
 
-def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Settings) -> Fit:
+def with_other_profile(
+    fitted: Fit, body: FittedBody, curve: Curve, settings: Settings,
+    whole: tuple[ForceCurve, ForceCurveFit] | None = None,
+) -> Flow[Fit]:  # fmt: skip
     """The fit with E* and w by the other profile of the same radius, where they differ by more than their errors; that
-    fit, where the data reject this one for the shape of its tip, and not the other.
+    fit, where the data reject this one for the shape of its tip, and not the other. ``whole``: of a raw record what was
+    fitted, and the fit of all its directions.
 
     The literature's JKR is that of the paraboloid r^2/(2R), a ball is an exact sphere: beyond a/R of 0.3 they differ by
-    more than many errors. Fitted again only there, and not for the curves of a map.
+    more than many errors. Fitted again only there, from this fit on, and not for the curves of a map.
     """
     indenter, largest = body.problem.indenter, float(np.max(fitted.a, initial=0.0))
     R = indenter.tip_radius
@@ -457,25 +473,25 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
     if largest < FLAT * R or indenter.material is not None:
         return fitted
     own, name = ("exact sphere", "paraboloid") if isinstance(indenter, Sphere) else ("paraboloid", "exact sphere")
+    named = () if fitted.verdict is None or REJECTED not in fitted.flags else fitted.verdict.alternatives.named
     try:
         other = body.under(Paraboloid(R) if isinstance(indenter, Sphere) else Sphere(R), largest)
-        again = alone(_fit(other, curve, settings, None))
+        found, noise = yield from _by_profile(fitted, other, curve, settings, whole)
+        # What another law of adhesion takes of the misfit as well as the other profile does may be the cause
+        falls = fitted.rows.size * ((fitted.scales.get("P", 0.0) / noise) ** 2 - 1)
+        by_adhesion = any(one.family == ADHESION and one.taken > falls - SCORE_TIED for one in named)
+        by_tip = any(one.family == TIP for one in named) and not by_adhesion
+        again = (yield from _fit(other, curve, settings, None))[0] if by_tip else None
     except JkrError:
         return fitted
-    named = () if fitted.verdict is None or REJECTED not in fitted.flags else fitted.verdict.alternatives.named
-    # What another law of adhesion takes of the misfit as well as the other profile does may be the cause
-    falls = fitted.rows.size * ((fitted.scales.get("P", 0.0) / again.scales.get("P", math.inf)) ** 2 - 1)
-    by_adhesion = any(one.family == ADHESION and one.taken > falls - SCORE_TIED for one in named)
-    by_tip = any(one.family == TIP for one in named) and not by_adhesion
-    if by_tip and not {REJECTED, "misfit"} & {*again.flags}:
+    if again is not None and not {REJECTED, "misfit"} & {*again.flags}:
         E_star, work = fitted.estimate("E_star"), fitted.work
         values = f"E* = {show(E_star.value, 'modulus')}, {work.name} = {show(work.value, 'work')}"
         words = f"the {name} of the same radius, which describes the record; the {own} does not and would give {values}"
-        again = alone(_completed(again, other, curve))
+        again = yield from _completed(again, other, curve)
         return replace(again, tip=words, warnings=(f"E* and w are of {words}: choose --shape", *again.warnings))
-    found = {item.name: item for item in again.estimates}
     pairs = [
-        (item, found[item.name])
+        (item, replace(item, value=found[item.name]))
         for item in fitted.estimates
         if item.name in ("E_star", "w", "w_approach") and item.error and item.name in found
     ]
@@ -486,6 +502,21 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
     values = ", ".join(f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension)}" for item in others)
     words = f"by the {name} of the same radius {values} (a/R up to {largest / R:.2g}): choose --shape"
     return replace(fitted, tip="; ".join(filter(None, (fitted.tip, words))))
+
+
+def _by_profile(
+    fitted: Fit, other: FittedBody, curve: Curve, settings: Settings, whole: tuple[ForceCurve, ForceCurveFit] | None
+) -> Flow[tuple[Mapping[str, float], float]]:
+    """E* and w on the ``other`` body, and the scatter of loads about its curve [N]."""
+    if whole is None or settings.range is not None:
+        again, _ = yield from _fit(other, curve, settings, None)
+        return {item.name: item.value for item in again.estimates}, again.scales.get("P", math.inf)
+    record, best = whole
+    if any(item.name == "E_star_approach" for item in fitted.estimates):  # beside the answer of the retraction
+        settings = replace(settings, segment="retract")
+    found = yield from fitted_whole(other, record, settings, best)
+    values = outcome_of(found, found.x, other)
+    return {**values, "E_star": values["modulus"] * other.problem.E_star}, found.sigma
 
 
 @dataclass(frozen=True, eq=False)
@@ -534,10 +565,18 @@ def preparing(body: FittedBody, curve: Curve, settings: Settings) -> Flow[Prepar
     return Prepared(curve, points, settings, requested, (*curve.flags[len(original.flags) :], *words))
 
 
-def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Flow[Fit]:
+def _fit(
+    body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None
+) -> Flow[tuple[Fit, tuple[ForceCurve, ForceCurveFit] | None]]:
+    """The fit of a curve; of a raw record also what was fitted, and the fit of all its directions."""
     ready = yield from preparing(body, curve, settings)
-    if isinstance(ready, ForceCurve):
-        return (yield from fit_settled(body, ready, settings, pool))
+    if not isinstance(ready, ForceCurve):
+        return (yield from _of_table(body, ready, pool)), None
+    fitted, record, best = yield from fit_settled(body, ready, settings, pool)
+    return fitted, (record, best)
+
+
+def _of_table(body: FittedBody, ready: Prepared, pool: Pool | None) -> Flow[Fit]:
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)
@@ -589,7 +628,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         return result
 
     def of_each() -> Fit:
-        into, back = (alone(_fit(body, curve, replace(ready.requested, segment=kind), pool)) for kind in EDGES)
+        into, back = (alone(_fit(body, curve, replace(ready.requested, segment=kind), pool))[0] for kind in EDGES)
         moduli = [one.estimate("E_star") for one in (into, back)]
         error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
         return beside(back, into, result) if differ(moduli[0].value, moduli[1].value, error) else result

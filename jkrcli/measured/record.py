@@ -863,8 +863,11 @@ RECORD_RECEDES = (1.05, 1.2, 1.6)  # tuned on curves of large noise, by `make di
 RECORD_BEFORE = 0.4  # tuned on the same, by `make dirt`: of it, w of the approach
 
 
-def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Flow[Fit]:
-    """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
+def fit_record(
+    body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None
+) -> Flow[tuple[Fit, ForceCurveFit]]:
+    """Modulus, w, contact point and base lines of a whole record, and the fit of all its directions; InputError where
+    it holds no contact.
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
     ``pool``: for the samples of its bootstrap.
@@ -892,20 +895,20 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
 
     whole, joint = yield from of(*kinds)
     if not joint.ended:
-        return result_of(whole, joint)
+        return result_of(whole, joint), joint
     _refuse_undetermined(curve, joint)
     if settings.range is not None:
         fresh = _model(whole, record, settings, waves, kinds)
-        return _with_range(FittedRecord(whole, joint), fresh, settings, result_of)
+        return _with_range(FittedRecord(whole, joint), fresh, settings, result_of), joint
     result = result_of(whole, joint)
     apart = partial(_of_directions, of, result_of, joint, result)
     result = yield from later(result, "each direction by its own modulus", apart)
     plain = yield from later(result, "alternative models", partial(attach_verdict, result, whole, joint))
     if settings.model != AUTO:
-        return plain
+        return plain, joint
     fresh = _model(whole, record, settings, waves, kinds)
     best = partial(replace_by_best_alternative, plain, whole, joint, fresh, partial(result_of, whole))
-    return (yield from later(plain, "fits of alternative models", best))
+    return (yield from later(plain, "fits of alternative models", best)), joint
 
 
 def _with_range(jkr: FittedRecord, fresh: ForceCurveModel, settings: Settings, result_of: Callable[..., Fit]) -> Fit:

@@ -15,7 +15,6 @@ import math
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -30,13 +29,16 @@ from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.measured import force_curve, record
-from jkrcli.measured.alternative_tests import RecordAlternatives, alternatives_of_records, bounds, relative_errors
-from jkrcli.measured.alternatives import ALTERNATIVES, AMOUNT, ChangedModel, FittedRecord, Perturbation
+from jkrcli.measured.alternative_fits import record_alternatives
 from jkrcli.measured.curve import Curve
+from jkrcli.measured.fitted_record import FittedRecord
 from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.hypotheses import ALTERNATIVES
 from jkrcli.measured.lockstep import Flow, alone
+from jkrcli.measured.model_changes import AMOUNT, ChangedModel
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.result import Fit
+from jkrcli.measured.score_tests import RecordAlternatives, relative_errors
 from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 
@@ -81,24 +83,17 @@ def fitted(kind: str, made: Wrong, **options: Any) -> Fit:
 
 def timed_scores() -> None:
     """Counts the time of the scores apart, and keeps what was judged first of each fit."""
-    plain = alternatives_of_records
 
-    def scores(records: Sequence[FittedRecord]) -> list[RecordAlternatives | Exception]:
+    def timed(at: FittedRecord) -> Flow[RecordAlternatives]:
         begin = time.process_time()
-        found = plain(records)
+        found = alone(record_alternatives(at))
         spent[1] += time.process_time() - begin
         if not last:  # the fit of the tip that was asked for; one by the other profile may follow
-            last[:] = [records[0].body, records[0].fit, found[0]]
-        return found
-
-    def timed(record: FittedRecord, alternatives: RecordAlternatives) -> Flow[RecordAlternatives]:
-        begin = time.process_time()
-        found = alone(bounds(record, alternatives))
-        spent[1] += time.process_time() - begin
+            last[:] = [at.body, at.fit, found]
         yield from ()
         return found
 
-    vars(record).update(alternatives_of_records=scores, bounds=timed)
+    vars(record).update(record_alternatives=timed)
 
 
 def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
@@ -179,8 +174,8 @@ def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
     score = next((one for one in alternatives.scores if one.name == name), None)
     if score is None or alternatives.named or score.most == 0:
         return
-    change = next(one for one in ALTERNATIVES if one.name == name).effect(at)
-    assert isinstance(change, Perturbation)
+    change = next(one for one in ALTERNATIVES if one.name == name).change(at)
+    assert change is not None
     upward = np.linspace(0.4, 1, 4) * score.most  # E* moves most at a range below that which moves w most
     moves = []
     for amount in (*upward, *-upward[upward * score.least < 0]):

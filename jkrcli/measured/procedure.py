@@ -22,12 +22,11 @@ from ..bodies.problem import RADIUS, changed, checked_names
 from ..methods.radii import ROOM
 from ..resolve.resolve import sticking_effect, sticking_warnings
 from ..series.vocabulary import NO_UNIT
-from .alternative_tests import SCORE_TIED
-from .alternatives import ADHESION, TIP
 from .checks import warnings_of
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from .force_curve import ForceCurveFit
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
+from .hypotheses import ADHESION, TIP
 from .least_squares import (
     Intervals,
     State,
@@ -73,6 +72,7 @@ from .rows import (
     robust,
     search,
 )
+from .score_tests import SCORE_TIED
 from .segmentation import PERMANENT_SET as SET
 from .segmentation import SUBTRACTED_TWICE, ForceCurve, segment_force_curve, with_zero_points
 from .settings import CALIBRATED, RANGES, TENSION, Settings

@@ -29,32 +29,17 @@ from ..base.numerics import (
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..methods.radii import ROOM
-from .alternative_tests import (
-    SCORE_TIED,
+from .alternative_fits import (
     AlternativeFit,
-    FittedAlternative,
-    RecordAlternatives,
-    Verdict,
-    alternatives_of_records,
-    bounds,
     fall_of,
     fit_alternatives,
-    relative_errors,
+    record_alternatives,
     with_free_range,
     with_range_of,
 )
-from .alternatives import (
-    AMOUNT,
-    MEMORY,
-    OF_ALTERNATIVES,
-    FittedRecord,
-    Known,
-    amount_of_range,
-    finite_range,
-    range_of,
-)
 from .checks import warnings_of
 from .curve import APPROACH, RETRACT, TURNED, Curve
+from .fitted_record import FittedRecord, Known
 from .force_curve import (
     FIT_ENOUGH,
     TIMED,
@@ -70,11 +55,14 @@ from .force_curve import (
     windowed,
 )
 from .forward_model import FittedBody
+from .hypotheses import MEMORY, OF_ALTERNATIVES, amount_of_range, finite_range, range_of
 from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
-from .lockstep import Flow, alone, ask, together
+from .lockstep import Flow, alone, together
+from .model_changes import AMOUNT
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit, JKRBeside, later, without
 from .rows import noise_from_third_differences
+from .score_tests import SCORE_TIED, FittedAlternative, RecordAlternatives, Verdict, relative_errors
 from .segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from .settings import AUTO, CALIBRATED, RANGES, Settings
 
@@ -266,8 +254,7 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fi
     settings = result.settings
     told = math.isfinite(settings.range_at_most)
     record = FittedRecord(body, fit, Known(settings.longest_range, settings.tension_at_most, settings.level, told))
-    scores = yield from ask(alternatives_of_records, record)
-    alternatives = yield from bounds(record, scores)
+    alternatives = yield from record_alternatives(record)
     new = {name: sentence for name, sentence in _flags(alternatives, fit) if name not in result.flags}
     estimates = tuple(_with_part(item, alternatives) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())

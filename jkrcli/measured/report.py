@@ -27,14 +27,16 @@ from ..resolve.analysis import Analysis, adhesive
 from ..resolve.histories import Rough, rough
 from ..series import Solution
 from ..tables import some
-from . import alternative_tests, alternatives, range_alternative, text_formats
 from . import files as measured
+from . import range_alternative, text_formats
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
 from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
+from .hypotheses import OF_ALTERNATIVES
 from .joint import JointFit
 from .parameters import FittedValue
 from .procedure import Failure
 from .result import Fit, JKRBeside
+from .score_tests import FittedAlternative
 from .segmentation import Direction, ForceCurve, saturation_words, segment_force_curves
 from .surface_tension import TensionFit
 from .work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
@@ -359,9 +361,9 @@ def _parts(item: FittedValue, level: float) -> dict[str, float]:
     return {kind: size for kind, size in parts.items() if size > NOTICEABLE * own}
 
 
-def parameter_words(one: alternative_tests.FittedAlternative) -> str:
+def parameter_words(one: FittedAlternative) -> str:
     """What else an alternative in full tells, in words."""
-    values = (f"{name} {show(value, alternatives.OF_ALTERNATIVES[name], 3)}" for name, value in one.quantities.items())
+    values = (f"{name} {show(value, OF_ALTERNATIVES[name], 3)}" for name, value in one.quantities.items())
     return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
 
 
@@ -404,7 +406,7 @@ def _verdict(item: Fit) -> dict[str, Any]:
         "in_full": [{
             "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
             **quantities(one, "E_star w"),
-            **{with_unit(name, alternatives.OF_ALTERNATIVES[name]): value for name, value in one.quantities.items()},
+            **{with_unit(name, OF_ALTERNATIVES[name]): value for name, value in one.quantities.items()},
         } for one in verdict.fitted],
         "misfit": verdict.alternatives.misfit / verdict.alternatives.dof,
         "free_rows_tell_the_noise": verdict.alternatives.loose > 0,

@@ -8,11 +8,11 @@ from typing import TypeVar
 
 from ..base.errors import JkrError, Unknown
 from ..base.numerics import Array
-from .alternative_tests import Verdict
 from .curve import Pixel
 from .least_squares import Structure
 from .lockstep import Flow
 from .parameters import Answer, FittedValue
+from .score_tests import Verdict
 from .settings import Settings
 
 Found = TypeVar("Found")

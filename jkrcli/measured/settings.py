@@ -12,6 +12,7 @@ from ..base.errors import InputError
 from ..base.numerics import LEVEL
 from ..base.units import Force, Length, Named, Ranged, Tension, texts_of
 from ..bodies.problem import RADIUS, checked_names
+from . import priors
 from .forward_model import FittedBody
 from .parameters import (
     ALIAS,
@@ -37,7 +38,6 @@ TENSION = "surface_tension"  # a bound of what is left out
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
 CALIBRATED = ("stiffness", "sensitivity")  # of a device, relative: what its loads are made from
 USUALLY_FREE = ("modulus", "w", "delta0")
-LONGEST_RANGE = 10e-9  # choice: [m], of adhesion, that is likely; of molecules in dry contact 1 nm, of hairs more
 LEFT_OUT = ("range", TENSION)  # of adhesion and of the solid, where JKR is fitted: known up to a largest value
 BETWEEN = ".."  # the ends of bounds
 
@@ -60,7 +60,7 @@ class Settings:
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
     ``model`` of a raw record: "auto" fits the best alternatives in full where the data favour one.
     ``named``: the parameters that the user frees or fixes. ``range_at_most`` [m]: what is known of the range of
-    adhesion where JKR is fitted, else ``LONGEST_RANGE`` is likely; ``tension_at_most`` [N/m]: of a surface tension that
+    adhesion where JKR is fitted, else its prior's width is likely; ``tension_at_most`` [N/m]: of a surface tension that
     is left out.
     """
 
@@ -120,7 +120,7 @@ class Settings:
     @property
     def longest_range(self) -> float:
         """The longest range of adhesion [m] that is known to be possible, or likely."""
-        return self.range_at_most if math.isfinite(self.range_at_most) else LONGEST_RANGE
+        return self.range_at_most if math.isfinite(self.range_at_most) else priors.PRIORS[priors.RANGE].width
 
     def of_a_cycle(self, both: bool) -> Settings:
         """The same of a way back, whose radius at the turn is free too, or of ``both`` directions with w of the

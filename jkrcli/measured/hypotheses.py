@@ -1,0 +1,841 @@
+"""Hypotheses on what the model of a raw record leaves out, each as a change of the model by an amount.
+
+``ALTERNATIVES`` is the list: an entry is a name, its family, what its amount is, its change, and how much of it is
+likely before the data (``priors.py``). A change is made by a function of the fitted record, which stands here with the
+equation; what types there are is in ``model_changes.py``. The data are asked for each by its score (``scores.py``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import Any, TypeAlias, cast
+
+import numpy as np
+
+from ..adhesion.curve import Nonadhesive
+from ..adhesion.device_path import Program
+from ..adhesion.validity import EXCESS, LIMITS, STRAINED
+from ..base.errors import InputError
+from ..base.numerics import (
+    MOST_STEPS,
+    REMEMBERED,
+    SAME,
+    SETTLED,
+    UNSEEN,
+    Array,
+    PiecewiseCubic,
+    cubic_spline,
+    median,
+)
+from ..base.wings import is_offered, offered
+from ..bodies.problem import (
+    HalfSpace,
+    Layer,
+    Loading,
+    PowerRelaxation,
+    Relaxation,
+    Rigid,
+    Specimen,
+    StandardSolid,
+    without_side_walls,
+)
+from ..methods.radii import DENSE
+from .branches import rest
+from .curve import APPROACH
+from .fitted_record import CHANGE_SMALL, FittedRecord, Values
+from .force_curve import (
+    SLOW_EDGE_WIDEST,
+    DirectionReadings,
+    ForceCurveFit,
+    ForceCurveModel,
+    Loads,
+    base_line,
+    creep,
+    hysteresis,
+    load_at,
+    receding,
+)
+from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
+from .model_changes import (
+    AMOUNT,
+    LITTLE,
+    BodyChange,
+    Change,
+    ChangedModel,
+    LoadsChange,
+    OfStretch,
+    PositionChange,
+    ShapeChange,
+    StiffnessChange,
+    by_groups,
+)
+from .priors import LONG, PRIORS, RANGE, TENSION, UNLIKELY, Prior
+
+# How far hypotheses are followed.
+CHANGE_LARGEST = 6.0  # choice: amount up to which alternatives are searched where theory sets no limit
+CHANGE_BEYOND = 1.5  # choice: over the largest depth or contact radius of a record, where changed bodies end
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _radii(family: Family) -> Array:
+    """Contact radii [m] at the nodes of its grid."""
+    return np.exp(grid(family))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def log_ratio(other: Family, family: Family) -> Array:
+    """Logs (4, n) of D, T, H, V of an ``other`` body over a ``family``'s, on its grid; constant where one ends."""
+    inside = np.clip(grid(family), max(family.low, other.low), min(family.high, other.high))
+    ratio: Array = np.log(other.at(inside)[0] / family.at(inside)[0])
+    return ratio
+
+
+# --------------------------------------------------------------------------------------------------
+# Alternatives of adhesion in a raw record: w over the contact radius or over the speed of the edge, and adhesion of a
+# range.
+#
+# With r = sqrt(w/s) the contact has delta = D - r T and P = s (H - r V): a change of w is one of the logs of T and V.
+
+# Which ranges and laws of w are searched.
+# choice: Tabor numbers, to begin with: chi^2 has two valleys over the range, the longer one about a factor 1.4 wide
+ADHESION_TABOR = (3.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06, 0.03)
+ADHESION_ENDLESS = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
+ADHESION_NARROW = 0.5  # choice: of the contact radius, a ring between narrow and wide
+ADHESION_EVERY = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
+ADHESION_SETTLED = 1e-6  # theory: such a step by Newton's method, whose errors are squared: the next is round-off
+# choice: rise of w at the usual speed of the edge and power of the speed, to begin with
+ADHESION_SPEEDS = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
+# choice: of the speed of the edge, that are searched; measured 0.1 to 1
+ADHESION_POWERS = (0.1, 1.5)
+
+
+POWER = "n"
+
+
+def work_over_radius(record: FittedRecord) -> Change | None:
+    """ln w of the last direction rises by the amount times (a_max - a)/(a_max - a_min): T and V by half of it. The w of
+    the record is then that at a_min, at pull-off."""
+    a = record.radii[-1][0]
+    if not record.work or not (a > 0).any():
+        return None
+    a_max, a_min = record.a_max, float(a[a > 0].min())
+
+    def logs(family: Family, values: Values) -> Array:
+        place = (a_max - _radii(family)) / max(a_max - a_min, LITTLE * a_max)
+        half, zero = values[AMOUNT] / 2 * np.maximum(place, -1.0), np.zeros_like(place)
+        return np.stack([zero, half, zero, half])
+
+    name, most = f"q:{record.model.stretches[-1].kind}", CHANGE_LARGEST
+    quantities = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
+    return BodyChange(of=logs, where="last", limits={AMOUNT: (-most, most)}, quantities=quantities)
+
+
+def work_over_speed(record: FittedRecord) -> Change | None:
+    """w of the retraction over the speed v of its edge. The column is that of w (v/v_m)^amount, dP/d(ln w) ln(v/v_m)
+    with v_m the median; in full w = w0 (1 + amount (v/v_m)^n)."""
+    part = record.retraction
+    name = "" if part is None else f"q:{part.kind}"
+    if part is None or name not in record.fit.names:
+        return None
+    a, rests = record.radii[-1]
+    moves = (a > 0) & ~rests
+    if (speeds := _log_speeds(part.z[moves], a[moves])) is None:
+        return None
+    middle, logs = speeds
+    typical, log = math.exp(middle), np.zeros(record.a.size)  # v_m over the speed of the device
+    log[record.rows(part, moves)] = logs
+
+    def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        s, q = math.exp(values["ln_s"]), max(values[f"q:{part.kind}"], LITTLE**3 * model.most)
+        turn, n = part.turn - values["z0"], values[POWER]
+        resting = rest(model.family, s, root_of(values, model.stretches[0].kind), math.sqrt(q), model.k, turn)
+        law = max(values[AMOUNT], LITTLE**2) * typical**-n, n
+        path = receding(model.family, s, q, model.k, law, resting, turn)
+        return np.where(part.touching, load_at(path, resting, turn, model.depth(part, values)), 0.0)
+
+    return LoadsChange(
+        loads=loads, where="last", coupled=True, column=record.by_unknown(name) * record.values[name] * log,
+        names=(AMOUNT, POWER), starts=ADHESION_SPEEDS, limits={AMOUNT: (0.0, 1e3), POWER: ADHESION_POWERS},
+        quantities=lambda values: {name: values[name] for name in (AMOUNT, POWER)},
+    )  # fmt: skip
+
+
+def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
+    """Logs of the speed of the edge over that of the device, da/dz as the device moves evenly: their median, and those
+    of all rows less it; None where no position has a neighbour on either side."""
+    steps, positions = np.diff(z), z
+    if repeats := not (steps > 0).all():  # readings of a position
+        positions, rows = np.unique(z, return_index=True)
+        a, steps = a[rows], np.diff(positions)
+    if positions.size < 3:
+        return None
+    # slopes of the parabolas through three neighbours, at the ends of the straight lines through two
+    secants = np.diff(a) / steps
+    inner = (steps[1:] * secants[:-1] + steps[:-1] * secants[1:]) / (steps[1:] + steps[:-1])
+    log = np.log(np.maximum(np.abs(np.concatenate([secants[:1], inner, secants[-1:]])), 1e-9))
+    middle = median(log)
+    log -= middle
+    return middle, np.interp(z, positions, log) if repeats else log
+
+
+def root_of(values: Values, kind: str) -> float:
+    """r = sqrt(w/s) of a direction."""
+    return values.get(f"r:{kind}", math.sqrt(max(values[f"q:{kind}"], 0.0)))
+
+
+def finite_range(record: FittedRecord) -> Change | None:
+    """Adhesion of the range z0: the amount is z0^2 over that of the range whose ring of attraction is narrow (Maugis,
+    J. Colloid Interface Sci. 150 (1992) 243, of a half-space; of other bodies near the edge only)."""
+    if not record.work:
+        return None
+    E_star = record.body.problem.E_star
+    return RangeChange(
+        of=lambda _, values: (math.exp(values["ln_s"]) * E_star, range_of(record, values[AMOUNT])), where="each",
+        coupled=True, starts=tuple((amount_of_range(record, record.neck / mu),) for mu in ADHESION_TABOR),
+        limits={AMOUNT: (0.0, amount_of_range(record, ADHESION_ENDLESS * record.neck))},
+        quantities=lambda values: {"range": range_of(record, values[AMOUNT])},
+    )  # fmt: skip
+
+
+def amount_of_range(record: FittedRecord, z0: float) -> float:
+    """The amount of a range [m]: in proportion to its square while it is short, and finite where it is endless."""
+    size = (z0 / record.narrow_range) ** 2
+    return size / (1 + size / (record.neck / record.narrow_range) ** 2)
+
+
+def range_of(record: FittedRecord, amount: float) -> float:
+    """The range [m] of an amount."""
+    least = (record.neck / record.narrow_range) ** 2  # of an endless range
+    return record.narrow_range * math.sqrt(amount / (1 - amount / least)) if amount < least else math.inf
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RangeChange(BodyChange):
+    """A ring of attraction around the contact of each stretch, of E* [Pa] and the range [m] that ``of`` gives."""
+
+    @staticmethod
+    def logs(asked: Sequence[OfStretch]) -> Sequence[Array]:
+        changes, rings = np.zeros((len(asked), FUNCTIONS, grid(asked[0].plain.family).size)), []
+        for i, (change, plain, part, values) in enumerate(asked):
+            E, z0 = change.of(plain.family, values)
+            if (w := values[f"q:{part.kind}"] * math.exp(values["ln_s"])) > 0 and 0 < z0 < math.inf:
+                rings.append((i, plain.family, E, z0, w))
+        if rings:
+            places, *each = zip(*rings, strict=True)
+            changes[list(places), 1::2] = _maugis(*each)
+        return list(changes)
+
+
+def _maugis(families: Sequence[Family], *each: Sequence[float]) -> Array:
+    """Changes of the logs of T and V (rings, 2, n) of bodies of E* [Pa] with the range z0 [m] of w [J/m^2]: the stress
+    sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2 sigma
+    a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
+    E, z0, w = np.array(each)[..., None]
+    a, D = np.stack([_ring_nodes(family) for family in families], axis=1)
+    sigma = w / z0
+    m = _rim(a, D, E, w, sigma)
+    root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
+    shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
+    pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
+    changes: Array = np.stack([np.log(shift), np.log(pull)], axis=1) @ _splines(grid(families[0]).size)
+    return changes
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _ring_nodes(family: Family) -> Array:
+    """Contact radii and displacements without adhesion at which rings are solved, (2, some)."""
+    return np.stack([_radii(family), on_grid(family)[0, 0]])[:, ::ADHESION_EVERY]
+
+
+@lru_cache
+def _splines(size: int) -> Array:
+    """Values at ``size`` even nodes of the cubic splines through 1 at one of every ``ADHESION_EVERY`` nodes and 0 at
+    the others of these, (some, size)."""
+    nodes = np.arange(size)
+    some = nodes[::ADHESION_EVERY]
+    splines: Array = cubic_spline(some, np.eye(some.size))(nodes).T
+    return splines
+
+
+def _rim(a: Array, D: Array, E: Array, w: Array, sigma: Array) -> Array:
+    """Ratio m of outer to inner radius of the ring whose stress ``sigma`` releases ``w``. With t = sqrt(m^2 - 1) and c
+    = arccos(1/m), 1 = 4 sigma^2 a/(pi E* w) (t c - m + 1) + sigma D/(pi w) (t + (m^2 - 2) c); by Newton's method for
+    the log of the right-hand side over that of m - 1, nearly straight; from its limits, of narrow rings and
+    of wide ones."""
+    own, pressed = 4 * sigma**2 / (math.pi * E * w) * a, sigma / (math.pi * w) * D
+    near = 1 / (own + (math.sqrt(128) / 3 * pressed) ** (2 / 3))
+    far = 2 / ((math.pi / 2 - 1) * own + np.sqrt(((math.pi / 2 - 1) * own) ** 2 + 2 * math.pi * pressed))
+    x, goes_on = np.where(near < ADHESION_NARROW, near, np.maximum(far, ADHESION_NARROW)), np.ones((len(a), 1))
+    for _ in range(MOST_STEPS):
+        m = 1 + x
+        root = np.sqrt(x * (2 + x))
+        angle = np.arctan(root)
+        released = own * (root * angle - x) + pressed * (root + (m**2 - 2) * angle)
+        rate = own * (m * angle / root + 1 / m - 1) + pressed * (m / root + 2 * m * angle + (m - 2 / m) / root)
+        step = -released / (x * rate) * np.log(released) * goes_on
+        x *= np.exp(np.clip(step, -SLOW_EDGE_WIDEST, SLOW_EDGE_WIDEST))
+        goes_on *= np.abs(step).max(axis=1, keepdims=True) >= ADHESION_SETTLED  # each by itself
+        if not goes_on.any():
+            break
+    return 1 + x
+
+
+def long_range(record: FittedRecord) -> Change | None:
+    """From JKR to adhesion that pulls from so far that it deforms nothing (Derjaguin, Muller and Toporov, J. Colloid
+    Interface Sci. 53 (1975) 314), at equal w: P = P_H(delta) - 2 pi w R. In full it is a finite range."""
+    R, k = record.body.problem.indenter.tip_radius, record.model.k
+    if R is None or not record.work:
+        return None
+    D, _, H, _ = on_grid(record.model.family)[0]
+    qs = [np.full(part.P.size, max(record.values[f"q:{part.kind}"], 0.0)) for part in record.model.stretches]
+    P_H = np.interp(record.depth - record.loads / k, D, H, left=0.0)
+    change = record.modulus * (P_H - 2 * math.pi * R * np.concatenate(qs)) - record.loads
+    return Change(column=np.where(record.a > 0, change * record.at_fixed_position, 0.0))
+
+
+# --------------------------------------------------------------------------------------------------
+# Alternatives of body and tip in a raw record: layers, a modulus over the depth, profiles, slip, surface tension,
+# strains.
+#
+# Each is another body, by how the logs of its functions D = delta_H, T, H = P_H and V of the contact radius change:
+# of tips by D, of moduli by the contact stiffness S, as dP_H = S d(delta_H).
+
+# Bodies of which columns are taken, and which are searched.
+BODY_THICK = 3.0  # choice: of the largest contact radius, the layer that a half-space is compared with
+# of its thickness, radii it is solved at; theory: up to a contact of 0.44
+BODY_UNDER = (3e-3, 0.5)
+BODY_DECADES = 4  # choice: such layers to a decade of thickness, so that many curves share one solve
+BODY_NEIGHBOUR = 0.02  # choice: of thickness and nu, for differences of two bodies
+BODY_THIN = 4.0  # choice: contact radii over the thickness up to which a layer is searched
+BODY_THICKNESSES = (0.3, 1.0)  # choice: contact radii over it, to begin with
+BODY_SOFTEST = -0.6  # theory: S' stays above 0 up to ``CHANGES.beyond``
+BODY_BLUNTEST = -1.5  # theory: profiles that rise, exponent 1/2
+BODY_FLATTEST = -3.0  # theory: profiles that rise up to a/R = 1
+BODY_PROFILES = (-1.0, -0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
+BODY_FINEST = 4.0  # theory: of kappa, below which the expansion for small kappa is not used
+
+
+EULER = float(np.euler_gamma)
+
+
+def layer_below(record: FittedRecord) -> Change | None:
+    """A half-space as a layer on a rigid base at the depth a_max/amount."""
+    specimen, a_max = record.body.problem.specimen, record.a_max
+    if specimen.layers or specimen.radius is not None or not isinstance(specimen.base, HalfSpace):
+        return None
+    h = 10 ** (round(math.log10(BODY_THICK * a_max) * BODY_DECADES) / BODY_DECADES)
+    changes = log_ratio(_on_rigid(record.body, h, BODY_UNDER[1]), record.model.family) * h / a_max
+    return _on_base(record.body, a_max, a_max, changes)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
+    """The body's half-space as a layer of thickness ``h`` [m] on a rigid base, up to ``most`` times that."""
+    specimen = body.problem.specimen
+    assert isinstance(specimen.base, HalfSpace)
+    problem = replace(without_side_walls(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
+    most = min(most, FAMILY_BELOW_LIMIT * problem.indenter.r_max / h)
+    radii = tuple((h * np.geomspace(BODY_UNDER[0], most, DENSE)).tolist())
+    return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
+
+
+def _on_base(body: FittedBody, a_max: float, h: float, per_amount: Array | None = None) -> Change:
+    """The same in full, by the curves of one thickness ``h`` [m]: those of others are the same over a/h, but for the
+    tip's shape, so that the change is made anew about what it leads to."""
+
+    @lru_cache(maxsize=1)
+    def ratios(family: Family) -> PiecewiseCubic:
+        """Logs of D, T, H, V over those of the half-space, over ln(a/h)."""
+        layer = _on_rigid(body, h, BODY_THIN)
+        u = np.linspace(layer.low, layer.high, DENSE)
+        return cubic_spline(u - math.log(h), np.log(layer.at(u)[0] / family.at(u)[0]).T)
+
+    def logs(family: Family, values: Values) -> Array:
+        spline = ratios(family)
+        log = grid(family) + math.log(max(values[AMOUNT], LITTLE**2) / a_max)
+        thick = np.exp(np.minimum(log - spline.x[0], 0.0))  # in proportion to a/h below
+        return thick * spline(np.clip(log, spline.x[0], spline.x[-1])).T
+
+    return BodyChange(
+        of=logs, per_amount=per_amount, starts=tuple((amount,) for amount in BODY_THICKNESSES),
+        limits={AMOUNT: (0.0, BODY_THIN)},
+        quantities=lambda values: {"thickness": a_max / max(values[AMOUNT], LITTLE**2)},
+        recentred=lambda fit: _on_base(body, a_max, a_max / max(fit.value(AMOUNT), LITTLE)),
+    )  # fmt: skip
+
+
+def of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None:
+    """The relative change of a quantity of the layer in contact, h or nu, this towards 1/2 at most; between bodies that
+    are solved at even steps of it."""
+    body, step = record.body, BODY_NEIGHBOUR
+    if not body.own_parameters or not body.problem.specimen.layers:
+        return None
+    name = f"{symbol}:{body.layer_names[0]}"
+    nominal = body.nominal(name)
+    most = (0.5 - UNSEEN) / nominal - 1 if symbol == "nu" else CHANGE_LARGEST
+
+    def at_node(i: int) -> Family:
+        return body.with_values({name: nominal * (1 + min(i * step, most))}).family
+
+    def logs(family: Family, values: Values) -> Array:
+        i = math.floor(values[AMOUNT] / step)
+        part = values[AMOUNT] / step - i
+        return (1 - part) * log_ratio(at_node(i), family) + part * log_ratio(at_node(i + 1), family)
+
+    return BodyChange(
+        of=logs, per_amount=log_ratio(at_node(-1), record.model.family) / -step,
+        limits={AMOUNT: (1 / (1 + CHANGE_LARGEST) - 1, most)},
+        quantities=lambda values: {quantity: nominal * (1 + values[AMOUNT])},
+    )  # fmt: skip
+
+
+def graded(record: FittedRecord) -> Change:
+    """ln S rises by the amount times a/a_max."""
+
+    def shape(family: Family, values: Values) -> tuple[Array, Array]:
+        place = np.minimum(_radii(family) / record.a_max, CHANGE_BEYOND)
+        return np.zeros_like(place), values[AMOUNT] * place
+
+    return ShapeChange(of=shape, limits={AMOUNT: (BODY_SOFTEST, CHANGE_LARGEST)})
+
+
+def exponent(record: FittedRecord) -> Change:
+    """A profile of exponent 2 + amount, as deep as the tip at a_max: ln D rises by the amount times ln(a/a_max)."""
+    log = math.log(record.a_max)
+    return ShapeChange(
+        of=lambda family, values: _of_tip(values[AMOUNT] * (grid(family) - log)), recentred=_exponent_at_turn,
+        starts=tuple((amount,) for amount in BODY_PROFILES), limits={AMOUNT: (BODY_BLUNTEST, CHANGE_LARGEST)},
+        quantities=lambda values: {"exponent": 2 + values[AMOUNT]},
+    )  # fmt: skip
+
+
+def _exponent_at_turn(fit: ForceCurveFit) -> Change:
+    """The same about the contact radius at the turn, which follows the unknowns: its error is one of E*."""
+    part, values, model = fit.model.stretches[0], fit.model.values(fit.x), cast(ChangedModel, fit.model)
+    turn, kind = part.turn, part.kind
+    start = np.log(model.branch(part, values).radii(np.array([turn - values["z0"]])))
+    (D, T, _, _), _, _ = model.followed(part, values).family.at(start)
+    deflection = (turn - values["z0"]) - (D - root_of(values, kind) * T)  # of the device [m]
+
+    def shape(family: Family, values: Values) -> tuple[Array, Array]:
+        u, root = start, root_of(values, kind)
+        for _ in range(MOST_STEPS):
+            (D, T, _, _), (dD, dT, _, _), _ = family.at(u)
+            step = (D - root * T - (turn - values["z0"] - deflection)) / (dD - root * dT)
+            u = u - step
+            if abs(float(step[0])) < SETTLED:
+                break
+        return _of_tip(values[AMOUNT] * (grid(family) - u))
+
+    return replace(cast(ShapeChange, model.change), of=shape, coupled=True, recentred=None)
+
+
+def quartic(record: FittedRecord) -> Change | None:
+    """From the paraboloid to the sphere of the same radius: ln D rises by the amount times (a/R)^2/3."""
+    if (R := record.body.problem.indenter.tip_radius) is None:
+        return None
+    return ShapeChange(
+        of=lambda family, values: _of_tip(values[AMOUNT] * np.minimum(_radii(family) / R, 1.0) ** 2 / 3),
+        limits={AMOUNT: (BODY_FLATTEST, CHANGE_LARGEST)},
+    )
+
+
+def _of_tip(D: Array) -> tuple[Array, Array]:
+    """Changes of the logs of displacement and stiffness where the former alone changes, by ``D``."""
+    return D, np.zeros_like(D)
+
+
+def no_slip(record: FittedRecord) -> Change | None:
+    """From surfaces that slide to such as do not: the amount times the logs of the latter's functions over the
+    former's."""
+    problem, sliding = record.body.problem, record.model.family
+    if problem.sticks or problem.specimen.radius is not None:
+        return None
+    stuck = record.body.on_surface("sticking").family
+    if np.abs(log_ratio(stuck, sliding)[:, -1]).max() < SAME:
+        return None
+    return BodyChange(of=lambda family, values: values[AMOUNT] * log_ratio(stuck, family))
+
+
+def tension(record: FittedRecord) -> Change | None:
+    """Surface tension Ups of a half-space, kappa = 2 Ups/E* = amount times a_max, to first order in kappa/a: delta_H
+    times 1 + 2 x (l - 1), P_H times 1 + 3 x l, S times 1 + x (l + 1), S' times 1 + x with x = kappa/(pi a) and l = ln(2
+    a/kappa) + Euler's constant."""
+    problem, a_max = record.body.problem, record.a_max
+    if problem.layers or problem.specimen.radius is not None:
+        return None
+
+    def relative(family: Family, amount: float) -> Array:
+        """Changes of delta_H, S', P_H and S, in this order."""
+        kappa, changes = max(amount, LITTLE**2) * a_max, np.ones((FUNCTIONS, grid(family).size))
+        a = np.maximum(_radii(family), BODY_FINEST * kappa)
+        log = np.log(2 / kappa * a) + EULER
+        changes[0], changes[2], changes[3] = 2 * (log - 1), 3 * log, log + 1
+        changes *= kappa / math.pi / a
+        return changes
+
+    def functions(changes: Array) -> Array:
+        """Of D, T, H, V, from those of delta_H, S', P_H and S: T^2 goes with 1/S', V with S T."""
+        changes[1] /= -2
+        changes[3] += changes[1]
+        return changes
+
+    unit = problem.E_star * a_max / 2
+    return BodyChange(
+        of=lambda family, values: functions(np.log1p(relative(family, values[AMOUNT]))),
+        per_amount=functions(relative(record.model.family, CHANGE_SMALL) / CHANGE_SMALL),
+        starts=((CHANGE_SMALL,),), limits={AMOUNT: (0.0, 1.0)},
+        quantities=lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]},
+    )  # fmt: skip
+
+
+def amount_of_tension(record: FittedRecord, tension: float) -> float:
+    """The amount of a surface tension [N/m]."""
+    return 2 * tension / (record.E_star * record.a_max)
+
+
+def strains(record: FittedRecord) -> Change | None:
+    """What linear theory leaves out at large strains of half-spaces, as far as it is known: at fixed displacement P_H
+    becomes P_H/(1 + excess(a/R))."""
+    problem = record.body.problem
+    R, known = problem.indenter.tip_radius, EXCESS.get(problem.indenter.noun)
+    if known is None or problem.layers or R is None:
+        return None
+    excess = np.interp(record.a / R, STRAINED, known)
+    return Change(column=-excess / (1 + excess) * record.P_H * record.at_fixed_position)
+
+
+def likely_strains(record: FittedRecord) -> float:
+    """What is known of them, but none where linear theory is taken as good, as everywhere else."""
+    R = record.body.problem.indenter.tip_radius
+    return 0.0 if R is not None and record.a_max <= LIMITS.a_over_R * R else PRIORS["large strains"].width
+
+
+# --------------------------------------------------------------------------------------------------
+# Alternatives of the device in a raw record, and of one direction against the other: stiffness, positions, flow.
+
+
+def stiffness(record: FittedRecord) -> Change | None:
+    """k (1 + amount) of the device, its loads as they are: rows and the turn are deeper by amount P/k."""
+    model = record.model
+    if not math.isfinite(model.k):
+        return None
+    column, part = record.by_position * record.loads, model.stretches[-1]
+    resting = model.edges(record.fit.x)[-1][1]
+    if resting is not None and "z0" in record.fit.names:
+        by_turn = -record.by_unknown("z0") - record.by_position
+        column = column + by_turn * float(resting.at(np.array([part.turn - record.values["z0"]]))[0, 0])
+    return StiffnessChange(
+        column=column / model.k, limits={AMOUNT: (LITTLE - 1, math.inf)},
+        quantities=lambda values: {"stiffness": model.k * (1 + values[AMOUNT])},
+    )  # fmt: skip
+
+
+def misplaced(
+    record: FittedRecord, error: Callable[[DirectionReadings], Array], name: str = AMOUNT
+) -> PositionChange | None:
+    """Rows of the retraction that stand deeper than their positions say by the amount times an ``error`` [m], which
+    results call by a ``name``."""
+    if len(record.model.stretches) < 2 or name in record.model.positions:
+        return None
+    return PositionChange(
+        error=lambda part: error(part) * float(part.kind != APPROACH), quantities=lambda values: {name: values[AMOUNT]}
+    )
+
+
+def drift(record: FittedRecord) -> Change | None:
+    """Depths that drift by the amount times the way in contact over the time of the record, 0 at the turn."""
+    if len(record.model.stretches) < 2 or "drift" in record.model.positions:
+        return None
+    sign = {APPROACH: 1.0}
+    return PositionChange(error=lambda part: sign.get(part.kind, -1.0) * record.time(part) * record.reach)
+
+
+def another_modulus(record: FittedRecord) -> Change | None:
+    """E* (1 + amount) on the way back."""
+    if len(record.model.stretches) < 2 or "ln_s" not in record.fit.names or record.retraction is None:
+        return None
+
+    def shape(family: Family, values: Values) -> tuple[Array, Array]:
+        same = np.zeros_like(grid(family))
+        return same, same + math.log1p(values[AMOUNT])
+
+    column = np.where(record.rows(record.retraction), record.by_unknown("ln_s"), 0.0)
+    return ShapeChange(of=shape, where="last", limits={AMOUNT: (LITTLE - 1, math.inf)}, column=column)
+
+
+def slope_at_rest(record: FittedRecord) -> Change | None:
+    """S (1 + amount) of the line on which the edge rests, about the turn."""
+    part, rests = record.retraction, record.radii[-1][1]
+    if part is None or np.count_nonzero(rests) < 3:
+        return None
+    column, rows = np.zeros(record.a.size), record.rows(part, rests)
+    column[rows] = (record.by_position * record.at_fixed_position)[rows] * (part.z[rests] - part.turn)
+    return Change(column=column)
+
+
+# --------------------------------------------------------------------------------------------------
+# Alternatives of relaxation in a raw record: moduli that fall over the time since the strain, where the contact was and
+# is.
+#
+# A body whose moduli are r(t) times those at once, under a contact that grows and then shrinks (Ting, J. Appl. Mech.
+# 33 (1966) 845): while it grows P = int r(t - t') dP_H, and while it shrinks P = int_0^t1 r(t - t') dP_H + S int_t1^t
+# r(t - t') d(delta), t1 the time at which the radius was the same, S the contact stiffness there.
+
+# How finely histories are followed.
+RELAXATION_PIECES = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
+RELAXATION_COARSER = 2  # choice: steps joined in histories, 1e-5 of the loads
+RELAXATION_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
+RELAXATION_TIMES = 50  # choice: instants of each direction at which those loads are solved; splines between them
+RELAXATION_SMOOTH = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
+RELAXATION_INSTANTS = 60  # choice: at which hereditary integrals are taken; 400 change columns by 2e-3 (rms)
+
+
+TIME = "relaxation_time"
+Memory: TypeAlias = Callable[[Array], Array]  # phi of r = 1 - amount phi, of time over that of the record
+Instants: TypeAlias = tuple[Array, Array, Array]  # rows, times, and what they are at some of them
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MemoryChange(LoadsChange):
+    """Moduli that fall as r(t) = 1 - amount phi(t), phi the ``memory``, which is 0 of no age."""
+
+    memory: Memory
+
+    @staticmethod
+    def columns(asked: Sequence[tuple[FittedRecord, Any]]) -> list[Array | None]:
+        records = [*dict.fromkeys(record for record, _ in asked)]
+        found = dict(zip(records, histories(records), strict=True))
+        return [found[record].column(change.memory) * record.at_fixed_position for record, change in asked]
+
+
+def relaxing(
+    record: FittedRecord, memory: Memory, law: Callable[[Values, float], Relaxation], **search: Any
+) -> Change | None:
+    """Moduli that fall with a ``memory``. In full, where nothing adheres, by a ``law`` of the unknowns and of how long
+    the record lasts; ``search``: their names, starts and limits."""
+    model, duration = record.model, record.model.stretches[0].lasting
+    if len(model.stretches) < 2 or min(np.count_nonzero(a) for a, _ in record.radii) < 4:
+        return None  # not two directions, or next to no contact
+    timed, adheres = np.ptp(model.stretches[0].t) > 0, any(part.tension for part in model.stretches)
+    if adheres or not timed or model.positions:
+        return MemoryChange(memory=memory)
+
+    def quantities(values: Values) -> dict[str, float]:
+        return {"fall": values[AMOUNT]} | ({TIME: duration * values[TIME]} if TIME in values else {})
+
+    loads = _loads_of_history(record, lambda values: law(values, duration))
+    return MemoryChange(memory=memory, loads=loads, coupled=True, quantities=quantities, **search)
+
+
+@dataclass(frozen=True, eq=False)
+class _History:
+    """What memories act on, in two directions: at the instants ``t`` of the rows in contact, over the time of the
+    record, ``ages`` of the changes of the strain before each (instants, changes), and what each counts [N]. Ting: on
+    the way out what came before t1, when the radius was the same, as load, the rest as displacement. ``rows`` of all:
+    those in contact in order of time, at the times ``at``."""
+
+    size: int
+    each: Sequence[tuple[Array, Array, Array, Array, Array]]
+
+    def column(self, memory: Memory) -> Array:
+        """Changes of the loads [N] of all rows per amount of a memory, at fixed displacement."""
+        column = np.zeros(self.size)
+        for rows, at, t, ages, counts in self.each:
+            column[rows] = np.interp(at, t, -np.einsum("ij,ij->i", memory(ages), counts))
+        return column
+
+
+def histories(records: Sequence[FittedRecord]) -> list[_History]:
+    """Those of records of two directions, of a body with as many instants together."""
+    each = [(record, _instants(record, 0), _instants(record, 1)) for record in records]
+    return by_groups(each, lambda one: (one[0].model.family, one[1][2].shape[1], one[2][2].shape[1]), _together)
+
+
+def _together(
+    alike: tuple[Family, int, int], each: Sequence[tuple[FittedRecord, Instants, Instants]]
+) -> Iterator[_History]:
+    family, n, _ = alike
+    t, depth, a, P_H = np.stack([way[2] for _, way, _ in each], axis=1)
+    t_out, depth_out, a_out, _ = np.stack([back[2] for *_, back in each], axis=1)
+    middle = np.concatenate([t[:, :1], (t[:, 1:] + t[:, :-1]) / 2], axis=1)
+    before = np.concatenate([np.zeros((len(each), 1)), t_out[:, :-1]], axis=1)
+    times = np.concatenate([middle, (t_out + before) / 2], axis=1)[:, None]
+    largest = np.maximum.accumulate(a, axis=1)
+    t1 = np.array([np.interp(*columns) for columns in zip(a_out, largest, t, strict=True)])
+    _, T, _, V = family.values(np.log(a_out).ravel()).reshape(FUNCTIONS, *a_out.shape)
+    S = np.array([[record.modulus] for record, *_ in each]) * V / T
+
+    # what each change counts: dP_H up to t1, S d(delta) later
+    steps = np.diff(np.concatenate([depth, depth_out], axis=1), prepend=depth[:, :1])[:, None]
+    dP = np.zeros(steps.shape)
+    dP[:, 0, :n] = np.diff(P_H, prepend=0.0)
+    counts = np.where(times > t1[..., None], S[..., None] * steps, dP)
+    ages = (np.maximum(now[..., None] - past, 0.0) for now, past in ((t, middle[:, None]), (t_out, times)))
+    for (record, way, back), *one in zip(each, t, *ages, dP[..., :n], t_out, counts, strict=True):
+        t_in, age, age_out, count, out, count_out = one
+        yield _History(record.a.size, [(*way[:2], t_in, age, count), (*back[:2], out, age_out, count_out)])
+
+
+def _instants(record: FittedRecord, which: int) -> Instants:
+    """The rows in contact of a stretch in order of time, when they were, and at some of them that time, the depth, the
+    contact radius and P_H, (4, instants)."""
+    part, a = record.model.stretches[which], record.radii[which][0]
+    rows = slice(record.model.ends[which], record.model.ends[which + 1])
+    touching, t = a > 0, record.time(part) * (-1 if part.kind == APPROACH else 1)
+    inside = np.flatnonzero(touching)[:: 1 if which == 0 else -1]
+    thin = inside[_some_of(inside.size)]
+    P = part.P + record.residuals[rows]
+    base = P[~touching].mean() if inside.size < a.size else 0.0
+    depth = record.depth[rows][thin] - (P[thin] - base) / record.model.k
+    return inside + rows.start, t[inside], np.array([t[thin], depth, a[thin], record.P_H[rows][thin]])
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _some_of(count: int) -> Array:
+    """Numbers of ``RELAXATION_INSTANTS`` of so many, or all."""
+    return np.unique(np.linspace(0, count - 1, RELAXATION_INSTANTS).astype(int))
+
+
+def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation]) -> Loads:
+    """Loads [N] of all rows of a stretch of a body that relaxes by a ``law`` of the unknowns, by its whole history."""
+    t, x = _program(record)
+    body = record.body.to_depth(CHANGE_BEYOND * record.reach)
+    nonadhesive, relaxing_contact = Nonadhesive(body.series, body.slopes), offered("relaxing contact")
+
+    @lru_cache(maxsize=REMEMBERED)
+    def history(z0: float, moduli: Hashable) -> Sequence[PiecewiseCubic]:
+        contact = relaxing_contact(nonadhesive, moduli, coarser=RELAXATION_COARSER, grows=RELAXATION_GROWS)
+        try:
+            path = contact.history(Program(t, x - z0)).path
+            lost = min(path.lost, float(t.max()))
+            times = [_dense_at_ends(*ends) for ends in ((path.begin, path.turn), (path.turn, lost))]
+            return [cubic_spline(one, path.states(one)[2] ** RELAXATION_SMOOTH) for one in times]
+        except InputError:  # there is no such history
+            return [cubic_spline(np.array([t.min(), t.max()]), np.zeros(2))] * 2
+
+    def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        spline = history(values["z0"], cast(Hashable, law(values)))[int(part.kind != APPROACH)]
+        first, last = spline.x[[0, -1]]
+        P: Array = np.maximum(spline(np.clip(part.t, first, last)), 0.0) ** (1 / RELAXATION_SMOOTH)
+        return math.exp(values["ln_s"]) * np.where((part.t >= first) & (part.t <= last), P, 0.0)
+
+    return loads
+
+
+def _program(record: FittedRecord) -> tuple[Array, Array]:
+    """Times since the turn [s] and positions of the tip [m], about ``RELAXATION_PIECES`` of each direction and the
+    turn."""
+    way, back = record.model.stretches
+    bent = [(part.P - base_line(part, record.values)[0]) / record.model.k for part in (way, back)]
+    tips, turn = (way.z - bent[0], back.z - bent[1]), way.turn - bent[0][int(np.argmax(way.z))]
+    some = slice(None, None, max(way.P.size // RELAXATION_PIECES, 1))
+    t = np.concatenate([way.t[some], [0.0], back.t[::-1][some]])
+    x = np.concatenate([tips[0][some], [turn], tips[1][::-1][some]])
+    order = np.argsort(t, kind="stable")
+    return t[order], x[order]
+
+
+def _dense_at_ends(first: float, last: float) -> Array:
+    place: Array = (1 - np.cos(math.pi * np.linspace(0, 1, RELAXATION_TIMES))) / 2
+    return first + (last - first) * place
+
+
+BODY, TIP, ADHESION, DEVICE, MEMORY = (
+    "layer or substrate",
+    "shape of the tip",
+    "adhesion",
+    "instrument",
+    "relaxation or flow",
+)
+# What the unknowns of alternatives mean, by dimension:
+OF_ALTERNATIVES = {
+    AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",
+    "surface_tension": "tension", "stiffness": "stiffness", "fall": "number", TIME: "time", POWER: "number",
+    "creep": "number", "hysteresis": "number",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class AlternativeModel:
+    """Name one thing that the fitted model leaves out: an entry of ``ALTERNATIVES``.
+
+    Parameters
+    ----------
+    name : str
+        As the table of alternatives shows it, and that of ``PRIORS`` calls it.
+    family : str
+        What cannot be distinguished from it as a rule.
+    amount : str
+        What a column is the derivative by, in words.
+    change : callable
+        Of a FittedRecord: the Change of its model; None where it has no meaning for this record.
+    likely : callable, optional
+        Of a FittedRecord: the amount that is likely, where it is not the width of the prior.
+    of_directions : bool, optional
+        Whether it sets one direction against the other.
+    """
+
+    name: str
+    family: str
+    amount: str
+    change: Callable[[FittedRecord], Change | None]
+    likely: Callable[[FittedRecord], float] | None = None
+    of_directions: bool = False
+
+    @property
+    def prior(self) -> Prior:
+        return PRIORS.get(self.name, UNLIKELY)
+
+    def likely_in(self, record: FittedRecord) -> float:
+        """The amount in either direction that is likely in a record."""
+        return self.prior.width if self.likely is None else self.likely(record)
+
+
+ALTERNATIVES: tuple[AlternativeModel, ...] = (
+    AlternativeModel("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
+    AlternativeModel(
+        "w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
+    AlternativeModel(RANGE, ADHESION, "square of the range over that of a narrow ring", finite_range,
+          lambda record: amount_of_range(record, record.known.range) if record.work else 0.0),
+    AlternativeModel(LONG, ADHESION, "from JKR to DMT", long_range),
+    AlternativeModel("a rigid substrate below", BODY, "contact radius over depth", layer_below),
+    AlternativeModel("thickness of the layer", BODY, "relative change",
+          partial(of_layer, symbol="h", quantity="thickness")),
+    AlternativeModel("nu of the layer", BODY, "relative change", partial(of_layer, symbol="nu", quantity="nu")),
+    AlternativeModel("moduli that change with the contact radius", BODY, "relative rise", graded),
+    AlternativeModel("exponent of the tip", TIP, "change of the exponent", exponent),
+    AlternativeModel("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic),
+    AlternativeModel("no slip", BODY, "from none to full", no_slip),
+    AlternativeModel(TENSION, BODY, "2 tension/E* over the contact radius", tension,
+          lambda record: amount_of_tension(record, record.known.tension)),
+    AlternativeModel("large strains", BODY, "of what is known of them", strains, likely_strains),
+    *(is_offered("relaxing contact") * (
+        AlternativeModel("relaxation over a factor of time", MEMORY, "fall per factor e", partial(
+            relaxing, memory=lambda t: np.log(1 + 100 * t),
+            law=lambda values, duration: PowerRelaxation(duration, values[AMOUNT]),
+            starts=((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)})),
+        AlternativeModel("relaxation of one time", MEMORY, "fall", partial(
+            relaxing, memory=lambda t: 1 - np.exp(-4 * t),
+            law=lambda values, duration: StandardSolid(1 - values[AMOUNT], duration * values[TIME]),
+            names=(AMOUNT, TIME), starts=((0.3, 0.03), (0.3, 0.2), (0.6, 0.5)),
+            limits={AMOUNT: (1e-4, 0.999), TIME: (1e-3, 10.0)})),
+    )),
+    AlternativeModel("residual depth", MEMORY, "of the depth of contact",
+          lambda record: misplaced(record, lambda part: np.full(part.z.size, -record.reach)), of_directions=True),
+    AlternativeModel("another modulus on retraction", MEMORY, "relative change", another_modulus, of_directions=True),
+    AlternativeModel("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
+    AlternativeModel("stiffness of the cantilever", DEVICE, "relative change", stiffness),
+    AlternativeModel("creep of the position", DEVICE, "of the travel, per decade of time",
+          lambda record: misplaced(record, lambda part: part.travel * creep(record.time(part)), "creep"),
+          of_directions=True),
+    AlternativeModel("hysteresis of the position", DEVICE, "of the travel, at most",
+          lambda record: misplaced(record, lambda part: part.travel * hysteresis(part.way), "hysteresis"),
+          of_directions=True),
+    AlternativeModel("scale of the position", DEVICE, "retraction against approach",
+          lambda record: misplaced(record, lambda part: record.reach * part.way), of_directions=True),
+    AlternativeModel("drift of the depth", DEVICE, "of the depth over the force curve", drift, of_directions=True),
+)  # fmt: skip

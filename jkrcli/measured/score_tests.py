@@ -1,0 +1,579 @@
+"""What the data say of every alternative of a raw record's model, by one step of Gauss and Newton each.
+
+Residuals r, the Jacobian J and the column c of an alternative are weighted by the spectrum of the noise in the free
+rows. With r' and c' what is left of them beyond the columns of J, the alternative takes (c' r')^2/c'^2 from chi^2, one
+degree of freedom where the model holds; its amount is -c' r'/c'^2 with the standard error 1/|c'|, and the unknowns move
+by -J+ c per amount. That detects, and does not name: alternatives that take nearly as much of the misfit as the best
+are named together. Many records are tested together; no alternative is known here but by its entry and its column.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
+from typing import TypeAlias
+
+import numpy as np
+
+from ..base import numerics
+from ..base.errors import JkrError
+from ..base.numerics import HALF_WIDTH, LEVEL, REMEMBERED, TINY, UNSEEN, Array, PiecewiseCubic
+from .curve import APPROACH
+from .fitted_record import FittedRecord
+from .force_curve import ForceCurveFit
+from .hypotheses import ALTERNATIVES, AlternativeModel
+from .least_squares import COLOURED_FREE, SEARCH_DIGITS, Spectrum, frequencies, in_time, t_quantile
+from .lockstep import Flow, ask
+from .model_changes import by_groups
+
+DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
+
+# When an alternative is detected, and when it is excluded.
+SCORE_CHANCE = 0.01  # choice: of any alternative being detected in data of the model itself
+SCORE_MOVES = 0.5  # choice: of its error, by which E* or w must move
+SCORE_MATTERS = 0.02  # choice: relative change of E* and w, below which an alternative is excluded
+SCORE_TIED = 9.0  # choice: of chi^2, three standard errors: alternatives nearer are named together or not at all
+SCORE_NEAR = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
+SCORE_OVER = 1.25  # choice: of what is possible, up to which an amount may come out: the same
+SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from which they are named together
+# rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
+SCORE_BESIDE = 1.5
+SCORE_SEEN = 1e-7  # theory: of a column, what is left of it that differences of squares tell
+SCORE_TAIL = 0.125  # theory: of Student's t: cubics of logs of its tail between are good to 1e-6
+SCORE_FARTHEST = 1e3  # choice: of the same, beyond which a tail is as there
+
+
+@dataclass(frozen=True)
+class Score:
+    """What the data say of one alternative, by its ``name`` and ``family``; ``amount_is``: what its ``amount`` is, in
+    words.
+
+    ``error``: standard error of the amount, infinite where no row determines it; ``chance`` of as much from noise;
+    ``taken`` from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per
+    amount. ``least, known``: the amounts that are likely before the data; ``word``: DETECTED, EXCLUDED or UNDECIDED;
+    ``quantile``: half-width of intervals, in standard errors.
+    """
+
+    name: str
+    family: str
+    amount_is: str
+    of_directions: bool
+    amount: float
+    error: float
+    chance: float
+    taken: float
+    share: float
+    E_star: float
+    w: float
+    least: float
+    known: float
+    word: str
+    quantile: float = HALF_WIDTH
+
+    def change(self, rate: float) -> float:
+        """Relative change, with the amount, of a quantity whose logarithm moves by ``rate`` per amount."""
+        return math.expm1(min(self.amount * rate, 700.0))
+
+    def moved(self, rate: float) -> float:
+        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount and its error, at
+        the level of the intervals, where the alternative is detected; else by the largest that the data and what is
+        known leave."""
+        if self.word == DETECTED and math.isfinite(self.error):
+            return abs(rate) * (abs(self.amount) + self.quantile * self.error)
+        return abs(rate) * self.most if rate else 0.0
+
+    @cached_property
+    def most(self) -> float:
+        """The largest amount that is known to be possible and not excluded by the data."""
+        if math.isinf(self.error) or self.least == self.known:
+            return self.known
+        room = self.quantile * self.error
+        low, high = (min(max(end, self.least), self.known) for end in (self.amount - room, self.amount + room))
+        return max(abs(low), abs(high))
+
+
+@dataclass(frozen=True)
+class RecordAlternatives:
+    """The ``scores`` of a record, and among them those that are ``named``: detected, and explaining the misfit about as
+    well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of freedom
+    ``dof``; ``loose``: free rows that the noise is estimated from, 0 where they are too few."""
+
+    scores: tuple[Score, ...]
+    named: tuple[Score, ...]
+    misfit: float
+    dof: int
+    loose: int
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families of those that are named, the likeliest first."""
+        return tuple(dict.fromkeys(one.family for one in self.named))
+
+    @property
+    def chance(self) -> float:
+        """That noise makes as much of any alternative as of the best one."""
+        return min(1.0, len(self.scores) * min((one.chance for one in self.scores), default=1.0))
+
+    def worst(self, quantity: str) -> tuple[str, float] | None:
+        """The alternative that may move "E_star" or "w" most, and by how much, relative: of the named, where some
+        are."""
+        return self._worst[quantity]
+
+    @cached_property
+    def _worst(self) -> dict[str, tuple[str, float] | None]:
+        worst: dict[str, tuple[str, float] | None] = {}
+        for quantity in ("E_star", "w"):
+            moves = {one.name: one.moved(getattr(one, quantity)) for one in self.named or self.scores}
+            name = max(moves, key=lambda key: moves[key], default="")
+            worst[quantity] = (name, moves[name]) if name and moves[name] > 0 else None
+        return worst
+
+
+@dataclass(frozen=True)
+class FittedAlternative:
+    """An alternative fitted in full: by how much chi^2 ``falls``, the ``chance`` that the noise of the free rows leaves
+    as much, whether it is ``taken``; E* [Pa], w [J/m^2], and its own ``quantities``, SI, by name."""
+
+    name: str
+    family: str
+    falls: float
+    chance: float
+    taken: bool
+    E_star: float
+    w: float
+    quantities: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The ``alternatives`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by
+    name and its ``E_star`` [Pa], None where the tip has no radius. ``fitted``: alternatives that were fitted in full,
+    best first; if the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be
+    distinguished.
+    """
+
+    alternatives: RecordAlternatives
+    formula: str
+    E_star: float | None
+    fitted: tuple[FittedAlternative, ...] = ()
+
+    @property
+    def tied(self) -> tuple[FittedAlternative, ...]:
+        """Those that are taken, the best one first."""
+        return tuple(one for one in self.fitted if one.taken)
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families that are named: of those that are tied, else of those that one step names."""
+        return tuple(dict.fromkeys(one.family for one in self.tied)) or self.alternatives.families
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The residuals of a ``record``, their derivatives by the unknowns and the columns of those ``alternatives`` that
+    mean anything for it, one after the other: ``columns`` [N] (columns, rows)."""
+
+    record: FittedRecord
+    alternatives: tuple[AlternativeModel, ...]
+    columns: Array
+
+    @cached_property
+    def products(self) -> Array:
+        """Products of all columns over all rows [N^2]."""
+        products: Array = self.columns @ self.columns.T
+        return products
+
+    def weighted(self, rows: Array) -> Array:
+        """The columns in units of the noise, where rows other than ``rows`` count as exact."""
+        weighted: Array = self.record.model.whitened((self.columns * rows).T, self.record.fit.spread.noise).T
+        return weighted
+
+    def taken(self, rows: Array) -> Array:
+        """The same of some ``rows`` alone."""
+        return _weighted(self.record, self.columns, rows)
+
+    def gram(self, rows: Array) -> Array:
+        """Products of the weighted columns: of white noise those over all rows, less those over the others, which are
+        few."""
+        noise = self.record.fit.spread.noise
+        if noise.slow:
+            return (weighted := self.weighted(rows)) @ weighted.T
+        others = self.columns[:, np.flatnonzero(~rows)]
+        gram: Array = (self.products - others @ others.T) / noise.A
+        return gram
+
+
+def tables(records: Sequence[FittedRecord], alternatives: Sequence[AlternativeModel] = ALTERNATIVES) -> list[Table]:
+    """The tables of some records, columns of one type of change together."""
+    asked = []
+    for record in records:
+        for alternative in alternatives:
+            try:
+                change = alternative.change(record)
+            except (JkrError, FloatingPointError):
+                continue  # a neighbouring body that cannot be solved is no alternative, and takes no fit with it
+            if change is not None:
+                asked.append((record, alternative, change))
+    columns = by_groups(asked, lambda one: type(one[2]).columns, lambda of, some: of([one[::2] for one in some]))
+    each: dict[FittedRecord, list[tuple[AlternativeModel, Array]]] = {record: [] for record in records}
+    for (record, alternative, _), column in zip(asked, columns, strict=True):
+        if 0 < column @ column < math.inf:  # of what is 0 throughout or has no meaning, nothing
+            each[record].append((alternative, column))
+    return [
+        Table(record, tuple(one for one, _ in own),
+              np.vstack([record.residuals, record.jacobian.T, *(column for _, column in own)]))
+        for record, own in each.items()
+    ]  # fmt: skip
+
+
+def score_tests(record: FittedRecord) -> Flow[tuple[RecordAlternatives, Table]]:
+    """The scores of all alternatives of a fit, and the table that they are by."""
+    table = yield from ask(tables, record)
+    rows, noise, own = record.regular, record.fit.spread.noise, 1 + record.fit.x.size
+    if noise.slow:
+        columns = table.taken(rows)
+        (linear,) = _factored([(table, rows, columns @ columns.T, lambda: columns)])
+    else:
+        columns, linear = table.columns, (yield from ask(linearised, (table, rows)))
+    left = None
+    if noise.slow or record.fit.spread.possible is not None:
+        left = linear.moves @ columns[1:own] + columns[own:]  # c' = c + J moves
+    scores, dof = _scores(linear, left), max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
+    named = _named(scores, linear.alike)
+    return RecordAlternatives(tuple(scores), named, linear.left, dof, _loose(record)), table
+
+
+@np.errstate(all="ignore")
+def _scores(linear: Linearised, left: Array | None) -> list[Score]:
+    """The scores of the alternatives; ``left``: what is of each column beyond the model's."""
+    record, alternatives, sizes = linear.record, linear.table.alternatives, linear.sizes
+    dofs, unseen = _noise_dofs(record.fit, left, sizes), sizes <= UNSEEN * linear.whole
+    chances = np.where(unseen, 1.0, _chances(record, left, linear.rows, sizes, linear.shared**2, dofs))
+    amounts, errors = np.where(unseen, 0.0, -linear.shared / sizes), np.where(unseen, np.inf, 1 / sizes)
+    taken, rates = np.where(unseen, 0.0, linear.shared**2), linear.moves @ by_moves(record.fit).T
+    low, high = np.array([one.prior.limits for one in alternatives]).reshape(-1, 2).T
+    most, moved = np.array([one.likely_in(record) for one in alternatives]), np.abs(rates * amounts[:, None])
+    detected = (
+        (chances * len(alternatives) < SCORE_CHANCE)
+        & (SCORE_OVER * low - HALF_WIDTH * errors <= amounts) & (amounts <= SCORE_OVER * high + HALF_WIDTH * errors)
+        & (moved > SCORE_MOVES * np.array(relative_errors(record.fit))).any(axis=1)
+    )  # fmt: skip
+    ends = np.abs(amounts) + np.array([t_quantile(LEVEL, round(dof)) for dof in dofs.tolist()]) * errors
+    excluded = np.abs(rates).max(axis=1, initial=0.0) * ends < SCORE_MATTERS
+    words = np.where(detected, DETECTED, np.where(excluded, EXCLUDED, UNDECIDED))
+    numbers = (amounts, errors, chances, taken, taken / np.maximum(linear.left, taken), *rates.T,
+               np.maximum(low, -most), most, words, np.full(sizes.size, record.known.quantile))  # fmt: skip
+    return [
+        Score(one.name, one.family, one.amount, one.of_directions, *own)
+        for one, *own in zip(alternatives, *(column.tolist() for column in numbers), strict=True)
+    ]
+
+
+def _noise_dofs(fit: ForceCurveFit, left: Array | None, sizes: Array) -> Array:
+    """The degrees of freedom of the noise at the frequencies of what is ``left`` of each column, as large as ``sizes``:
+    waves of the free rows in each octave, of which a share has as much of the variance, at least one."""
+    spread = fit.spread
+    if left is None or not spread.noise.slow:
+        return np.full(sizes.size, float(spread.dof))
+    rows = left.shape[1]
+    edges = _octaves(rows)
+    share = np.add.reduceat((left / np.where(sizes > 0, sizes, np.inf)[:, None]) ** 2, edges, axis=1)
+    counts = np.maximum(np.diff(np.append(edges, rows)) * spread.dof / rows, 1)
+    return 1 / np.maximum((share**2 / counts).sum(axis=1), 1 / max(spread.dof, 1.0))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _octaves(n: int) -> Array:
+    """The first of ``n`` frequencies of each octave."""
+    return np.append(0, 2 ** np.arange(math.ceil(math.log2(n))))
+
+
+def _chances(record: FittedRecord, left: Array | None, rows: Array, sizes: Array, taken: Array, dofs: Array) -> Array:
+    """The chances that noise makes one number more, along what is ``left`` of each column, as large as ``sizes``, take
+    as much of chi^2: the mean over the spectra that are possible where white noise is likeliest, each of which raises
+    it as much as the column is slow."""
+    possible, noise = record.fit.spread.possible, record.fit.spread.noise
+    if possible is None or left is None:
+        return numerics.f_tail(1, dofs, taken)
+    used = np.flatnonzero(rows)
+    taken_at = record.model.rows[used] - record.model.rows[used].min()  # as white noise of those missing tells nothing
+    size = numerics.fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
+    if len(record.model.stretches) == 1 and record.model.stretches[0].kind == APPROACH:
+        taken_at += size - 1 - taken_at.max()
+    which, there = np.zeros(size, dtype=int), np.zeros(size)
+    which[taken_at], there[taken_at] = used, 1.0
+    series = left.take(which, axis=1)
+    series *= there  # 0 where no row was taken
+    power, edges = numerics.cosine_transform(series), _octaves(size)
+    power *= power
+    energy = np.add.reduceat(power, edges, axis=1)
+    power *= frequencies(size)
+    centre = np.add.reduceat(power, edges, axis=1) / np.maximum(energy, TINY)
+    energy /= (noise.A * np.where(sizes > 0, sizes, np.inf) ** 2)[:, None]  # of c'/|c'|, 0 where there is none
+    raised = possible.of_waves(centre, energy) / noise.A
+    mean: Array = possible.chance @ _tails(taken / np.maximum(raised, TINY), record.fit.spread.dof)
+    return mean
+
+
+def _tails(taken: Array, dof: float) -> Array:
+    """The chances that the square of Student's t of ``dof`` degrees of freedom is above each of ``taken``: between even
+    t by cubics of their logs through values and slopes, good to 1e-6; nan where nothing is known."""
+    place = np.sqrt(taken)
+    farthest = min(float(np.fmax.reduce(place, axis=None, initial=0.0)), SCORE_FARTHEST) / SCORE_TAIL
+    cubics = _log_tails(dof, 1 << math.ceil(farthest).bit_length())  # as many as several records may share
+    logs = cubics(np.minimum(place, cubics.x[-1]))
+    return np.where((logs > math.log(TINY)) | np.isnan(place), np.exp(logs), 0.0)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _log_tails(dof: float, count: int) -> PiecewiseCubic:
+    """Those cubics over t."""
+    nodes = SCORE_TAIL * np.arange(count + 1)
+    peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
+
+    def density(t: Array) -> Array:
+        """That of |t|."""
+        values: Array = peak * (1 + t**2 / dof) ** (-(dof + 1) / 2)
+        return values
+
+    # the tail at the nodes: its integral between them, from the last one inwards
+    between, weights = numerics.composite_gauss(nodes)
+    pieces = np.sum(weights * density(between), axis=1)
+    last = numerics.f_chance(1, dof, float(nodes[-1]) ** 2)
+    tail = np.maximum(np.cumsum(np.append(last, pieces[::-1]))[::-1], TINY)
+    return PiecewiseCubic(nodes, np.log(tail), -density(nodes) / tail)
+
+
+def chance_of(fit: ForceCurveFit, taken: float) -> float:
+    """The chance that noise makes one number more take as much of chi^2."""
+    return numerics.f_chance(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0))
+
+
+def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
+    """chi^2 of what a fit leaves on some ``rows``, its degrees of freedom, and how many rows the noise is estimated
+    from."""
+    (table,) = tables([record], ())
+    columns = table.taken(rows)
+    (linear,) = _factored([(table, rows, columns @ columns.T, lambda: columns)])
+    return linear.left, max(int(np.count_nonzero(rows)) - record.fit.x.size, 1), _loose(record)
+
+
+def misfit_of(record: FittedRecord, rows: Array, noise: Spectrum) -> float:
+    """chi^2 of some ``rows``, in units of a ``noise``, as a fit to all of them leaves it: those at folds hold its folds
+    where they are."""
+    r = record.residuals[rows]
+    r = noise.whitened(in_time(r, record.model.rows[rows], noise) if noise.slow else r)
+    return float(r @ r)
+
+
+def common_rows(record: FittedRecord, other: FittedRecord) -> Array:
+    """Which rows of a fit an ``other`` has, too, but for those at the fold of either."""
+    return off_folds(record) & np.isin(record.model.rows, other.model.rows[off_folds(other)])
+
+
+def off_folds(record: FittedRecord) -> Array:
+    """Which rows are not right at the fold that a stretch jumps at: there the load rises with a root of the distance,
+    so that a fold misplaced by less than from row to row leaves many times the noise, in a model that is right."""
+    rows = []
+    for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
+        fold = part.z[a > 0].min() if part.jumped and (a > 0).any() else math.inf
+        rows.append(np.abs(part.z - fold) > SCORE_BESIDE * part.spacing)
+    return np.concatenate(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """A fit with its derivatives in units of the noise, for steps of models that differ a little, on some ``rows`` of
+    the ``table``. ``gram``: products of its columns in these units. J = Q R over the lengths ``scale`` of its columns,
+    R the ``triangle``; ``along``: what of all columns is along Q, ``inverse``: the unknowns in their lengths by that.
+    Of the columns c of alternatives, c' what is left of them beyond the model's: ``sizes`` |c'|, ``shared``: what of
+    the residuals is along it, and by how much the unknowns ``moves`` per amount, (alternatives, unknowns)."""
+
+    table: Table
+    rows: Array
+    gram: Array
+    scale: Array
+    triangle: Array
+    along: Array
+    inverse: Array
+    sizes: Array
+    shared: Array
+    moves: Array
+
+    @property
+    def record(self) -> FittedRecord:
+        return self.table.record
+
+    @cached_property
+    def left(self) -> float:
+        """chi^2 of what is left of the residuals."""
+        return float(self.gram[0, 0] - self.along[:, 0] @ self.along[:, 0])
+
+    @cached_property
+    def x(self) -> Array:
+        """The unknowns where the derivatives of chi^2 vanish, as they need not in the fit itself, at the kink of a
+        fold."""
+        x: Array = self.record.fit.x - self.inverse @ self.along[:, 0] / self.scale
+        return x
+
+    @cached_property
+    def Q(self) -> Array:
+        """Q, (rows, unknowns)."""
+        Q: Array = (self.inverse.T @ (self.whitened(self.record.jacobian.T) / self.scale[:, None])).T
+        return Q
+
+    @np.errstate(all="ignore")
+    def step(self, residuals: Array) -> tuple[Array, float]:
+        """What the unknowns are to fall by for ``residuals`` [N] of all rows, and chi^2 of what is left then."""
+        r = self.whitened(residuals)
+        along = r @ self.Q
+        return self.inverse @ along / self.scale, float(r @ r - along @ along)
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns of all rows [N], (..., rows), in units of the noise, where those left out count as exact."""
+        noise = self.record.fit.spread.noise
+        if not noise.slow:
+            return columns * self.weights
+        weighted: Array = self.record.model.whitened((columns * self.rows).T, noise).T
+        return weighted
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of each row, of noise that is white."""
+        weights: Array = self.rows / math.sqrt(self.record.fit.spread.noise.A)
+        return weights
+
+    @property
+    def whole(self) -> Array:
+        """The sizes |c| of the columns of alternatives."""
+        whole: Array = np.sqrt(np.diag(self.gram)[1 + len(self.scale) :])
+        return whole
+
+    def alike(self, which: int) -> Array:
+        """The correlations of what is left of the columns of alternatives with that of one."""
+        c, first = self.along[:, 1 + len(self.scale) :], 1 + len(self.scale)
+        both = self.sizes * self.sizes[which]
+        shared = self.gram[first:, first + which] - c.T @ c[:, which]
+        correlations: Array = np.where(both > 0, shared, 0.0) / np.where(both > 0, both, 1.0)
+        return correlations
+
+    def size(self, step: Array) -> float:
+        """The size of a step, in standard errors of white noise."""
+        return float(np.linalg.norm(self.triangle @ (self.scale * step)))
+
+
+def linearised(asked: Sequence[tuple[Table, Array]]) -> list[Linearised]:
+    """Fits with the columns of their tables, each on some of its rows; those of as many columns together."""
+    return by_groups(
+        asked, lambda one: (one[0].record.fit.x.size, len(one[0].columns)),
+        lambda _, some: _factored([(table, rows, table.gram(rows), partial(table.weighted, rows))
+                                   for table, rows in some]),
+    )  # fmt: skip
+
+
+Weighted: TypeAlias = tuple[Table, Array, Array, Callable[[], Array]]  # with its rows, their gram, and weighted columns
+
+
+def _factored(asked: Sequence[Weighted]) -> list[Linearised]:
+    """Those of as many columns each, by J^T J of their grams; by a QR decomposition of what is weighted where J^T J
+    loses too many digits."""
+    p, grams = slice(1, 1 + asked[0][0].record.fit.x.size), np.stack([gram for _, _, gram, _ in asked])
+    scales = np.sqrt(np.diagonal(grams, 0, 1, 2)[:, p])
+    scales = np.where(scales > 0, scales, 1.0)  # of an unknown that none of the rows determines, which stays
+    lower = np.zeros((len(grams), scales.shape[1], scales.shape[1]))
+    try:
+        lower = np.linalg.cholesky(grams[:, p, p] / (scales[:, :, None] * scales[:, None]))
+    except np.linalg.LinAlgError:
+        if len(asked) > 1:
+            return [one for each in asked for one in _factored([each])]
+    digits = np.diagonal(lower, 0, 1, 2)
+    good = digits.min(axis=1, initial=1.0) > SEARCH_DIGITS * digits.max(axis=1, initial=1.0)
+    lower[~good] = np.eye(scales.shape[1])
+    along, triangles = np.linalg.solve(lower, grams[:, p] / scales[..., None]), lower.transpose(0, 2, 1)
+    inverses = np.linalg.inv(triangles)
+    for i in np.flatnonzero(~good).tolist():
+        columns = asked[i][3]()
+        Q, triangles[i] = np.linalg.qr((columns[p] / scales[i, :, None]).T)
+        along[i], inverses[i] = Q.T @ columns.T, _inverted(triangles[i])
+    return [
+        Linearised(table, rows, *own)
+        for (table, rows, *_), *own in zip(asked, grams, scales, triangles, along, inverses,
+                                           *_evidence(grams, scales, along, inverses), strict=True)
+    ]  # fmt: skip
+
+
+def _inverted(triangle: Array) -> Array:
+    """The inverse: rows that are left out may determine one unknown alone."""
+    digits = np.abs(np.diag(triangle))
+    if digits.min(initial=1.0) > SEARCH_DIGITS * digits.max(initial=1.0):
+        return np.asarray(np.linalg.inv(triangle))
+    inverse: Array = np.linalg.pinv(triangle, rcond=len(triangle) * np.finfo(float).eps)
+    return inverse
+
+
+def _evidence(gram: Array, scale: Array, along: Array, inverse: Array) -> tuple[Array, Array, Array]:
+    """Of the columns c of alternatives, c' what is left of them beyond the model's: |c'|, what of the residuals is
+    along it, and by how much the unknowns move per amount (alternatives, unknowns); of several fits."""
+    alternatives = slice(1 + scale.shape[-1], None)
+    c, r, whole = along[..., alternatives], along[..., :1], np.sqrt(np.diagonal(gram, 0, -2, -1)[..., alternatives])
+    sizes = np.sqrt(np.maximum(whole**2 - np.sum(c * c, axis=-2), 0.0))
+    seen = sizes > SCORE_SEEN * whole
+    shared = gram[..., 0, alternatives] - np.sum(r * c, axis=-2)
+    moves = -(inverse @ c).swapaxes(-1, -2) / scale[..., None, :]
+    return np.where(seen, sizes, 0.0), np.where(seen, shared, 0.0) / np.where(seen, sizes, 1.0), moves
+
+
+def _named(scores: Sequence[Score], alike: Callable[[int], Array]) -> tuple[Score, ...]:
+    """Those that are detected and take nearly as much as the best, or whose columns are much ``alike`` its own."""
+    detected = [i for i, one in enumerate(scores) if one.word == DETECTED]
+    if not detected:
+        return ()
+    detected.sort(key=lambda i: -scores[i].taken)
+    best = detected[0]
+    least, same = least_taken(scores[best].taken), np.abs(alike(best)) > SCORE_ALIKE
+    return tuple(scores[i] for i in detected if scores[i].taken >= least or same[i])
+
+
+def least_taken(most: float) -> float:
+    """What an alternative takes from chi^2 at least that is named beside the one that takes ``most``."""
+    return min(most - SCORE_TIED, SCORE_NEAR * most)
+
+
+def by_moves(fit: ForceCurveFit) -> Array:
+    """Changes of the logs of E* and w with moves of the unknowns, (2, unknowns)."""
+    by = _by_unknown(fit)
+    return np.array([[float(name == "ln_s") for name in fit.names], [by.get(name, 0.0) for name in fit.names]])
+
+
+def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
+    """Derivatives of ln w of the last direction whose w is above its error, by the unknowns: w = s q = s r^2."""
+    for part in reversed(fit.model.stretches):
+        for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):
+            if name in fit.names and fit.value(name) > HALF_WIDTH * fit.error(name):
+                return {name: power / fit.value(name), "ln_s": 1.0}
+    return {}
+
+
+def relative_errors(fit: ForceCurveFit) -> tuple[float, float]:
+    """Relative standard errors of E* and w, infinite where they are not determined."""
+    E = fit.error("ln_s") if "ln_s" in fit.names else math.inf
+    rates = _by_unknown(fit)
+    by = np.array([rates.get(name, 0.0) for name in fit.names])
+    return E, math.sqrt(max(float(by @ fit.covariance @ by), 0.0)) if rates else math.inf
+
+
+def _weighted(record: FittedRecord, table: Array, rows: Array) -> Array:
+    """The ``rows`` of a ``table`` (columns, rows) in units of the noise of the free rows, so that noise has unit
+    variance and no colour."""
+    noise, some = record.fit.spread.noise, table.take(np.flatnonzero(rows), axis=1)
+    return (
+        noise.whitened(in_time(some.T, record.model.rows[rows], noise)).T if noise.slow else some / math.sqrt(noise.A)
+    )
+
+
+def _loose(record: FittedRecord) -> int:
+    """From how many rows the noise is estimated, 0 where they are too few."""
+    loose = sum(part.size for part in record.model.free(record.residuals))
+    return loose if loose >= COLOURED_FREE else 0

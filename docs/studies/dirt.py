@@ -23,6 +23,7 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
+from jkrcli.measured.archive import FITTED, status_of
 from jkrcli.measured.curve import Reading
 from jkrcli.measured.files import read
 from jkrcli.measured.forward_model import FittedBody
@@ -66,7 +67,7 @@ def answer(made: Dirty, folder: Path) -> Answer:
 
 
 def judged(made: Dirty, found: Fit) -> Answer:
-    status = "flagged" if found.flags else "fitted"
+    status = "fitted" if status_of(found) == FITTED else "flagged"
     inside, off, silent, ratios = dict[str, bool](), dict[str, str](), False, []
     for name, true in made.truth.items():
         item = next((one for one in found.estimates if one.name == name), None)

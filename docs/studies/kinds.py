@@ -1,11 +1,11 @@
 """Count what fits make of force curves of 26 kinds, and of clean ones: ``make kinds SEED=7``.
 
 Records by ``kinds_records``, which shares no code with what reads them, written to files and fitted with default
-options by the body that their user knows. Per kind: how many are *fitted* (without a flag) and refused; of which E*, w
-and w_approach lie within half of the 95 % interval and the model's part together; *silent*: fitted, and off by more
-than three such half-widths; the model's part over the value in the median, large strains apart; CPU seconds a record.
-E* is not asked for where it cannot be known (permanent set, sensitivity, hysteresis, hold), nor w without a pull-off.
-Of clean ones those with a flag are *accused*.
+options by the body that their user knows. Per kind: how many are *fitted* (graded good or usable) and refused; of
+which E*, w and w_approach lie within half of the 95 % interval and the model's part together; *silent*: fitted, and off
+by more than three such half-widths; the model's part over the value in the median, large strains apart; CPU seconds a
+record. E* is not asked for where it cannot be known (permanent set, sensitivity, hysteresis, hold), nor w without a
+pull-off. Of clean ones those that are not fitted are *accused*.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.measured.archive import FITTED, status_of
 from jkrcli.measured.curve import Reading
 from jkrcli.measured.files import read
 from jkrcli.measured.forward_model import FittedBody
@@ -132,7 +133,7 @@ def judged(made: Made, file: Path) -> Answer:
             told[name] = Told(item.value, (item.high - item.low) / 2, math.hypot(*parts.values()), varied, truth)
     words = " | ".join([*found.flags, *found.warnings, *found.held])
     missing = tuple(name for name in made.truth if name not in told)
-    return Answer("flagged" if found.flags else "fitted", words, seconds, made.at.words, told, missing)
+    return Answer("fitted" if status_of(found) == FITTED else "flagged", words, seconds, made.at.words, told, missing)
 
 
 def answer(kind: str, seed: int, i: int) -> Answer:

@@ -15,6 +15,7 @@ import math
 import sys
 import time
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -84,9 +85,11 @@ def fitted(kind: str, made: Wrong, **options: Any) -> Fit:
 def timed_scores() -> None:
     """Counts the time of the scores apart, and keeps what was judged first of each fit."""
 
-    def timed(at: FittedRecord) -> Flow[RecordAlternatives]:
+    def timed(
+        at: FittedRecord, weighed: Callable[[RecordAlternatives], RecordAlternatives]
+    ) -> Flow[RecordAlternatives]:
         begin = time.process_time()
-        found = alone(record_alternatives(at))
+        found = alone(record_alternatives(at, weighed))
         spent[1] += time.process_time() - begin
         if not last:  # the fit of the tip that was asked for; one by the other profile may follow
             last[:] = [at.body, at.fit, found]

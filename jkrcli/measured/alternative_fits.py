@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -114,11 +114,15 @@ class AlternativeFit:
         return self.passes and best.falls > SCORE_TIED and self.falls > best.falls - SCORE_TIED
 
 
-def record_alternatives(record: FittedRecord) -> Flow[RecordAlternatives]:
+def record_alternatives(
+    record: FittedRecord, weighed: Callable[[RecordAlternatives], RecordAlternatives] = lambda found: found
+) -> Flow[RecordAlternatives]:
     """The scores of all alternatives of a fit, of which those that are likely before the data move E* and w by what a
-    fit with as much of them as is possible does: one step trusts no row next to a fold."""
+    fit with as much of them as is possible does: one step trusts no row next to a fold. ``weighed``: without those that
+    change nothing among the named."""
     alternatives, table = yield from score_tests(record)
-    return alternatives if alternatives.named else (yield from quiet(bounds(alternatives, table)))
+    alternatives = weighed(alternatives)
+    return alternatives if alternatives.named else weighed((yield from quiet(bounds(alternatives, table))))
 
 
 def bounds(alternatives: RecordAlternatives, table: Table) -> Flow[RecordAlternatives]:

@@ -28,7 +28,9 @@ LEAST_CURVES = 3  # choice: from which on curves without a grid are drawn togeth
 
 def status_of(item: Fit | Failure) -> str:
     """Whether a curve was fitted, and is to be believed."""
-    return UNUSABLE if isinstance(item, Failure) else DOUBTFUL if item.flags else FITTED
+    if isinstance(item, Failure):
+        return UNUSABLE
+    return FITTED if (not item.flags if item.grade is None else item.grade.believed) else DOUBTFUL
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +76,7 @@ def _values(item: Fit | Failure) -> dict[str, float]:
         "w": estimates.get("w", np.nan),
         "contact_point": estimates.get("delta0", np.nan),
         "adhesion_force": np.nan if item.adhesion is None else item.adhesion,
-        "quality": np.nan if item.quality is None else item.quality["quality"],
+        "quality": np.nan if item.grade is None else item.grade.quality,
         "status": float(STATUSES.index(status_of(item))),
     }
 

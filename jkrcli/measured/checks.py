@@ -79,7 +79,7 @@ def _of_model(fit: Fit, alternatives: TableAlternatives | None) -> Iterator[str]
             misfit = f"a range is not significant{most}: {misfit}"
         yield misfit
 
-    structured = fit.quality is None and fit.structure.suspicious
+    structured = fit.sizes is None and fit.structure.suspicious
     if structured or alternatives is not None:
         # Residuals larger than errors of the series' interpolation, in units of the curve's own size
         size = min(np.ptp(fit.line[name]) / scale for name, scale in fit.scales.items())

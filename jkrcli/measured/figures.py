@@ -66,7 +66,7 @@ def _curve(axes: Axes, fit: Fit) -> None:
 def _branches(fit: Fit) -> list[tuple[str, str, Array]]:
     """Label, colour and rows of approach and retraction along the fitted line, or of the line as a whole."""
     a, near, place = fit.line["a"], _near_rows(fit), np.arange(fit.line["a"].size)
-    if fit.quality is None:  # a table: the contact line closes up to the reversal, is pinned, then opens
+    if fit.sizes is None:  # a table: the contact line closes up to the reversal, is pinned, then opens
         stops = np.flatnonzero((np.diff(a) <= 0) & (a[:-1] > 0))
         turn = int(stops[0]) if stops.size else a.size
     else:
@@ -116,7 +116,7 @@ def _residuals(axes: Axes, fit: Fit) -> None:
     scatter = fit.scatter or 1.0
     axes.axhline(0, color="0.6", lw=0.8, zorder=0)
     axes.set_ylabel("residual / standard deviation")
-    if fit.quality is not None:  # all scatter is in the load
+    if fit.sizes is not None:  # all scatter is in the load
         factor, label = axis_of("delta", fit.data["delta"])
         turn = _reversal(fit, fit.a)
         for colour, rows in ((plots.BLUE, slice(None, turn)), (plots.ORANGE, slice(turn, None))):

@@ -196,9 +196,10 @@ class JointFit(Answer):
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Why the shared values are doubtful: records that do not share them, and flags of the records with these."""
+        """Why the shared values are doubtful: records that do not share them, and flags of those that are doubtful."""
         apart = ["force curves do not share it"] * (self.chance <= STATISTICS_IMPROBABLE)
-        return tuple(dict.fromkeys([*apart, *(flag for one in self.fits for flag in one.flags)]))
+        doubted = (one for one in self.fits if one.grade is None or not one.grade.believed)
+        return tuple(dict.fromkeys([*apart, *(flag for one in doubted for flag in one.flags)]))
 
 
 def joint_fit(

@@ -374,7 +374,7 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
     e (1 + N) on a half-space (Hertz). Beyond ``STIFFEST`` it is known only to be at least what has that N there: a
     contact's stiffness goes with E*^(2/3) at equal loads.
     """
-    if fitted.quality is None or fitted.covariance is None:
+    if fitted.sizes is None or fitted.covariance is None:
         return fitted
     missing = [] if RADIUS in fitted.settings.uncertain or body.problem.indenter.tip_radius is None else ["radius"]
     if missing and not body.problem.layers:
@@ -804,7 +804,7 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     columns = tuple(name for name in COLUMNS if name in fit.data)
     values = {item.name: item.value for item in fit.estimates} | dict.fromkeys(ZEROS, 0.0)
     both = "w_approach" in values and "w_approach" in fit.free
-    own = [name for name in ZEROS if name in fit.free and not (name == "P0" and fit.quality)]  # of a base line
+    own = [name for name in ZEROS if name in fit.free and not (name == "P0" and fit.sizes)]  # of a base line
     body, ways = _ways(body, values, both, largest, int(np.count_nonzero(fit.a > 0)))
     values["a_turn"] = float(np.exp(ways[ADVANCING if both else RECEDING].max()))
     names, values = [*WANTED, *own, *["w_approach", "a_turn"] * both], {"compliance": 0.0} | values

@@ -55,14 +55,23 @@ from .force_curve import (
     windowed,
 )
 from .forward_model import FittedBody
-from .hypotheses import MEMORY, OF_ALTERNATIVES, amount_of_range, finite_range, range_of
+from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, change_words, is_misfit, left_out, misfits
+from .hypotheses import OF_ALTERNATIVES, amount_of_range, finite_range, range_of
 from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .lockstep import Flow, alone, together
 from .model_changes import AMOUNT
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit, JKRBeside, later, without
 from .rows import noise_from_third_differences
-from .score_tests import SCORE_TIED, FittedAlternative, RecordAlternatives, Verdict, relative_errors
+from .score_tests import (
+    DETECTED,
+    SCORE_TIED,
+    UNDECIDED,
+    FittedAlternative,
+    RecordAlternatives,
+    Verdict,
+    relative_errors,
+)
 from .segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from .settings import AUTO, CALIBRATED, RANGES, Settings
 
@@ -146,7 +155,6 @@ def another_modulus(fit: ForceCurveFit) -> AddedParameter:
 # What raises a flag.
 FLAG_MISFIT = 0.03  # choice: residual over the range of the load above which the model does not describe it
 FLAG_VAGUE = 0.1  # choice: noise over the range, error of the contact point over the depth: little is known
-FLAG_SPOILT = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
 FLAG_DEPENDENT = 2.0  # choice: rows worth one above which a warning tells
 FLAG_SURE = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
 FLAG_EXCESS = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
@@ -158,44 +166,23 @@ NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 GIVEN_UP = "the search stopped after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
 
 
-def judgement(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:
-    """Flags of the fit itself with a sentence each, and the parts of its quality, each between 0 and 1.
-
-    Each part is exp(-x^2/2) of a number x that is 1 where its flag is raised: misfit (slow residuals in contact over
-    the range of the load), noise (over the range), base line (waviness over the range), contact (error of the contact
-    point over the depth); "record" is ``FLAG_SPOILT`` for each flag of the record itself but that of a missing
-    direction. ``quality`` is their product.
-    """
-    touching = a > 0
+def judgement(record: ForceCurve, best: ForceCurveFit) -> tuple[dict[str, str], dict[str, float]]:
+    """Flags of the fit itself with a sentence each, and the sizes of its misfit."""
     span = max(part.span for part in best.model.stretches)
-    off = best.off[touching]
     noise = max(record_side.base.noise for record_side in record.directions)
-    slow = math.sqrt(max(float(off @ off) / off.size - noise**2, 0.0)) / span if off.size else 0.0
     depth = max(part.reach for part in best.model.stretches)
     contact = best.error("z0") / depth if "z0" in best.names else 0.0
-    wavy = max(side.base.waviness for side in record.directions) / span
-    flags = {} if best.ended else {"not determined": GIVEN_UP.format(best.least.steps)}
-    beyond = (best.spread.excess - 1) / FLAG_EXCESS
-    if beyond > 1:
+    sizes, flags = misfits(best, noise), {} if best.ended else {UNDETERMINED: GIVEN_UP.format(best.least.steps)}
+    if sizes["misfit"] > FLAG_MISFIT or (best.spread.excess - 1 > FLAG_EXCESS and is_misfit(sizes)):
         flags["misfit"] = (
-            f"the residuals in contact are {best.spread.excess:.0f} times what the noise of the free rows explains: "
-            "another body, indenter or adhesion"
+            f"the residuals in contact are {sizes['misfit']:.2%} of the range of the load, {best.spread.excess:.0f} "
+            "times what the noise of the free rows explains: another body, indenter or adhesion"
         )
-    if slow > FLAG_MISFIT:
-        flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: check body and indenter"
     if noise / span > FLAG_VAGUE:
         flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
     if contact > FLAG_VAGUE:
         flags["vague contact point"] = f"known to {contact:.0%} of the depth only"
-    ratios = {
-        "misfit": max(slow / FLAG_MISFIT, beyond),
-        "noise": noise / span / FLAG_VAGUE,
-        "base line": wavy / FLAG_MISFIT,
-        "contact point": contact / FLAG_VAGUE,
-    }
-    parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
-    parts["record"] = FLAG_SPOILT ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
-    return flags, {"quality": math.prod(parts.values()), **parts}
+    return flags, sizes
 
 
 def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
@@ -246,7 +233,9 @@ REJECTED, DIFFER = "model rejected", "directions differ"
 # choice: share of E* and of w that alternatives may move it by, above which it is flagged: half of w, of which an
 # approach tells no more where adhesion may have a range
 VERDICT_LARGE = (0.3, 0.5)
-VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
+
+# choice: share of E* and of w that they are unknown by at least where the model is rejected: one step is of first order
+VERDICT_LEAST = (0.002, 0.01)
 
 
 def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fit]:
@@ -254,14 +243,32 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fi
     settings = result.settings
     told = math.isfinite(settings.range_at_most)
     record = FittedRecord(body, fit, Known(settings.longest_range, settings.tension_at_most, settings.level, told))
-    alternatives = yield from record_alternatives(record)
+    remarks = list[str]()
+    alternatives = yield from record_alternatives(record, partial(_with_size, result.sizes or {}, remarks))
     new = {name: sentence for name, sentence in _flags(alternatives, fit) if name not in result.flags}
-    estimates = tuple(_with_part(item, alternatives) for item in result.estimates)
+    moves = left_out(record)
+    if E_star_approach := next((item.value for item in result.estimates if item.name == "E_star_approach"), None):
+        moves["E_star"] = abs(E_star_approach / result.value("E_star") - 1)
+    estimates = tuple(_with_part(item, alternatives, moves) for item in result.estimates)
+    sizes = {**(result.sizes or {}), **{f"{name}_by_direction": size for name, size in moves.items()}}
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
+    verdict = Verdict(alternatives, *_by_formula(body.problem, fit))
     return replace(
-        result, estimates=estimates, flags=(*result.flags, *new), warnings=(*warnings, *result.warnings),
-        verdict=Verdict(alternatives, *_by_formula(body.problem, fit)),
+        result, estimates=estimates, sizes=sizes, flags=(*result.flags, *new), verdict=verdict,
+        warnings=(*warnings, *remarks[:1], *result.warnings),
     )  # fmt: skip
+
+
+def _with_size(sizes: Mapping[str, float], remarks: list[str], scores: RecordAlternatives) -> RecordAlternatives:
+    """The alternatives, none of them named where neither the misfit nor what those would change has a size, as in
+    readings without noise: then a remark."""
+    changes = [one.change(rate) for one in scores.named for rate in (one.E_star, one.w)]
+    if not changes or is_misfit(sizes) or max(map(abs, changes)) > NO_CHANGE:
+        return scores
+    names = " or ".join(f"{one.name} (E* {one.change(one.E_star):+.2%})" for one in scores.named)
+    remarks.append(f"the residuals favour {names}: of no size")
+    undecided = (replace(one, word=UNDECIDED) if one.word == DETECTED else one for one in scores.scores)
+    return replace(scores, scores=tuple(undecided), named=())
 
 
 def replace_by_best_alternative(
@@ -314,25 +321,16 @@ def _beyond(item: FittedValue, other: Fit) -> float:
     return max(item.low - same.low, same.high - item.high, 0.0)
 
 
-def _by(change: float) -> str:
-    """A relative change; of one step, which is of first order, no more than that it is tenfold."""
-    return f"{change:+.1%}" if change < VERDICT_TENFOLD else "more than tenfold"
-
-
 def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tuple[str, str]]:
     """Flags with a sentence each; a quantity whose interval is wider than what alternatives may change it by tells so
     itself."""
     if alternatives.named:
-        names = " or ".join(f"{one.name} (E* {_by(one.change(one.E_star))})" for one in alternatives.named)
+        names = " or ".join(f"{one.name} (E* {change_words(one.change(one.E_star))})" for one in alternatives.named)
         apart = ", not distinguishable by this test" if len(alternatives.named) > 1 else ""
-        yield REJECTED, f"p = {alternatives.chance:.1g}, the residuals favour {names}{apart}"
-    if alternatives.named and alternatives.named[0].of_directions:
-        compared = (one for one in alternatives.scores if one.of_directions and one.family == MEMORY)
-        amounts = ", ".join(
-            f"{one.name} {one.amount:+.1%} ± {one.quantile * one.error:.1%} ({one.amount_is})" for one in compared
-        )
-        families = ", ".join(alternatives.families)
-        yield DIFFER, f"approach and retraction favour {amounts}; {families} would explain the difference"
+        yield REJECTED, f"the residuals favour {names}{apart}"
+    if alternatives.named and (one := alternatives.named[0]).of_directions:
+        amount = f"{one.amount:+.1%} ± {one.quantile * one.error:.1%} ({one.amount_is})"
+        yield DIFFER, f"approach and retraction favour {one.name} {amount}"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
     for quantity, symbol, error, most in zip(
         ("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True
@@ -342,11 +340,17 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 
-def _with_part(item: FittedValue, alternatives: RecordAlternatives) -> FittedValue:
-    """The estimate with what the worst alternative may move it by."""
+def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mapping[str, float]) -> FittedValue:
+    """The estimate with what the worst alternative may move it by, and what leaving out a direction does."""
     of_modulus = _of_modulus(item)
-    worst = alternatives.worst("E_star" if of_modulus else "w") if of_modulus or item.dimension == "work" else None
-    return item if worst is None or item.error is None else replace(item, model={worst[0]: worst[1] * abs(item.value)})
+    if item.error is None or not (of_modulus or item.dimension == "work"):
+        return item
+    worst = alternatives.worst("E_star" if of_modulus else "w")
+    if worst is not None:
+        least = VERDICT_LEAST[not of_modulus] if alternatives.named else 0.0
+        item = replace(item, model={worst[0]: max(worst[1], least) * abs(item.value)})
+    move = moves.get("E_star" if of_modulus else item.name, 0.0)
+    return item.with_model(LEFT_OUT, move * abs(item.value)) if move else item
 
 
 def _of_modulus(item: FittedValue) -> bool:
@@ -632,7 +636,7 @@ def as_fit(
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     a, order = best.a, np.argsort(best.model.rows, kind="stable")
     rows = best.model.rows[order]
-    flags, quality = judgement(record, best, a)
+    flags, sizes = judgement(record, best)
     missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
     flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
     result = Fit(
@@ -656,7 +660,7 @@ def as_fit(
         evaluations=best.least.steps,
         settings=settings,
         flags=tuple(flags),
-        quality=quality,
+        sizes=sizes,
         adhesion=_adhesion(record),
         directions=_directions(record, best, settings),
         jkr=jkr,
@@ -1156,9 +1160,8 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
         "retraction, one value does not fit both: the specimen relaxes or yields, or the instrument drifts"
     )
     work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
-    quality = back.quality and {**back.quality, "quality": FLAG_SPOILT * back.quality["quality"]}
     return replace(
-        back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work), quality=quality,
+        back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work),
         flags=(*back.flags, name), warnings=(sentence, *drifts, *back.warnings),
         directions=f"{NAMES[RETRACT]}, the approach beside it",
     )  # fmt: skip

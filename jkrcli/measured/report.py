@@ -31,12 +31,13 @@ from . import files as measured
 from . import range_alternative, text_formats
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
 from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
+from .grade import GOOD, UNFIT, change_words, size_words
 from .hypotheses import OF_ALTERNATIVES
 from .joint import JointFit
 from .parameters import FittedValue
 from .procedure import Failure
 from .result import Fit, JKRBeside
-from .score_tests import FittedAlternative
+from .score_tests import FittedAlternative, RecordAlternatives
 from .segmentation import Direction, ForceCurve, saturation_words, segment_force_curves
 from .surface_tension import TensionFit
 from .work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
@@ -156,7 +157,7 @@ def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
 def _row(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         cells = (str(item.curve.origin or ""), item.curve.name, UNUSABLE, " ".join(item.lines), None)
-        more = {"quality": 0.0, "flags": "; ".join(item.flags)}
+        more = {"grade": UNFIT, "quality": 0.0, "flags": "; ".join(item.flags)}
         return dict(zip(ALWAYS, cells, strict=True)) | _placed(item) | more
     row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, status_of(item), "", item.a.size), strict=True))
     row |= _placed(item) | {"surface": item.surface}
@@ -173,8 +174,9 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
             row[unit] = value
     row |= {"scatter": item.scatter, "lag1": item.structure.lag1}
     row |= {"correlation_modulus_w": item.correlated("modulus", "w")}
-    if item.quality is not None:
-        row |= {"adhesion_force_N": item.adhesion, "quality": item.quality["quality"], "flags": "; ".join(item.flags)}
+    if item.grade is not None:
+        row |= {"adhesion_force_N": item.adhesion, "grade": item.grade.word, "quality": item.grade.quality}
+        row |= {"flags": "; ".join(item.flags)}
     return row | {"warnings": "; ".join(item.warnings), "level": item.settings.level}
 
 
@@ -198,7 +200,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         return {
             "file": str(item.curve.origin or ""), "curve": item.curve.name, "status": UNUSABLE,
-            "reason": list(item.lines), "quality": {"quality": 0.0}, "flags": list(item.flags),
+            "reason": list(item.lines), "grade": UNFIT, "quality": 0.0, "flags": list(item.flags),
         }  # fmt: skip
     structure = item.structure
     # JKR beside a fit with a range, by what its misfit is larger
@@ -233,9 +235,17 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **beside,
         **_verdict(item),
         **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
-        **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
+        **_grade(item),
         "warnings": list(item.warnings),
     }
+
+
+def _grade(item: Fit) -> dict[str, Any]:
+    """The grade of a raw record with the sizes that give it."""
+    if (grade := item.grade) is None:
+        return {}
+    return {"grade": grade.word, "grade_reason": grade.reason, "sizes": dict(grade.sizes), "quality": grade.quality,
+            "flags": list(item.flags)}  # fmt: skip
 
 
 def estimate_summary(item: FittedValue) -> dict[str, Any]:
@@ -254,7 +264,7 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
 def fit_words(item: Fit) -> list[str]:
     """A fit as lines of text: the verdict, what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
-    status = f"{status_of(item)}, " if item.quality is not None or item.flags else ""
+    status = f"{', '.join([status_of(item), *item.flags])}, " if item.grade is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
     stuck = ", no slip" if item.surface == "sticking" else ""
     # A line on the longest range that the rows leave, where w rests on it more than on the noise
@@ -277,19 +287,20 @@ def fit_words(item: Fit) -> list[str]:
     told = [f"{show(item.scatter * scale, DIMENSIONS[name], 2)} in {name}" for name, scale in item.scales.items()]
     told += [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]
     lines.append(f"  {'scatter':<12} {', '.join(told)}")
-    if item.quality is not None:
-        parts = ", ".join(f"{name} {value:.2f}" for name, value in item.quality.items() if name != "quality")
-        lines.append(f"  {'quality':<12} {item.quality['quality']:.2f} ({parts})")
+    if item.grade is not None:
+        lines.append(f"  {'quality':<12} {item.grade.quality:.2f}: {', '.join(size_words(item.grade.sizes))}")
     return lines
 
 
 def verdict_words(item: Fit) -> list[str]:
-    """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
-    give, and which alternatives the parts by the model are from."""
+    """E* and w with the parts of their errors; of raw records also the grade with its reason, what would explain a
+    misfit, what a formula would give, and which alternatives the parts by the model are from."""
     shown, formula = [item.estimate("E_star"), item.work], list[str]()
-    doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
-    verdict = brief(shown, item.settings.level)
-    verdict += f"; doubtful: {', '.join(doubts)}" if doubts else ""
+    verdict, grade = brief(shown, item.settings.level), item.grade
+    if grade is not None:
+        verdict += f": {grade.word}" + (f" ({grade.reason})" if grade.word != GOOD else "")
+    elif doubts := [flag for flag in item.flags if not flag.endswith(VAGUE)]:
+        verdict += f"; doubtful: {', '.join(doubts)}"
     if item.verdict is None:
         return [verdict]
     if item.verdict.E_star is not None:
@@ -297,15 +308,24 @@ def verdict_words(item: Fit) -> list[str]:
         change = by / item.value("E_star") - 1
         formula = [f"{item.verdict.formula} fit at maximum load would give {show(by, 'modulus', 3)} ({change:+.0%})"]
     others = item.verdict.alternatives
-    rejected = f"; likely cause: {' or '.join(others.families)}" if others.named else ""
-    judged = [] if others.named else ["no alternative model is favoured"]
+    judged = [cause_words(others)] if others.named else ["no alternative model is favoured"]
     if tied := item.verdict.tied:
-        rejected = f"; by {tied[0].name} ({parameter_words(tied[0])})"
+        verdict += f"; by {tied[0].name} ({parameter_words(tied[0])})"
         judged = ["JKR as described is rejected", *(f"{one.name} is not distinguishable from it" for one in tied[1:])]
     judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
     judged += [f"model uncertainty from {', '.join(parts)}"] if parts else []
-    return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
+    return [verdict, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
+
+
+def cause_words(alternatives: RecordAlternatives) -> str:
+    """What may cause a misfit, and how much the likeliest of each family would change."""
+    likeliest = {one.family: one for one in reversed(alternatives.named)}
+    changes = [
+        f"{family} would change E* by {change_words(one.change(one.E_star))}, w by {change_words(one.change(one.w))}"
+        for family in alternatives.families for one in [likeliest[family]]
+    ]  # fmt: skip
+    return f"cause{' not identifiable' * (len(changes) > 1)}: {'; '.join(changes)}"
 
 
 def brief(items: Sequence[FittedValue], level: float) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TypeVar
 
 from ..base.errors import JkrError, Unknown
 from ..base.numerics import Array
 from .curve import Pixel
+from .grade import Grade, grade_of
 from .least_squares import Structure
 from .lockstep import Flow
 from .parameters import Answer, FittedValue
@@ -54,8 +56,8 @@ class Fit(Answer):
     fitted curve, readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a
     raw record, in a word or two each; ``surface``: what the surfaces were taken to do; ``tip``: what stands for the
     tip, where that is a convention; ``held``: what the free rows of a raw record hold beside a base line;
-    ``not_included``: inputs that no error holds; ``quality``:
-    of a raw record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest
+    ``not_included``: inputs that no error holds; ``sizes``:
+    of a raw record, of what stands against it, None where readings were prepared; ``adhesion``: its largest
     tension on retraction [N], None where there is none; ``directions``: of it that were fitted. ``pixel``: in a map.
     ``jkr``: of a fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows
     leave, None
@@ -79,7 +81,7 @@ class Fit(Answer):
     evaluations: int
     settings: Settings
     flags: tuple[str, ...] = ()
-    quality: Mapping[str, float] | None = None
+    sizes: Mapping[str, float] | None = None
     surface: str = "sliding"
     tip: str = ""
     held: tuple[str, ...] = ()
@@ -91,6 +93,13 @@ class Fit(Answer):
     directions: str = ""
     verdict: Verdict | None = None
     plan: tuple[Further, ...] = ()
+
+    @cached_property
+    def grade(self) -> Grade | None:
+        """How far the fit of a raw record is to be believed; None where readings were prepared."""
+        if self.sizes is None:
+            return None
+        return grade_of(self.sizes, self.flags, self.estimate("E_star"), self.work, self.verdict)
 
     @property
     def work(self) -> FittedValue:

@@ -111,11 +111,6 @@ class RecordAlternatives:
         """The families of those that are named, the likeliest first."""
         return tuple(dict.fromkeys(one.family for one in self.named))
 
-    @property
-    def chance(self) -> float:
-        """That noise makes as much of any alternative as of the best one."""
-        return min(1.0, len(self.scores) * min((one.chance for one in self.scores), default=1.0))
-
     def worst(self, quantity: str) -> tuple[str, float] | None:
         """The alternative that may move "E_star" or "w" most, and by how much, relative: of the named, where some
         are."""

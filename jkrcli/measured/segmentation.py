@@ -968,12 +968,21 @@ def _on_base_lines(P: Array, touched: Sequence[Direction]) -> Iterator[tuple[str
         if not item.begins_free:
             end = "begins" if name == APPROACH else "ends"
             yield "no base line", f"the {name} {end} in contact, or has no straight part"
-        elif waviness > RECORD_WAVY * span:
+        elif waviness > RECORD_WAVY * span and _is_slow(
+            P[item.segment.rows][:: 1 if name == APPROACH else -1], item.base
+        ):
             sentence = (
                 f"the base line of the {name} is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
                 "the range of the load (optical interference: fit --base-line sine)"
             )
             yield "wavy base line", sentence
+
+
+def _is_slow(P: Array, base: BaseLine) -> bool:
+    """Whether what a line leaves of the loads ``P`` from their free end on is slow, and no noise from row to row."""
+    rows = np.arange(base.rows)
+    off = P[: base.rows] - np.polyval(np.polyfit(rows, P[: base.rows], 1), rows)
+    return float(off[1:] @ off[:-1]) > float(off @ off) / 2
 
 
 def _permanent_set(z: Array, P: Array, directions: Sequence[Direction]) -> tuple[tuple[str, str], ...]:

@@ -91,8 +91,8 @@ def test_modulus_and_work_of_records_with_all_dirt(seed: int) -> None:
         item = found.estimate(name)
         assert item.error is not None
         assert abs(item.value - true) < 4.5 * item.error + 1e-4 * true  # normal: 1e-5 beyond
-    assert found.quality is not None
-    assert found.quality["misfit"] > 0.9
+    assert found.grade is not None
+    assert found.grade.sizes["misfit"] < 0.01
 
 
 LAYERS = {(h, nu): BondedLayer(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)}
@@ -371,8 +371,8 @@ def test_another_indenter_is_flagged_as_misfit() -> None:
     wrong = replace(curve, P=base + top * np.maximum((z - 0.0) / z.max(), 0.0) ** 0.3, delta=z, stiffness=None)
     found = fit(BODY, wrong, usual(segment="approach"))
     assert "misfit" in found.flags
-    assert found.quality is not None
-    assert found.quality["quality"] < 0.6
+    assert found.grade is not None
+    assert not found.grade.believed
 
 
 @pytest.mark.first(1)
@@ -518,10 +518,10 @@ def test_a_sine_that_is_not_there_is_not_fitted() -> None:
         fit(BODY, curve, usual(base_line="sine", contact="as-is"))
 
 
-def cycled(seed: int, w_in: float = 3e-5, kind: tuple[float, float] | None = None) -> Curve:
+def cycled(seed: int, w_in: float = 3e-5, kind: tuple[float, float] | None = None, noise: float = 0.005) -> Curve:
     """Approach and retraction, E* = 20 kPa, w = 0.1 mJ/m^2 on the way out."""
     k, force = 0.05, 1.5 * math.pi * 1e-4 * R
-    device = Instrument(k, 1500, 3e-6, 4 * force, 0.005 * force, force, 0.1 * force / 1e-6, 0.05 * force)
+    device = Instrument(k, 1500, 3e-6, 4 * force, noise * force, force, 0.1 * force / 1e-6, 0.05 * force)
     columns = record(20e3, R, w_in, 1e-4, device, seed, half_space if kind is None else LAYERS[kind])
     return Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], t=columns["t"], stiffness=k)
 
@@ -612,8 +612,8 @@ def test_the_noise_is_that_of_the_free_rows() -> None:
     right, wrong = fit(case(kind, 1e4), curve, usual()), fit(BODY, curve, usual(segment="retract"))
     assert not right.flags
     assert "misfit" in wrong.flags
-    assert wrong.quality is not None
-    assert wrong.quality["misfit"] < 0.6
+    assert wrong.grade is not None
+    assert wrong.grade.sizes["misfit"] > 0.01
     item = wrong.estimate("E_star")
     assert item.error is not None
     assert item.error < 0.02 * item.value
@@ -762,5 +762,5 @@ def test_the_steps_of_a_converter_are_noise() -> None:
         assert item.error is not None
         assert 1e-5 < item.error / item.value < 2e-2
         assert item.value == pytest.approx(true, abs=4 * math.hypot(item.error, *(item.model or {}).values()))
-    assert found.quality is not None
+    assert found.grade is not None
     assert "misfit" not in found.flags

@@ -156,7 +156,7 @@ def test_a_raw_curve_is_fitted_without_a_case_file(jkr: Callable[..., Outcome], 
     assert done.code == 0
     curve = json.loads(done.out)["curves"][0]
     assert curve["status"] == "fitted"
-    assert curve["quality"]["quality"] > 0.9
+    assert curve["quality"] > 0.9
     assert curve["estimates"]["E_star"]["value"] == pytest.approx(E_STAR, rel=0.02)
     assert curve["estimates"]["w"]["value"] == pytest.approx(W, rel=0.02)
     assert not any("of the case" in sentence for sentence in curve["warnings"])

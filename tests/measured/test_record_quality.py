@@ -38,7 +38,7 @@ def judged(seed: int, count: int) -> tuple[list[float], list[float], int, int]:
 
 def quality(found: Fit | None) -> float:
     """0 of a record that cannot be used, or whose readings could be fitted only as they are: those are flagged."""
-    return 0.0 if found is None or found.quality is None else found.quality["quality"]
+    return 0.0 if found is None or found.grade is None else found.grade.quality
 
 
 def area(good: list[float], bad: list[float]) -> float:

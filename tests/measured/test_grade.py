@@ -1,0 +1,90 @@
+"""Grades of fitted force curves by sizes: what has none makes no doubt, what has one is said with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_fit_record import BODY, TRUE, cycled, usual
+
+from jkrcli.measured.archive import DOUBTFUL, FITTED, status_of
+from jkrcli.measured.curve import Curve
+from jkrcli.measured.grade import GOOD, LEFT_OUT, LIMITS, LOOK, USABLE
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.report import columns, fit_words, summary
+from jkrcli.measured.result import Fit
+from jkrcli.measured.segmentation import segment_force_curve
+
+
+def fitted(curve: Curve, **options: str) -> Fit:
+    return fit(BODY, curve, usual(**options))
+
+
+def way_back(curve: Curve) -> Curve:
+    assert curve.P is not None
+    return curve.rows(np.arange(int(np.argmax(curve.P)), len(curve)))
+
+
+def test_one_direction_alone_is_no_doubt() -> None:
+    found = fitted(way_back(cycled(1)))
+    assert "no approach" in found.flags
+    assert found.grade is not None
+    assert found.grade.word in (GOOD, USABLE)
+    assert status_of(found) == FITTED
+    assert abs(found.value("E_star") / TRUE["E_star"] - 1) < found.grade.sizes["E_star_error"]
+
+
+@pytest.fixture(scope="module")
+def noiseless() -> Fit:
+    """A record whose noise is that of rounding."""
+    return fitted(cycled(1, noise=1e-7))
+
+
+def test_readings_without_noise_are_no_misfit(noiseless: Fit) -> None:
+    assert not {"misfit", "model rejected"} & set(noiseless.flags)
+    assert noiseless.grade is not None
+    assert noiseless.grade.word == GOOD
+    assert noiseless.value("E_star") == pytest.approx(TRUE["E_star"], rel=1e-3)
+
+
+def test_grade_and_sizes_are_written(noiseless: Fit) -> None:
+    assert columns([noiseless])["grade"] == [GOOD]
+    (curve,) = summary([noiseless], "body")["curves"]
+    assert curve["grade"] == GOOD
+    assert set(LIMITS) <= set(curve["sizes"])
+    assert curve["quality"] > 0.9
+    assert fit_words(noiseless)[0].endswith(": good")
+
+
+def test_a_direction_that_says_otherwise_is_in_the_error() -> None:
+    """Loads of the retraction 1.1 times as large: E* has what leaving a direction out changes."""
+    curve = cycled(1)
+    assert curve.P is not None
+    back = np.arange(len(curve)) > np.argmax(curve.P)
+    found = fitted(replace(curve, P=np.where(back, 1.1 * curve.P, curve.P)))
+    item = found.estimate("E_star")
+    assert found.grade is not None
+    assert found.grade.sizes["E_star_by_direction"] > 0.05
+    assert (item.model or {})[LEFT_OUT] > 0.05 * item.value
+    assert abs(item.value / TRUE["E_star"] - 1.05) < 2 * found.grade.sizes["E_star_error"]
+
+
+def test_a_misfit_that_matters_is_to_be_looked_at() -> None:
+    curve = cycled(1)
+    assert curve.P is not None
+    back = np.arange(len(curve)) > np.argmax(curve.P)
+    found = fitted(replace(curve, P=np.where(back, 1.6 * curve.P, curve.P)))
+    assert found.grade is not None
+    assert found.grade.word == LOOK
+    assert status_of(found) == DOUBTFUL
+    first, *rest = fit_words(found)
+    assert first.endswith(f": {LOOK} ({found.grade.reason})")
+    assert any("cause not identifiable: " in line and " would change E* by " in line for line in rest)
+
+
+def test_noise_is_no_wave() -> None:
+    curve = cycled(1)
+    assert curve.P is not None
+    noise = 0.2 * np.ptp(curve.P) * np.random.default_rng(3).normal(size=len(curve))
+    assert "wavy base line" not in segment_force_curve(replace(curve, P=curve.P + noise)).flags

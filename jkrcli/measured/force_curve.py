@@ -1,15 +1,15 @@
 """One statistical model of a whole force curve: base line, contact point, modulus and work of adhesion together.
 
-The reading at device position z is that of a contact on its path (``branches``) over a straight base line; all
-scatter is in the load:
+The reading at device position z is that of a contact on its path (``branches``) over a straight base line and what
+acts beside the contact (``free_rows``); all scatter is in the load:
 
-    reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
+    reading(z) = offset + tilt (z - z_touch) + B(z) + P(z - z0; s, w, k)
 
 P is 0 where a row is free. On approach the edge advances with its own w; from the turning point on it rests, then
 recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
-``turn`` of its own. Each direction has its own base line (drag, drift of the load), on request with a wave c cos + s
-sin of 2 pi (z - at)/period (interference). On request positions err by a drift, hysteresis or creep, 0 at the turning
-point: in one direction alone they cannot be separated from another modulus.
+``turn`` of its own. Each direction has its own base line (drag, drift of the load). On request positions err by a
+drift, hysteresis or creep, 0 at the turning point: in one direction alone they cannot be separated from another
+modulus.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from ..base.errors import SolveError, known
-from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median, pchip
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median, pchip
 from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
-from .curve import APPROACH, RETRACT, Curve
+from .curve import APPROACH, RETRACT
 from .forward_model import Family, on_grid
+from .free_rows import LOADS, RANGE, FreeRows, Place, Term
 from .least_squares import (
     TURNS,
     Least,
@@ -43,109 +44,8 @@ from .least_squares import (
 )
 from .lockstep import Flow, alone, ask
 from .rows import in_contact, noise_from_third_differences
-from .segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
+from .segmentation import BaseLine, Direction, ForceCurve
 from .settings import Loss
-
-# --------------------------------------------------------------------------------------------------
-# The sine in a base line: light reflected by the specimen interferes with that of the cantilever.
-#
-# The reading repeats itself whenever the device has moved by half a wavelength of the light. Amplitude and phase are
-# of each direction; the period is of the light and common to both.
-
-# Where a sine is searched, and when it is no noise.
-INTERFERENCE_BLOCKS = 2000  # choice: means of successive free rows that are transformed
-INTERFERENCE_SHORTEST = 6  # theory: of them in a period; their means leave sinc(1/6) = 95 % of the wave
-INTERFERENCE_FINER = (
-    4  # theory: frequencies tried for each that the free way tells apart; sinc(1/8)^2 leaves 95 % between
-)
-# choice: of the free rows, in rounds; a large wave hides their end
-INTERFERENCE_SHARES = (0.5, 1.0, 1.0)
-INTERFERENCE_CLEAR = (
-    14.0  # theory: once in a thousand by chance of a thousand frequencies (Scargle, ApJ 263, 835, 1982)
-)
-
-
-@dataclass(frozen=True)
-class Wave:
-    """``cos`` and ``sin`` [N] of 2 pi (z - at)/period over the device's position z; ``period, at`` in m."""
-
-    period: float
-    at: float
-    cos: float
-    sin: float
-
-    def __call__(self, z: Array) -> Array:
-        return parts(z - self.at, self.period) @ (self.cos, self.sin)
-
-
-def parts(along: Array, period: float) -> Array:
-    """Cosine and sine of a way ``along`` [m] over the period, (rows, 2)."""
-    phase = 2 * math.pi * along / period
-    return np.stack([np.cos(phase), np.sin(phase)], axis=-1)
-
-
-def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
-    """The record examined again without the sine of its base lines, and that of each direction by its kind; the record
-    itself and none where no sine exceeds the noise.
-
-    Without the wave the free rows are determined better, and by them the wave.
-    """
-    curve, waves = record.curve, dict[str, Wave]()
-    for share in INTERFERENCE_SHARES:
-        sides = [side for side in record.directions if side.base.rows >= FEWEST_ROWS]
-        free = {side.segment.kind: _free(curve, side, share) for side in sides}
-        period = _period(list(free.values())) if free else None
-        if period is None:
-            return segment_force_curve(curve), {}
-        waves = {kind: _wave(z, off, period) for kind, (z, off) in free.items()}
-        record = segment_force_curve(_without(curve, sides, waves))
-    return record, waves
-
-
-def _without(curve: Curve, directions: Sequence[Direction], waves: Mapping[str, Wave]) -> Curve:
-    """The curve less its waves; the device stays where it is."""
-    z, P = curve.device, curve.load.copy()
-    for side in directions:
-        rows = side.segment.rows
-        P[rows] -= waves[side.segment.kind](z[rows])
-    return replace(curve, delta=z if curve.stiffness is None else z - P / curve.stiffness, P=P)
-
-
-def _free(curve: Curve, side: Direction, share: float) -> tuple[Array, Array]:
-    """Positions [m] of a share of the free rows of a direction, from the far end on, and their loads over its base line
-    [N], in means of some rows."""
-    order, end = 1 if side.segment.kind == APPROACH else -1, round(share * side.base.rows)
-    z, off = (column[side.segment.rows][::order][:end] for column in (curve.device, curve.load))
-    off = off - np.polynomial.Polynomial.fit(z, off, 1)(z)
-    size = max(1, z.size // INTERFERENCE_BLOCKS)
-    along, loads = (column[: z.size // size * size].reshape(-1, size).mean(axis=1) for column in (z, off))
-    return along, loads
-
-
-def _period(free: list[tuple[Array, Array]]) -> float | None:
-    """The period that explains most, among those of which one or more lie in the free way; None where none explains
-    more than chance does."""
-    way, count = max(float(np.ptp(z)) for z, _ in free), max(z.size for z, _ in free)
-    size, total, rows = INTERFERENCE_FINER * count, 0.0, 0
-    power = np.zeros(size // 2 + 1)
-    for z, off in free:
-        order = np.argsort(z)
-        even = np.interp(np.arange(z[order[0]], z[order[-1]], way / count), z[order], off[order])
-        power += 2 / even.size * np.abs(np.fft.rfft(even, size)) ** 2
-        total, rows = total + float(even @ even), rows + even.size
-    periods = way * INTERFERENCE_FINER / np.maximum(np.arange(power.size), 1)
-    power = np.where((periods <= way) & (periods >= INTERFERENCE_SHORTEST * way / count), power, 0.0)
-    best = int(np.argmax(power))
-    return float(periods[best]) if power[best] > 2 * INTERFERENCE_CLEAR * (total - power[best]) / rows else None
-
-
-def _wave(z: Array, off: Array, period: float) -> Wave:
-    """The wave of a period that is nearest to ``off``, a straight line apart."""
-    along = z - z[0]
-    design = np.column_stack([np.ones_like(z), along / np.ptp(z), parts(along, period)])
-    c, s = np.linalg.lstsq(design, off, rcond=None)[0][2:]
-    return Wave(period, float(z[0]), float(c), float(s))
-
 
 # --------------------------------------------------------------------------------------------------
 # Rows of a raw record as its model takes them: each direction from its far end inwards, with its base line.
@@ -161,9 +61,9 @@ class DirectionReadings:
 
     ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free, by a
     jump, or by a window about first touch that is left out.
-    ``line``: the base line of the free rows alone, ``wave``: on top of it. ``t``: time since the end
-    of the approach [s], 0 where it is not known, ``waits`` until the retraction, of ``lasting`` in all. ``turn``: where
-    the device turns [m]; ``tension``: the largest above the noise [N].
+    ``line``: the base line of the free rows alone; ``held``: what was taken off the loads.
+    ``t``: time since the end of the approach [s], 0 where it is not known, ``waits`` until the retraction, of
+    ``lasting`` in all. ``turn``: where the device turns [m]; ``tension``: the largest above the noise [N].
     """
 
     kind: str
@@ -176,9 +76,19 @@ class DirectionReadings:
     t: Array
     turn: float
     tension: float
-    wave: Wave | None = None
     waits: float = 0.0
     lasting: float = 0.0
+    held: FreeRows | None = None
+
+    @cached_property
+    def place(self) -> Place | None:
+        """Where its rows lie beside the contact."""
+        return None if self.held is None else self.held.place.some(self.rows)
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """What acts beside the contact."""
+        return () if self.held is None else self.held.terms
 
     @cached_property
     def spacing(self) -> float:
@@ -230,20 +140,17 @@ class DirectionReadings:
         return replace(self, rows=self.rows[first], touching=self.touching[first], z=z, P=P, t=t)
 
 
-def stretches(
-    record: ForceCurve, kinds: Sequence[str], waves: Mapping[str, Wave] | None = None
-) -> tuple[DirectionReadings, ...]:
+def stretches(record: ForceCurve, kinds: Sequence[str]) -> tuple[DirectionReadings, ...]:
     """The directions ``kinds`` of a record as the model takes them: rows within a jump belong to neither side and are
-    left out. ``waves``: what was taken off the loads of the record and is to be fitted with the rest."""
+    left out."""
     sides = [side for kind in kinds if (side := record.direction(kind)) is not None]
-    return tuple(_stretch(record, side, (waves or {}).get(side.segment.kind)) for side in sides)
+    return tuple(_stretch(record, side) for side in sides)
 
 
-def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> DirectionReadings:
+def _stretch(record: ForceCurve, side: Direction) -> DirectionReadings:
     curve, inwards = record.curve, slice(None, None, 1 if side.segment.kind == APPROACH else -1)
     rows = np.arange(side.segment.first, side.segment.last + 1)[inwards]
     z, P = (column[side.segment.rows][inwards] for column in (curve.device, curve.load))
-    P = P if wave is None else P + wave(z)
     line, tension, touching, keep = _base_and_contact(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(READINGS_TURNING * contact) :] = False
@@ -254,7 +161,8 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[last]
     return DirectionReadings(
         side.segment.kind, rows[keep], line, z[keep], P[keep], touching[keep], bool(touching.any()), t[rows[keep]],
-        float(curve.device.max()), tension, wave, max(float(t[rows[-1]]), 0.0), float(np.ptp(t)),
+        float(curve.device.max()), tension, max(float(t[rows[-1]]), 0.0), float(np.ptp(t)),
+        record.held,
     )  # fmt: skip
 
 
@@ -332,10 +240,10 @@ Loads: TypeAlias = "Callable[[ForceCurveModel, DirectionReadings, Mapping[str, f
 class ForceCurveModel:
     """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
 
-    These are ln s, z0, the errors of ``positions``, the log of the period where there are waves, for each
-    stretch its offset, tilt, cosine and sine of its wave, and q = w/s unless its w is one of ``works`` [J/m^2]; of an
-    approach before a retraction that adheres its signed root instead, which the resting edge is smooth in; of a
-    retraction alone the share ``turn``. ``known``: those that are not fitted, by name. ``moduli``: least and largest s.
+    These are ln s, z0, the errors of ``positions``, for each stretch its offset, tilt, and q = w/s unless its w is one
+    of ``works`` [J/m^2]; of an approach before a retraction that adheres its signed root instead, which the resting
+    edge is smooth in; of a retraction alone the share ``turn``; and those of what acts beside the contact. ``known``:
+    those that are not fitted, by name. ``moduli``: least and largest s.
     """
 
     family: Family
@@ -367,16 +275,12 @@ class ForceCurveModel:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The unknowns in order; those of a stretch carry its kind."""
-        names = (
-            ["ln_s", "z0"]
-            + list(self.positions)
-            + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
-        )
+        names = ["ln_s", "z0", *self.positions]
         for stretch in self.stretches:
             names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"]
-            names += [f"cos:{stretch.kind}", f"sin:{stretch.kind}"] * (stretch.wave is not None)
             names += [self.adhesion_of(stretch)] * (stretch.kind not in self.works)
             names += ["turn"] * (len(self.stretches) == 1 and stretch.kind != APPROACH and stretch.tension > 0)
+        names += [name for term in self.stretches[0].terms for name in term.names]
         return tuple(name for name in names if name not in self.known)
 
     def adhesion_of(self, stretch: DirectionReadings) -> str:
@@ -391,10 +295,18 @@ class ForceCurveModel:
         return 0.9 * float(dH[-1] / dV[-1]) ** 2
 
     @property
+    def by_terms(self) -> dict[str, float]:
+        """The unknowns of what acts beside the contact as the free rows have them."""
+        terms = self.stretches[0].terms
+        return {name: value for term in terms for name, value in zip(term.names, term.values, strict=True)}
+
+    @property
     def limits(self) -> Mapping[str, tuple[float, float]]:
         """Least and largest values of unknowns by name."""
         least, most = (math.log(s) if s > 0 else -math.inf for s in self.moduli)
-        return {"ln_s": (least, most)}
+        held = self.stretches[0].held
+        ranges = {name: held.place.limits(term.law) for term in held.terms for name in term.names} if held else {}
+        return {"ln_s": (least, most)} | {name: ends for name, ends in ranges.items() if name.startswith(RANGE)}
 
     def further(self, values: Mapping[str, float]) -> dict[str, float]:
         """What other unknowns mean, SI, by name."""
@@ -424,6 +336,12 @@ class ForceCurveModel:
         depth: Array = part.z - values["z0"]
         for name, by in self.misplaced(part).items() if self.positions else ():
             depth += values[name] * by
+        for term in part.terms:
+            if term.moves_tip and part.place is not None:
+                now, before = (
+                    term.at(part.place, some)[0] for some in ([values[name] for name in term.names], term.values)
+                )
+                depth -= (now - before) / self.k * (part.place.inside > 0)
         return depth
 
     def misplaced(self, part: DirectionReadings) -> dict[str, Array]:
@@ -482,7 +400,10 @@ class ForceCurveModel:
     def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
         """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
         by its sensitivity, which its deflections follow."""
-        parts = tuple(replace(part, P=factor * part.P, tension=factor * part.tension) for part in self.stretches)
+        parts = tuple(
+            replace(part, P=factor * part.P, tension=factor * part.tension, held=part.held and part.held.scaled(factor))
+            for part in self.stretches
+        )
         return replace(self, stretches=parts, k=factor * self.k if of_stiffness else self.k)
 
     def free(self, columns: Array) -> list[Array]:
@@ -528,6 +449,9 @@ class ForceCurveModel:
             line, by_line = base_line(part, values)
             off[first:last] = line + columns[0] - part.P
             by = {} if self.in_place_of_path(part) else self._by_names(part, values, columns)
+            for name in [name for term in part.terms if term.moves_tip for name in term.names]:
+                inside = part.place.inside > 0 if part.place is not None else 0.0
+                by_line[name] = by_line[name] * (1 - columns[3] / self.k * inside)
             for name, column in itertools.chain(by.items(), by_line.items()):
                 if name in self.places:
                     rates[self.places[name], first:last] = column
@@ -653,14 +577,13 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
     along, offset, tilt = part.along, f"offset:{part.kind}", f"tilt:{part.kind}"
     line = values[offset] + values[tilt] * along
     by: dict[str, Array | float] = {offset: 1.0, tilt: along}
-    if part.wave is None:
-        return line, by
-    way, period = part.z - part.wave.at, math.exp(values["ln_period"])
-    c, s = values[f"cos:{part.kind}"], values[f"sin:{part.kind}"]
-    cos, sin = parts(way, period).T
-    by |= {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
-           f"sin:{part.kind}": sin}  # fmt: skip
-    return line + c * cos + s * sin, by
+    if part.place is not None and part.held is not None:
+        line = line - part.held.taken[part.rows]
+        for term in part.terms:
+            load, columns = term.at(part.place, [values[name] for name in term.names])
+            line += load
+            by |= dict(zip(term.names, columns, strict=True))
+    return line, by
 
 
 # --------------------------------------------------------------------------------------------------
@@ -821,13 +744,10 @@ def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: 
     points are tried; for each of them the rest is linear."""
     s, zero, r = _tried(model, part, share)
     values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0)}
-    values |= by_base_lines(model)
+    values |= by_base_lines(model) | model.by_terms
     for other in model.stretches:
         q = r**2 if other is part else _of_tension(model, s, other.tension)
         values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q)}
-        if other.wave is not None:
-            values["ln_period"] = math.log(other.wave.period)
-            values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
     return model.unknowns(values)
 
 
@@ -851,8 +771,6 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
     rows = _some_rows(part)
     rows = rows[part.z[rows] <= part.z.max() - (1 - share) * part.reach] if share < 1 else rows
     net = part.P[rows] - part.line(part.z[rows])
-    if part.wave is not None:
-        net -= part.wave(part.z[rows])
     delta = part.z[rows] - net / model.k
     points = _contact_points(part, delta, rows)
     if part.jumped:  # the others are free
@@ -929,7 +847,6 @@ FIT_EXPLAINED = 1.05  # choice: of the noise, residuals that the search is not b
 FIT_ENOUGH = 1.5  # choice: of the noise, residuals that no other start is tried below
 FIT_BLUNT = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
 FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
-FIT_PERIODS = 0.3  # choice: the same of the log of a wave's period
 FIT_CONVERGED = 1e-11  # choice: relative change of parameters
 FIT_FELL = 4e-4  # theory: of chi^2 over its rows, its rise two hundredths of a standard error from the minimum
 FIT_BEGUN = 1e-5  # choice: of chi^2, its fall by a step with which a search goes on with all rows and a sharper fold
@@ -974,7 +891,7 @@ class ForceCurveFit:
 
     def unknowns(self, model: ForceCurveModel) -> Array:
         """Those of a ``model`` that may know fewer of them."""
-        return model.unknowns(self.model.values(self.x))
+        return model.unknowns(model.by_terms | self.model.values(self.x))
 
     @cached_property
     def radii(self) -> list[tuple[Array, Array]]:
@@ -996,7 +913,8 @@ class ForceCurveFit:
 
     def at_loads(self, factor: float) -> Array:
         """The unknowns as they are about where all loads are ``factor`` times as large."""
-        loads = np.array([name.startswith(("offset:", "tilt:", "cos:", "sin:")) for name in self.names], dtype=bool)
+        of_loads = "offset:", "tilt:", *LOADS
+        loads = np.array([name.startswith(of_loads) for name in self.names], dtype=bool)
         ln_s = np.array([name == "ln_s" for name in self.names])
         return np.where(loads, factor * self.x, self.x) + np.where(ln_s, math.log(factor), 0.0)
 
@@ -1252,7 +1170,7 @@ def _windowed(best: ForceCurveFit, part: DirectionReadings) -> DirectionReadings
 
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
-    about, within = {"ln_s": FIT_MODULI, "ln_period": FIT_PERIODS}, {"q": model.most, "r": math.sqrt(model.most)}
+    about, within = {"ln_s": FIT_MODULI}, {"q": model.most, "r": math.sqrt(model.most)}
     limits, bounds = model.limits, []
     for name, x in zip(model.names, start.tolist(), strict=True):
         reach, (least, most) = about.get(name, math.inf), limits.get(name, (-math.inf, math.inf))

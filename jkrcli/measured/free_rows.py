@@ -1,27 +1,28 @@
-"""What the free rows of a force curve hold beside a straight base line: levels and attraction.
+"""What the free rows of a force curve hold beside a straight base line: levels, attraction, errors of the signal.
 
-A tether or a second weak contact holds the device at a level tension after pull-off, and lets go at once: a step of
-the load between free rows, which is found by its edges. Charge, a double layer or a van der Waals tail draw the device
-in before contact: A f(gap/range), by f = exp(-x) or (1 + x)^-2, is A throughout contact, or 0 where it is adhesion's
-own and ends at touch. Both are taken off the load before anything else is read from it; how well they are known, and
-which of them there are, a fit finds out with loads that are a little different.
+A tether or a second weak contact holds the device at a tension after pull-off, level or along a line, and lets go at
+once: a step of the load between free rows, which is found by its edges. Charge, a double layer or a van der Waals tail
+draw the device in before contact: A f(gap/range), by f = exp(-x) or (1 + x)^-2, is A throughout contact, or 0 where it
+is adhesion's own and ends at touch. A virtual deflection bends the base line by A ((z - z_touch)/way)^2, a drift from
+the first row by A exp(-row/range); light that the specimen reflects adds a wave over z. Each is a term of the record's
+model, whose size and range are fitted with the rest; what free rows alone tell of them is a start, and tells which
+hypotheses are worth a fit.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import TypeAlias
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from ..base.numerics import HALF_WIDTH, Array, median
 from ..base.units import show
 from .lockstep import Flow, ask
-
-STAYS = {True: "stays in contact", False: "ends at touch"}
 
 # When a step of the free rows is one.
 FREE_FEWEST = 40  # choice: free rows, below which no more than a line is seen in them
@@ -30,34 +31,50 @@ FREE_SIGMAS = 7.0  # theory: 1e-12 of normal noise lies beyond; scales and place
 FREE_NARROWEST = 4  # choice: rows in a window beside an edge
 FREE_WIDEST = 5  # theory: of the free rows, one part: two windows on each side of an edge
 FREE_MOST = 4  # choice: steps of one direction
-FREE_EVEN = 1.6  # choice: of the noise, what the levels beside an edge leave at most: more is ringing
-FREE_LEVEL = 0.35  # choice: of the jump of the contact, the largest level that is a tether's and no second contact's
+FREE_EVEN = 1.6  # choice: of the noise, what the line beside an edge leaves at most: more is ringing
+FREE_LOCAL = 8  # choice: of the free rows, one part: rows on each side of an edge, by which its step is told
+FREE_LEVEL = 0.9  # choice: of the jump of the contact, which is the largest, the tension beyond it at most
+FREE_TETHER = 0.35  # choice: of it, the largest step of a tether; a larger one is a second contact's
 FREE_EVEN_LEVEL = 0.5  # theory: of a step of a converter, by which neighbours differ where they are the same
 FREE_RESTS = 0.7  # theory: share of equal neighbours; noise of half a step, which rounding averages over, leaves half
 FREE_CODES = 1.5  # theory: steps of a converter, above which a level is none of them
+FREE_SLOPED = 2.0  # theory: standard errors of the change along a level, from which it is told
 # When a bend towards contact is an attraction.
 FREE_BENDS = 16.0  # choice: fall of chi^2, four standard errors, from which on what bends is a hypothesis
-FREE_BLOCKS = 150  # choice: means of rows that a bend is looked for in
-FREE_RANGES = np.geomspace(0.02, 4.0, 22)  # choice: of the free way, ranges tried
-FREE_COARSE = math.log(FREE_RANGES[1] / FREE_RANGES[0])  # theory: of logs, the distance of two of them
-FREE_FINER = 4  # choice: rounds of finer ranges, each by a third
+FREE_MORE = 6.0  # choice: the same from which on a second or a third one is
+FREE_BLOCKS = 300  # choice: means of rows that a bend is looked for in
+FREE_RANGES = np.array([0.02, 4.0])  # choice: of the free way, ranges of an attraction
+FREE_DECAYS = np.array([0.02, 0.5])  # choice: of the rows, of a drift; of a slower one no more than a parabola is seen
+FREE_TRIED = 22  # choice: ranges from which the best begins a search
+FREE_FINER = 4  # theory: frequencies tried for each that the free way tells apart
+# choice: of the free way, periods of a wave; theory: at least six blocks, whose means leave sinc(1/6) = 95 % of it
+FREE_PERIODS = np.array([6 / FREE_BLOCKS, 1.0])
 FREE_ROUNDS = 3  # theory: of the deflection by the attraction, which converges by the ratio of stiffnesses each
+FREE_STEPS = 8  # choice: steps of Gauss and Newton to the least of the free rows, and halvings of each
 FREE_LOOKED_AT = np.geomspace(0.03, 0.3, 5)  # choice: those that are looked at before, at contact and at the far end
-FREE_SLOWEST = 0.5  # choice: of the rows, range of a drift that decays; of a slower one no more than a parabola is seen
 FREE_APART = 36.0  # theory: fall of chi^2, six standard errors, by an amount for each direction
 FREE_TELLS = 0.2  # choice: of the noise of a row, the least attraction at contact
-FREE_DESCRIBED = 2.5  # choice: of chi^2 of the blocks per degree of freedom, that a law leaves at most
-FREE_SHALLOWEST = 0.05  # choice: rise of chi^2 by a standard error at a given range, below which it is no parabola
+FREE_DESCRIBED = 2.5  # choice: of chi^2 of the blocks per degree of freedom, that a law leaves at most,
+FREE_DESCRIBED_BY_MORE = 1.5  # choice: and two or three
+FREE_BENT = 200.0  # choice: the same that excludes a straight base line, as noise may be slow
+FREE_EXCLUDED = 50.0  # choice: rise of chi^2 of the free rows, seven standard errors, that excludes a hypothesis
 
-LAWS: dict[str, Callable[[Array], Array]] = {"exponential": lambda x: np.exp(-x), "power": lambda x: (1 + x) ** -2.0}
-VIRTUAL, DECAY = "virtual deflection", "decaying drift"  # a parabola over the positions; exp(-row/range) from the first
+Shape: TypeAlias = Callable[[Array], Array]
+LAWS: dict[str, tuple[Shape, Shape]] = {  # with their derivatives
+    "exponential": (lambda x: np.exp(-x), lambda x: -np.exp(-x)),
+    "power": (lambda x: (1 + x) ** -2.0, lambda x: -2 * (1 + x) ** -3.0),
+}
+VIRTUAL, DECAY, LEVEL, WAVE = "virtual deflection", "decaying drift", "level", "interference"
+RANGE = "range:"  # and those that are logs of ranges
+LOADS = ("size:", "change:", "cos:", "sin:")  # how unknowns of terms begin that are loads
+STAYS = {True: "stays in contact", False: "ends at touch"}
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
     """The free ``rows`` of a direction ``kind``, from the far end inwards, with positions ``x`` [m] and loads ``y``
     [N]; ``contact``: its other rows; ``jump`` [N]: the fall of the load where they meet; ``code`` [N]: the step of the
-    converter; ``deep``: positions of the other rows [m]."""
+    converter; ``deep, pressed``: positions [m] and loads [N] of the other rows."""
 
     kind: str
     rows: Array
@@ -67,6 +84,7 @@ class Side:
     jump: float
     code: float
     deep: Array
+    pressed: Array
 
     @cached_property
     def noise(self) -> float:
@@ -74,46 +92,160 @@ class Side:
         least = FREE_SEEN * max(float(np.ptp(self.y)), abs(self.jump)) if self.y.size else 0.0
         return max(row_noise(self.y), self.code / math.sqrt(12), least)
 
+    @cached_property
+    def rounds(self) -> bool:
+        """Whether noise is too small to move rows between levels of a converter."""
+        return row_noise(self.y) < self.code
 
-@dataclass(frozen=True)
-class Level:
-    """A level tension [N] of free rows of the direction ``kind``, with its standard ``error``, between positions."""
 
-    kind: str
-    size: float
-    error: float
-    far: float
-    near: float
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where rows lie: their numbers ``rows``, positions ``x`` [m] of the device and of its ``tips``, whether they are
+    ``free`` or ``inside`` contact, 1 on approach and 2 on retraction, else 0; ``at``: where contact begins [m];
+    ``way``: the free one [m]; ``stiffness`` of the device [N/m]."""
 
-    @property
-    def words(self) -> str:
-        return (
-            f"a level of {show(self.size, 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)} between "
-            f"{show(self.far, 'length', 4)} and {show(self.near, 'length', 4)} after contact is lost: a tether or a "
-            "second contact"
+    rows: Array
+    x: Array
+    tips: Array
+    free: Array
+    inside: Array
+    at: float
+    way: float
+    stiffness: float
+
+    def limits(self, law: str) -> tuple[float, float]:
+        """The least and the largest log of the range of a term by a ``law``."""
+        ends = {DECAY: float(self.rows.max()) * FREE_DECAYS, WAVE: self.way * FREE_PERIODS}.get(
+            law, self.way * FREE_RANGES
         )
+        low, high = np.log(ends).tolist()
+        return low, high
+
+    def some(self, rows: Array) -> Place:
+        """The same of some of the rows."""
+        columns = {name: getattr(self, name)[rows] for name in ("rows", "x", "tips", "free", "inside")}
+        return replace(self, **columns)
 
 
 @dataclass(frozen=True)
-class Attraction:
-    """An attraction of ``size`` [N] at contact, with its standard ``error``, over a ``range`` [m] by a ``law``, that
-    ``stays`` in contact, or ends at touch; or what bends the base line of all rows: a virtual deflection of ``size``
-    over the free way, or a drift that decays over ``range`` rows."""
+class Term:
+    """A load beside the contact by a ``law``: its ``values``, with standard ``errors``, are its size [N], and the log
+    of its range [m; rows of a drift] or the change of a level along its rows [N]. An attraction ``stays`` in contact or
+    ends at touch, a level stays as a spring that is stretched on; ``side``: the direction that it is of, 0: of all;
+    ``between``: least and largest row of a level, ``far, near``: where it begins and ends [m], ``of_contact``: whether
+    it is too large for a tether."""
 
-    size: float
-    error: float
-    range: float
     law: str
+    values: tuple[float, ...]
+    errors: tuple[float, ...] = (0.0, 0.0)
     stays: bool = True
+    side: int = 0
+    between: tuple[int, int] = (0, 0)
+    far: float = 0.0
+    near: float = 1.0
+    of_contact: bool = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Its unknowns in the model of a record."""
+        label = f"{self.law} {self.between[0] or self.side or ''}".strip()
+        names = {LEVEL: ("size", "change"), WAVE: ("cos", "range", "sin")}.get(self.law, ("size", "range"))
+        return tuple(f"{name}:{label}" for name in names[: len(self.values)])
+
+    @property
+    def size(self) -> float:
+        return self.values[0] if self.law != WAVE else math.hypot(self.values[0], self.values[2])
+
+    @property
+    def error(self) -> float:
+        return self.errors[0]
+
+    @property
+    def range(self) -> float:
+        return math.exp(self.values[1])
+
+    @property
+    def is_force(self) -> bool:
+        """Whether it is no error of the signal."""
+        return self.law in LAWS or self.law == LEVEL
+
+    @property
+    def moves_tip(self) -> bool:
+        """Whether it bends the device in contact by what depends on its depth."""
+        return self.law == LEVEL and self.stays
+
+    @property
+    def spring(self) -> float:
+        """The rise of a level towards contact [N/m]."""
+        return self.values[1] / (self.near - self.far)
+
+    def at(self, place: Place, values: Sequence[float]) -> tuple[Array, list[Array]]:
+        """The load [N] at rows, and its derivatives by the ``values``."""
+        A, x = values[0], place.x
+        mine = 1.0 if not self.side else ((place.free == self.side) | (place.inside == self.side)).astype(float)
+        free, inside = mine * (place.free > 0), mine * (place.inside > 0)
+        if self.law == VIRTUAL:
+            bend = ((x - place.at) / place.way) ** 2 * (free + inside)
+            return A * bend, [bend]
+        if self.law == DECAY:
+            reach = math.exp(values[1])
+            bend = np.exp(-place.rows / reach) * (free + inside)
+            return A * bend, [bend, A * bend * place.rows / reach]
+        if self.law == WAVE:
+            phase = 2 * math.pi * (x - place.at) / math.exp(values[1])
+            cos, sin = np.cos(phase) * (free + inside), np.sin(phase) * (free + inside)
+            return A * cos + values[2] * sin, [cos, phase * (A * sin - values[2] * cos), sin]
+        if self.law == LEVEL:
+            on = free * (place.rows >= self.between[0]) * (place.rows <= self.between[1])
+            along = (x - self.far) / (self.near - self.far)
+            load, columns = (A + values[1] * along) * on, [on, along * on]
+            return self._stretched(place, values, inside, load, columns) if self.stays else (load, columns)
+
+        # the gap of a device that the attraction deflects: gap = at - x + A (f - 1)/k
+        f, slope = LAWS[self.law]
+        reach, k = math.exp(values[1]), place.stiffness
+        gap = np.maximum(place.at - x, 0.0)
+        for _ in range(FREE_ROUNDS if math.isfinite(k) else 0):
+            gap = np.maximum(place.at - x + A * (f(gap / reach) - 1) / k, 0.0)
+        shape, fall = f(gap / reach), slope(gap / reach) / reach * (gap > 0)
+        rate = 1 / np.maximum(1 - A * fall / k, 1e-2)  # of the gap, by what opens it
+        bend = shape * free + self.stays * inside
+        by_size = bend + A * fall * (shape - 1) / k * rate * free
+        return A * bend, [by_size, -A * fall * gap * rate * free]
+
+    def _stretched(
+        self, place: Place, values: Sequence[float], inside: Array, load: Array, columns: list[Array]
+    ) -> tuple[Array, list[Array]]:
+        """A level whose line is that of a spring in series with the device, stretched from where the line ends on: in
+        contact, at the same depth of the tip, -K max(end - tip, 0)."""
+        (A, B), way = values, self.near - self.far
+        b = max(B / way, 1e-12 * abs(A) / way)
+        K = b / max(1 - b / place.stiffness, 1e-2)
+        end = self.far - A / b
+        out = inside * np.maximum(end - place.tips, 0.0)
+        on = inside * (place.tips < end)
+        by_b = -((K / b) ** 2) * out - K * on * A / b**2
+        return load - K * out, [columns[0] + K / b * on, columns[1] + by_b / way]
 
     @property
     def words(self) -> str:
-        what = "an attraction" if self.size < 0 else "a repulsion"
         size = f"{show(abs(self.size), 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)}"
+        if self.law == LEVEL:
+            change, sloped = self.values[1], abs(self.values[1]) > FREE_SLOPED * self.errors[1]
+            level = f"{show(self.size, 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)}"
+            end = f" to {show(self.size + change, 'load', 3)}" * sloped
+            return (
+                f"a level of {level}{end} between {show(self.far, 'length', 4)} and {show(self.near, 'length', 4)} "
+                f"after contact is lost: {'' if self.of_contact else 'a tether or '}a second contact"
+                f"{', stretched in contact too' * self.stays}"
+            )
         if self.law == VIRTUAL:
             return f"a {VIRTUAL} that bends the base line by {size} over the free way"
         if self.law == DECAY:
             return f"a {DECAY} of the load, {size} at first, by a factor e over {self.range:.3g} rows"
+        if self.law == WAVE:
+            return f"a wave of {size} and a period of {show(self.range, 'length', 4)}: {WAVE}"
+        what = "an attraction" if self.size < 0 else "a repulsion"
         reach = f"{self.law} over a range of {show(self.range, 'length', 3)}"
         return f"{what} before contact of {size} at contact, {reach}, that {STAYS[self.stays]}"
 
@@ -125,60 +257,80 @@ class Attraction:
 
 @dataclass(frozen=True, eq=False)
 class FreeRows:
-    """What was taken off the loads of a record: ``taken`` [N] of each row, 0 where nothing is; ``spoilt``: rows within
-    an edge; ``raised``: one standard error of each level [N], by rows. ``bent``: the attraction at other sizes;
-    ``rounding`` [N]: what a converter leaves of the offset, where noise does not move it between levels."""
+    """What is taken off the loads of a record: ``terms``, at the rows of its ``place``; ``spoilt``: rows within an
+    edge; ``others``: terms that the free rows do not tell from these; ``rounding`` [N]: what a converter leaves of the
+    offset, where noise does not move it between levels, and ``raised``: by it the loads in contact [N], by rows."""
 
-    levels: tuple[Level, ...]
-    attraction: Attraction | None
-    taken: Array
+    place: Place
+    terms: tuple[Term, ...]
     spoilt: Array
-    raised: tuple[Array, ...]
-    bent: Bent | None
+    others: tuple[tuple[Term, ...], ...] = ()
     rounding: float = 0.0
+    raised: tuple[Array, ...] = ()
+
+    @cached_property
+    def taken(self) -> Array:
+        """The load [N] of all terms at all rows."""
+        return self._sum(self.terms)
+
+    @cached_property
+    def of_signal(self) -> Array:
+        """What of it is no force, but an error of the signal [N]: a virtual deflection or a drift."""
+        return self._sum([term for term in self.terms if not term.is_force])
+
+    def _sum(self, terms: Sequence[Term]) -> Array:
+        return sum((term.at(self.place, term.values)[0] for term in terms), np.zeros(self.place.x.size))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The unknowns of all terms."""
+        return tuple(name for term in self.terms for name in term.names)
+
+    @property
+    def levels(self) -> tuple[Term, ...]:
+        return tuple(term for term in self.terms if term.law == LEVEL)
+
+    @property
+    def bends(self) -> tuple[Term, ...]:
+        """What bends the base line."""
+        return tuple(term for term in self.terms if term.law != LEVEL)
 
     @property
     def words(self) -> Iterator[str]:
         if self.rounding:
             offset = show(self.rounding, "load", 2)
             yield f"they lie on levels of an A/D converter: the force offset is known to {offset}"
-        yield from (level.words for level in self.levels)
-        if self.attraction is not None:
-            yield self.attraction.words
-
-    def stronger(self, step: float) -> FreeRows:
-        """The same with an attraction so many standard errors larger, its range as the free rows have it then."""
-        return self if step == 0 or self.bent is None else self._by(self.bent.at(step), self)
+        yield from (term.words for term in self.terms)
 
     @property
-    def straight(self) -> FreeRows:
-        """The same without an attraction."""
-        if self.bent is None or self.attraction is None:
-            return self
-        taken = self.taken - self.bent.over_rows(self.bent.best, self.attraction.stays)
-        return replace(self, attraction=None, taken=taken, bent=None)
+    def brief(self) -> str:
+        """What bends the base line, in a word or two."""
+        springs = [f"{LEVEL} stretched in contact"] * any(term.moves_tip for term in self.terms)
+        return " and ".join([*(term.brief for term in self.bends), *springs]) or "a straight base line"
+
+    def of(self, *terms: Term) -> FreeRows:
+        """The same of other terms."""
+        return replace(self, terms=terms)
+
+    def scaled(self, factor: float) -> FreeRows:
+        """The same of loads that are ``factor`` times as large."""
+        each = [zip(term.names, term.values, strict=True) for term in self.terms]
+        loads = [tuple(value * factor if name.startswith(LOADS) else value for name, value in own) for own in each]
+        return self.of(*(replace(term, values=values) for term, values in zip(self.terms, loads, strict=True)))
 
     @property
-    def of_signal(self) -> Array:
-        """What of it is no force, but an error of the signal [N]: a virtual deflection or a drift."""
-        bends = self.bent is not None and self.bent.best.law not in LAWS
-        return self.bent.over_rows(self.bent.best) if self.bent is not None and bends else np.zeros(self.taken.size)
-
-    @property
-    def by_laws(self) -> list[FreeRows]:
-        """The same by all laws, its own first, and by those of an attraction that ends at touch."""
-        laws = [self, *(replace(self, bent=one)._by(one.best, self) for one in (self.bent.laws if self.bent else ()))]
-        ends = [one._by(one.bent.best, one, stays=False) for one in laws if one.bent and one.bent.best.law in LAWS]
-        return [*laws, *ends]
-
-    def _by(self, bend: _Bend, before: FreeRows, stays: bool | None = None) -> FreeRows:
-        """The same with a ``bend`` of its own law in place of what was taken off ``before``."""
-        if self.bent is None or before.attraction is None:
-            return self
-        stays = before.attraction.stays if stays is None else stays
-        found = Attraction(bend.sizes[0], self.bent.error, bend.range, bend.law, stays)
-        taken = before.straight.taken + self.bent.over_rows(bend, stays)
-        return replace(self, attraction=found, taken=taken, bent=replace(self.bent, best=bend))
+    def hypotheses(self) -> list[FreeRows]:
+        """What free rows may hold beside their levels: all that they do not tell apart, each attraction in contact or
+        not, or nothing; and the innermost level, where its tension rises away from contact, as a spring that is
+        stretched in contact, too."""
+        found, levels = list[FreeRows](), self.levels
+        for terms in (self.terms, *self.others):
+            ends = tuple(replace(term, stays=False) if term.law in LAWS else term for term in terms)
+            found += [self.of(*each) for each in dict.fromkeys([terms, ends])]
+        if levels and levels[-1].values[1] > FREE_SLOPED * levels[-1].errors[1]:
+            spring = replace(levels[-1], stays=True)
+            found.append(self.of(*(spring if term is levels[-1] else term for term in self.terms)))
+        return found
 
 
 def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRows | None]:
@@ -186,20 +338,10 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRo
 
     ``size``: rows of the record, ``stiffness`` of the device [N/m].
     """
-    taken, spoilt = np.zeros(size), [np.zeros(0, dtype=int)]
-    levels, raised, level_free = list[Level](), list[Array](), list[Side]()
-    for side in sides:
-        y = side.y.copy()
-        for edge, level, error in _levels(side):
-            own = np.zeros(size)
-            own[side.rows[edge:]] = 1.0
-            taken += level * own
-            y[edge:] -= level
-            levels.append(Level(side.kind, level, error, float(side.x[edge]), float(side.x[-1])))
-            raised.append(error * own)
-            spoilt.append(side.rows[max(edge - 1, 0) : edge + 2])
-        level_free.append(replace(side, y=y) if (y != side.y).any() else side)
-    bent = yield from _bent(level_free, size, stiffness)
+    place = _place(sides, size, stiffness)
+    found = [(side, *level) for side in sides for level in _levels(side)]
+    spoilt = [np.zeros(0, dtype=int), *(side.rows[max(edge - 1, 0) : edge + 2] for side, edge, _ in found)]
+    terms = yield from _bends(sides, place, [term for _, _, term in found])
     # Rows that rest on one level of a converter, with noise below it, know their load to its share of a level only.
     rest = [
         side
@@ -208,21 +350,17 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRo
         and side.y.size >= FREE_FEWEST
         and np.mean(np.abs(np.diff(side.y)) < FREE_EVEN_LEVEL * side.code) > FREE_RESTS
     ]
-    rounding = max((side.code for side in rest), default=0.0) / math.sqrt(12)
-    if rounding:
-        for power in (0, 1):  # of the offset, and of the tilt over the free way
-            own = np.zeros(size)
-            for side in sides:
-                way = (side.deep - side.x.mean()) / (np.ptp(side.x) / 2 or 1.0) if side.x.size else 0.0
-                own[side.contact] = rounding * way**power
-            raised.append(own)
-    if not raised and bent is None:
+    rounding, raised = max((side.code for side in rest), default=0.0) / math.sqrt(12), list[Array]()
+    for power in (0, 1) if rounding else ():  # of the offset, and of the tilt over the free way
+        own = np.zeros(size)
+        for side in sides:
+            way = (side.deep - side.x.mean()) / (np.ptp(side.x) / 2 or 1.0) if side.x.size else 0.0
+            own[side.contact] = rounding * way**power
+        raised.append(own)
+    if not (raised or terms):
         return None
-    attraction = None
-    if bent is not None:
-        taken += bent.over_rows(bent.best)
-        attraction = Attraction(bent.best.sizes[0], bent.error, bent.best.range, bent.best.law)
-    return FreeRows(tuple(levels), attraction, taken, np.concatenate(spoilt), tuple(raised), bent, rounding)
+    best, *others = terms or [()]
+    return FreeRows(place, best, np.concatenate(spoilt), tuple(others), rounding, tuple(raised))
 
 
 def row_noise(y: Array) -> float:
@@ -231,50 +369,77 @@ def row_noise(y: Array) -> float:
     return 1.4826 * median(np.abs(steps[1:] - steps[:-1])) / math.sqrt(6) if y.size > 3 else 0.0
 
 
+def _place(sides: Sequence[Side], size: int, stiffness: float) -> Place:
+    """Where the rows of a record lie."""
+    x, tips, free, inside = np.zeros(size), np.zeros(size), np.zeros(size, dtype=int), np.zeros(size, dtype=int)
+    used = [side for side in sides if side.x.size]
+    for side in used:
+        number = 1 + (side.kind != "approach")
+        x[side.rows], x[side.contact] = side.x, side.deep
+        free[side.rows], inside[side.contact] = number, number
+        base = float(np.mean(side.y[: max(side.y.size // 4, 1)]))
+        tips[side.contact] = side.deep - (side.pressed - base) / stiffness
+    at = next((float(side.x[-1]) for side in sorted(used, key=lambda one: one.kind != "approach")), 0.0)
+    way = max((float(np.ptp(side.x)) for side in used), default=1.0) or 1.0
+    return Place(np.arange(size), x, tips, free, inside, at, way, stiffness)
+
+
 # ---------------------------------------------------------------------- levels
-def _levels(side: Side) -> list[tuple[int, float, float]]:
-    """Edges of level tensions, rows from the far end, with the size [N] of each and its error: all that lie outside of
-    a contact that lets go by a jump."""
+def _levels(side: Side) -> list[tuple[int, Term]]:
+    """Tensions along lines, from the far end inwards, each from an edge, a row of the side, up to the next: all that
+    lie outside of a contact that lets go by a jump."""
     edges: list[int] = []
     if side.y.size < FREE_FEWEST or not side.jump < 0:
         return []
-    noise = side.noise
     for _ in range(FREE_MOST):
-        edge = _edge(side.y - _stairs(side, edges) if edges else side.y, noise)
-        if edge is None:
+        edge = _edge(side.y - _stairs(side, edges), side.noise)
+        if edge is None or edge in edges:
             break
         edges = sorted({*edges, edge})
-    while edges:
-        design = _design(side, edges)
-        sizes = np.linalg.lstsq(design, side.y, rcond=None)[0]
-        off = side.y - design @ sizes
-        spread = np.linalg.pinv(design.T @ design)
-        error = max(noise, float(np.std(off))) * np.sqrt(np.diag(spread))
-        steps, errors = sizes[2:], error[2:]
-        weak = np.abs(steps) / np.maximum(errors, 1e-300)
-        if weak.min() > FREE_SIGMAS:
-            least = max(FREE_CODES * side.code, 0.0)
-            tethers = (steps < -least) & (-np.cumsum(steps) < FREE_LEVEL * -side.jump)
-            even = float(np.std(off)) < FREE_EVEN * noise
-            whole = list(zip(edges, map(float, steps), map(float, errors), strict=True))
-            return whole if even and tethers.all() else []
-        del edges[int(np.argmin(weak))]
-    return []
-
-
-def _design(side: Side, edges: Sequence[int]) -> Array:
-    """Columns of a line and of a step at each of the ``edges``."""
-    along = (side.x - side.x[0]) / (float(np.ptp(side.x)) or 1.0)
-    steps = [(np.arange(side.y.size) >= edge).astype(float) for edge in edges]
-    return np.column_stack([np.ones_like(along), along, *steps])
+    steps = dict(zip(edges, (_step(side, *around) for around in zip([0, *edges], edges, [*edges[1:], side.y.size],
+                                                                    strict=False)), strict=True))  # fmt: skip
+    edges = [edge for edge in edges if abs(steps[edge][0]) > FREE_SIGMAS * steps[edge][1]]
+    tensions = np.cumsum([steps[edge][0] for edge in edges])
+    tethers = (
+        all(steps[edge][0] < -FREE_CODES * side.code for edge in edges)
+        and edges
+        and tensions.min() > FREE_LEVEL * side.jump
+    )
+    if not tethers or any(steps[edge][2] > FREE_EVEN * side.noise for edge in edges):
+        return []
+    found = list[tuple[int, Term]]()
+    for edge, end, tension in zip(
+        edges, (end - 1 for end in (*edges[1:], side.y.size)), tensions.tolist(), strict=True
+    ):
+        if end > edge:
+            (first, last), (far, near) = sorted(side.rows[[edge, end]].tolist()), side.x[[edge, end]].tolist()
+            second = steps[edge][0] < FREE_TETHER * side.jump
+            level = Term(LEVEL, (tension, 0.0), (0.0, 0.0), False, 0, (first, last), far, near, second)
+            found.append((edge, level))
+    return found
 
 
 def _stairs(side: Side, edges: Sequence[int]) -> Array:
-    """The steps at the ``edges`` alone [N]."""
-    design = _design(side, edges)
-    sizes = np.linalg.lstsq(design, side.y, rcond=None)[0]
-    found: Array = design[:, 2:] @ sizes[2:]
+    """Steps at the ``edges`` [N] beside a cubic."""
+    along = np.linspace(-1, 1, side.y.size)
+    steps = [(np.arange(side.y.size) >= edge).astype(float) for edge in edges]
+    design = np.column_stack([*(along**power for power in range(4)), *steps])
+    found: Array = design[:, 4:] @ np.linalg.lstsq(design, side.y, rcond=None)[0][4:]
     return found
+
+
+def _step(side: Side, before: int, edge: int, after: int) -> tuple[float, float, float]:
+    """The step of the load at an ``edge`` [N] between lines through the rows on both sides, up to those ``before`` and
+    ``after``, its standard error, and what these leave."""
+    near = max(side.y.size // FREE_LOCAL, FREE_FEWEST // 2)
+    first, last = max(before, edge - near), min(after, edge + near)
+    rows = np.arange(first, last)
+    on, along = (rows >= edge).astype(float), (rows - edge) / near
+    design = np.column_stack([np.ones(rows.size), along, on, on * along])
+    values = np.linalg.lstsq(design, side.y[first:last], rcond=None)[0]
+    left = float(np.std(side.y[first:last] - design @ values))
+    error = max(side.noise, left) * math.sqrt(float(np.linalg.pinv(design.T @ design)[2, 2]))
+    return float(values[2]), error, left
 
 
 def _edge(y: Array, noise: float) -> int | None:
@@ -313,187 +478,219 @@ def _edge(y: Array, noise: float) -> int | None:
 
 
 # ---------------------------------------------------------------------- attraction, virtual deflection, drift
-Block: TypeAlias = tuple[Array, Array, float, Array]  # positions, loads, standard deviation, numbers of rows
-
-
 @dataclass(frozen=True, eq=False)
-class _Bend:
-    """A bend towards contact at ``at`` [m] of blocks of all sides: its ``cost`` chi^2 on so many ``dof``, the ``sizes``
-    [N] at contact of each side, and the ``error`` of the first."""
+class _Blocks:
+    """Means of free rows of all sides: where they lie, loads ``y`` [N] and standard deviations ``noise``, and over
+    these the ``lines`` of each side and of the ``levels``, (blocks, 2 for each)."""
+
+    place: Place
+    y: Array
+    noise: Array
+    lines: Array
+    levels: tuple[Term, ...]
+
+    @classmethod
+    def of(cls, sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> _Blocks:
+        means, ends, columns = list[Array](), [0], list[Array]()
+        for side in sides:
+            size, own = max(1, side.y.size // FREE_BLOCKS), place.some(side.rows)
+            of_levels = [column for term in levels for column in term.at(own, term.values)[1]]
+            rows, x, y, *of_levels = (
+                np.einsum("ij->i", v[v.size % size :].reshape(-1, size)) / size
+                for v in (side.rows.astype(float), side.x, side.y, *of_levels)
+            )
+            rounding = side.code / math.sqrt(12) * side.rounds  # which means do not lessen
+            noise = max(row_noise(y), side.noise / math.sqrt(size), rounding)
+            means.append(np.vstack([rows, x, y, np.full((2, y.size), [[1 + (side.kind != "approach")], [noise]])]))
+            columns.append(np.array(of_levels).reshape(-1, y.size))
+            ends.append(ends[-1] + y.size)
+        rows, x, y, number, noise = np.concatenate(means, axis=1)
+        lines = np.zeros((y.size, 2 * len(means)))
+        for i, (first, last) in enumerate(itertools.pairwise(ends)):
+            lines[first:last, 2 * i], lines[first:last, 2 * i + 1] = 1.0, x[first:last] - x[last - 1]
+        lines[:, 1::2] /= place.way
+        lines = np.column_stack([lines, np.concatenate(columns, axis=1).T])
+        of_blocks = replace(place, rows=rows, x=x, tips=x, free=number.astype(int), inside=np.zeros(y.size, dtype=int))
+        return cls(of_blocks, y, noise, lines / noise[:, None], tuple(levels))
+
+    def with_levels(self, terms: Sequence[Term]) -> tuple[Term, ...]:
+        """The levels as they are beside ``terms``, and these."""
+        off = (self.y - sum(term.at(self.place, term.values)[0] for term in terms)) / self.noise
+        values = (self._inverse @ off)[-2 * len(self.levels) :].reshape(-1, 2).tolist() if self.levels else []
+        errors = np.linalg.norm(self._inverse, axis=1)[-2 * len(self.levels) :].reshape(-1, 2).tolist()
+        levels = (replace(level, values=tuple(value), errors=tuple(error))
+                  for level, value, error in zip(self.levels, values, errors, strict=False))  # fmt: skip
+        return (*levels, *terms)
+
+    def less(self, bent: _Bent) -> _Blocks:
+        """The same less what terms make of their loads."""
+        return replace(self, y=self.y - sum(term.at(self.place, term.values)[0] for term in bent.terms))
+
+    @property
+    def dof(self) -> int:
+        return max(self.y.size - self.lines.shape[1] - 2, 1)
+
+    @cached_property
+    def straight(self) -> float:
+        """The chi^2 that lines leave."""
+        return self._left(self.y / self.noise)
+
+    def _beside_lines(self, columns: Array) -> Array:
+        """What lines leave of columns (blocks, n), over the noise."""
+        scaled = (columns.T / self.noise).T
+        left: Array = scaled - self.lines @ (self._inverse @ scaled)
+        return left
+
+    @cached_property
+    def _inverse(self) -> Array:
+        return np.linalg.pinv(self.lines)
+
+    def _left(self, scaled: Array) -> float:
+        off = scaled - self.lines @ (self._inverse @ scaled)
+        return float(off @ off)
+
+    def fitted(self, terms: Sequence[Term]) -> _Bent:
+        """The ``terms`` as they leave least beside lines, by Gauss and Newton's steps from where they are."""
+        free = -math.inf, math.inf
+        names = [(term.law, name) for term in terms for name in term.names]
+        least, most = np.array([self.place.limits(law) if name.startswith(RANGE) else free for law, name in names]).T
+
+        def at(values: Array) -> tuple[float, Array, Array]:
+            loads, columns, first = np.zeros(self.y.size), list[Array](), 0
+            for term in terms:
+                load, by = term.at(self.place, values[first : (first := first + len(term.values))].tolist())
+                loads, columns = loads + load, [*columns, *by]
+            off, J = self._beside_lines(self.y - loads), self._beside_lines(np.column_stack(columns))
+            return float(off @ off), off, J
+
+        values = np.array([value for term in terms for value in term.values])
+        cost, off, J = at(values)
+        for _ in range(FREE_STEPS):
+            scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+            step = np.linalg.lstsq(J / scale, off, rcond=1e-10)[0] / scale
+            for _ in range(FREE_STEPS):
+                tried = np.clip(values + step, least, most)
+                if (new := at(tried))[0] < cost:
+                    break
+                step = step / 2
+            else:
+                break
+            fell, (cost, off, J), values = cost - new[0], new, tried
+            if fell < 1e-3:
+                break
+        colour = max(cost / self.dof, 1.0)
+        scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+        scaled = J / scale
+        errors = np.sqrt(colour * np.maximum(np.linalg.pinv(scaled.T @ scaled).diagonal(), 0.0)) / scale
+        found, first = list[Term](), 0
+        for term in terms:
+            own = slice(first, first := first + len(term.values))
+            found.append(replace(term, values=tuple(values[own].tolist()), errors=tuple(errors[own].tolist())))
+        return _Bent(cost, tuple(found))
+
+    def with_another(self, bent: _Bent, law: str) -> _Bent:
+        """Terms and one by a ``law`` that begins from what they leave."""
+        return self.fitted([*bent.terms, self.less(bent).begun(law)])
+
+    def begun(self, law: str, side: int = 0) -> Term:
+        """A term by a ``law``, of the range tried that leaves least where nothing is deflected."""
+        if law == VIRTUAL:
+            return Term(law, (0.0,), (0.0,))
+        if law == WAVE:
+            return self._wave()
+        logs = np.linspace(*self.place.limits(law), FREE_TRIED).tolist()
+        terms = [Term(law, (0.0, log), side=side) for log in logs]
+        columns = self._beside_lines(np.column_stack([term.at(self.place, term.values)[1][0] for term in terms]))
+        squares, along = np.einsum("ij,ij->j", columns, columns), (self.y / self.noise) @ columns
+        falls = along**2 / np.maximum(squares, 1e-300)
+        best = int(falls.argmax())
+        return replace(terms[best], values=(float(along[best] / squares[best]), terms[best].values[1]))
+
+    def _wave(self) -> Term:
+        """The wave of the frequency, of those that the free way tells apart, that leaves least beside lines."""
+        periods = self.place.way / np.arange(1 / FREE_PERIODS[1], 1 / FREE_PERIODS[0], 1 / FREE_FINER)
+        phase = 2 * math.pi * np.outer(self.place.x - self.place.at, 1 / periods)
+        cos, sin = self._beside_lines(np.cos(phase)), self._beside_lines(np.sin(phase))
+        y = self.y / self.noise
+        cc, ss, cs = (np.einsum("ij,ij->j", one, other) for one, other in ((cos, cos), (sin, sin), (cos, sin)))
+        yc, ys, det = y @ cos, y @ sin, np.maximum(cc * ss - cs**2, 1e-300)
+        c, s = (ss * yc - cs * ys) / det, (cc * ys - cs * yc) / det
+        best = int(np.argmax(np.where(det > 1e-6 * cc * ss, c * yc + s * ys, 0.0)))
+        return Term(WAVE, (float(c[best]), math.log(periods[best]), float(s[best])), (0.0, 0.0, 0.0))
+
+
+class _Bent(NamedTuple):
+    """Terms as they fit free rows best, and the chi^2 that is left."""
 
     cost: float
-    dof: int
-    range: float
-    law: str
-    at: float
-    sizes: tuple[float, ...]
-    error: float
+    terms: tuple[Term, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Bent:
-    """A bend towards contact of the ``sides`` of a record of ``size`` rows, in ``blocks``: the ``best`` of a law, and
-    the standard ``error`` [N] of the size at contact, whatever the range; ``way``: the free one [m]; ``laws``: the same
-    by other laws."""
-
-    sides: tuple[Side, ...]
-    blocks: tuple[Block, ...]
-    best: _Bend
-    error: float
-    way: float
-    stiffness: float
-    size: int
-    laws: tuple[Bent, ...] = ()
-
-    def at(self, step: float) -> _Bend:
-        """The bend whose size is so many standard errors larger."""
-        best, larger = self.best, math.copysign(step * self.error, step * self.best.sizes[0])
-        if len(set(best.sizes)) > 1:
-            return replace(best, sizes=tuple(A + larger for A in best.sizes))
-        return _bend(self.blocks, best.law, best.at, self.way, self.stiffness, False, best.sizes[0] + larger)
-
-    def over_rows(self, bend: _Bend, stays: bool = True) -> Array:
-        """The attraction [N] at all rows of the record: that at contact, or none, where a row is not free."""
-        taken = np.zeros(self.size)
-        for side, A in zip(self.sides, bend.sizes, strict=True):
-            taken[side.rows] = A * _shape(bend, side.x, side.rows, A, self.way, self.stiffness)
-            inside = 1.0 if bend.law in LAWS else _shape(bend, side.deep, side.contact, A, self.way, self.stiffness)
-            taken[side.contact] = A * stays * inside
-        return taken
-
-
-def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Flow[Bent | None]:
-    """What bends the base lines: an attraction, where the free rows bend at contact and not elsewhere; a virtual
-    deflection or a drift, where they bend at all; None where none of these describes them."""
-    usable = tuple(side for side in sides if side.y.size >= FREE_FEWEST and side.noise > 0)
-    if not usable or all(side.kind != "approach" for side in usable):
-        return None
-    blocks = tuple(map(_blocked, usable))
-    at = next(float(side.x[-1]) for side in usable if side.kind == "approach")
-    way = max(float(np.ptp(side.x)) for side in usable)
-    noise = max(side.noise for side in usable)
-    near, far = yield from ask(_falls, ([block[:3] for block in blocks], at, way))
-    if max(near, far) < FREE_BENDS:
-        return None
-    # Rows next to contact may belong to it, or to a slow jump: what bends is seen without them, too.
-    beyond = [(x < at - FREE_RANGES[0] * way, x, y) for x, y, _, _ in blocks]
-    apart_from_contact = [(x[some], y[some], noise) for some, x, y in beyond if some.any()]
-    if not apart_from_contact or max((yield from ask(_falls, (apart_from_contact, at, way)))) < FREE_BENDS:
-        return None
-    fit = partial(_bend, blocks, at=at, way=way, stiffness=stiffness)
-    straight = fit(VIRTUAL, own=False, held=0.0)
-    bends = list[_Bend]()
-    if near >= FREE_BENDS:
-        bends = [fit(law, own=False) for law in LAWS]
-        least = min(one.cost for one in bends)
-        apart = [fit(law, own=True) for law in LAWS] if len(blocks) > 1 else bends
-        if least - min(one.cost for one in apart) > max(least / bends[0].dof, 1.0) * FREE_APART:
-            bends = apart
-    bends += [fit(law, own=False) for law in (VIRTUAL, DECAY)]
-    bends = [one for one in bends if _describes(one, straight) and abs(one.sizes[0]) >= FREE_TELLS * noise]
-    if not bends:
-        return None
-    bends.sort(key=lambda one: one.cost)
-    colour = max(bends[0].cost / bends[0].dof, 1.0)
-    laws = [_with_error(Bent(usable, blocks, one, one.error, way, stiffness, size), colour) for one in bends]
-    return replace(laws[0], laws=tuple(laws[1:]))
-
-
-def _describes(bend: _Bend, straight: _Bend) -> bool:
-    """Whether what a ``bend`` leaves is noise, and beside it what lines leave, ``straight``, is not."""
-    colour = max(bend.cost / bend.dof, 1.0)
-    return straight.cost - bend.cost >= colour * FREE_BENDS and colour <= FREE_DESCRIBED
-
-
-def _with_error(bent: Bent, colour: float) -> Bent:
-    """The bend with the error of its size whatever the range, from that at a given one."""
-    bent = replace(bent, error=math.sqrt(colour) * bent.error)
-    rise = max((bent.at(1.0).cost - bent.best.cost) / colour, FREE_SHALLOWEST)
-    return replace(bent, error=bent.error / math.sqrt(min(rise, 1.0)))
-
-
-def _blocked(side: Side) -> Block:
-    """Positions and loads of blocks of rows, the standard deviation of a block, by the differences of neighbours, and
-    the numbers of their rows in the record."""
-    size = max(1, side.y.size // FREE_BLOCKS)
-    x, y, rows = (
-        np.einsum("ij->i", v[v.size % size :].reshape(-1, size)) / size
-        for v in (side.x, side.y, side.rows.astype(float))
+def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[list[tuple[Term, ...]]]:
+    """What bends the base lines, the likeliest by the free rows first: an attraction, where they bend at contact; a
+    virtual deflection or a drift, where they bend at all; two of these, where one leaves more than noise; none where
+    none of these describes them."""
+    usable = [side for side in sides if side.y.size >= FREE_FEWEST and side.noise > 0]
+    if not usable:
+        return [tuple(levels)] if levels else []
+    blocks = _Blocks.of(usable, place, levels)
+    straight = [blocks.with_levels(())] if levels else []
+    at, way, noise = place.at, place.way, max(side.noise for side in usable)
+    numbers, y = (
+        blocks.place.free,
+        blocks.y - sum(term.at(blocks.place, term.values)[0] for term in blocks.with_levels(())),
     )
-    return x, y, max(row_noise(y), side.noise / math.sqrt(size)), rows
+    each = [(blocks.place.x[mine], y[mine], float(blocks.noise[mine][0]))
+            for mine in (numbers == number for number in np.unique(numbers))]  # fmt: skip
+    near, far = yield from ask(_falls, (each, at, way))
+    if max(near, far) < FREE_BENDS and blocks.straight < blocks.dof + FREE_BENDS:
+        return straight
+    # Rows next to contact may belong to it, or to a slow jump: what bends is seen without them, too.
+    beyond = [(x < at - FREE_RANGES[0] * way, x, y, noise) for x, y, noise in each]
+    apart = [(x[some], y[some], noise) for some, x, y, noise in beyond if some.any()]
+    if not apart or (
+        max((yield from ask(_falls, (apart, at, way)))) < FREE_BENDS and blocks.straight < blocks.dof + FREE_BENDS
+    ):
+        return straight
+
+    laws = [*LAWS] if near >= FREE_BENDS else []
+    single = {law: blocks.fitted([blocks.begun(law)]) for law in (*laws, VIRTUAL, DECAY, WAVE)}
+    found = list(single.values())
+    if laws and len(usable) > 1:
+        sided = [blocks.fitted([replace(single[law].terms[0], side=side) for side in (1, 2)]) for law in laws]
+        colour = max(min(one.cost for one in sided) / blocks.dof, 1.0)
+        if min(single[law].cost for law in laws) - min(one.cost for one in sided) > colour * FREE_APART:
+            found += sided
+    # Two of them, each begun from what the other one leaves, and a third from what the best two leave.
+    pairs = [pair for pair in itertools.permutations(single, 2) if not set(pair) <= LAWS.keys()]
+    both = {pair: blocks.with_another(single[pair[0]], pair[1]) for pair in pairs}
+    more = [min(both[pair], both[pair[::-1]], key=lambda one: one.cost) for pair in itertools.combinations(single, 2)
+            if pair in both]  # fmt: skip
+    least, best = min(one.cost for one in found), min(more, key=lambda one: one.cost)
+    colour = max(best.cost / blocks.dof, 1.0)
+    if least - best.cost > colour * FREE_MORE:
+        found += [one for one in more if least - one.cost > colour * FREE_MORE]
+        laws_of = {term.law for term in best.terms}
+        three = [blocks.with_another(best, law) for law in single
+                 if law not in laws_of and not (law in LAWS and laws_of & LAWS.keys())]  # fmt: skip
+        found += [one for one in three if best.cost - one.cost > max(one.cost / blocks.dof, 1.0) * FREE_MORE]
+    least = max(FREE_TELLS * noise, *(side.code * side.rounds for side in usable))
+    found = [one for one in found if _describes(one, blocks) and min(abs(term.size) for term in one.terms) >= least]
+    if not found:
+        return straight
+    colour = max(min(one.cost for one in found) / blocks.dof, 1.0)
+    found.sort(key=lambda one: one.cost + colour * FREE_BENDS * len(one.terms))
+    most = found[0].cost + colour * FREE_EXCLUDED
+    found = [one for one in found if one.cost < most]
+    found += [_Bent(blocks.straight, ())] * (blocks.straight < found[0].cost + colour * FREE_BENT)
+    return [blocks.with_levels(one.terms) for one in found]
 
 
-def _lines(blocks: Sequence[Block], bends: Sequence[Array] | None, own: bool = False) -> Array:
-    """Columns of a line for each side and of a bend, common or of each side."""
-    ends = np.cumsum([0, *(block[0].size for block in blocks)])
-    columns = []
-    for i, (x, _, _, _) in enumerate(blocks):
-        for values in (np.ones_like(x), (x - x[-1]) / (float(np.ptp(x)) or 1.0)):
-            columns.append(np.zeros(ends[-1]))
-            columns[-1][ends[i] : ends[i + 1]] = values
-    if bends is not None and own:
-        for i, bend in enumerate(bends):
-            columns.append(np.zeros(ends[-1]))
-            columns[-1][ends[i] : ends[i + 1]] = bend
-    elif bends is not None:
-        columns.append(np.concatenate(list(bends)))
-    return np.column_stack(columns)
-
-
-def _bend(
-    blocks: Sequence[Block], law: str, at: float, way: float, stiffness: float, own: bool, held: float | None = None,
-) -> _Bend:  # fmt: skip
-    """The bend by a ``law`` of the range that leaves least; ``own``: of another size for each side; ``held``: its
-    size [N], where that is known."""
-    y = np.concatenate([block[1] for block in blocks])
-    noise = np.concatenate([np.full(block[0].size, max(block[2], 1e-300)) for block in blocks])
-
-    def of(reach: float) -> _Bend:
-        """The bend of a range [m], whose gaps follow from its size."""
-        size, unit = np.zeros(len(blocks)), _Bend(0.0, 1, reach, law, at, (), 0.0)
-        for _ in range(FREE_ROUNDS if law in LAWS else 1):
-            bends = [_shape(unit, block[0], block[3], A, way, stiffness) for block, A in zip(blocks, size, strict=True)]
-            scaled = _lines(blocks, bends, own) / noise[:, None]
-            if held is None:
-                values = np.linalg.lstsq(scaled, y / noise, rcond=None)[0]
-                size = values[-len(blocks) :] if own else np.full(len(blocks), values[-1])
-            else:
-                lines = np.linalg.lstsq(scaled[:, :-1], y / noise - held * scaled[:, -1], rcond=None)[0]
-                values, size = np.append(lines, held), np.full(len(blocks), held)
-        off = scaled @ values - y / noise
-        first = scaled.shape[1] - (len(blocks) if own else 1)
-        error = math.sqrt(max(float(np.linalg.pinv(scaled.T @ scaled)[first, first]), 0.0))
-        dof = max(y.size - scaled.shape[1] - 1, 1)
-        return _Bend(float(off @ off), dof, reach, law, at, tuple(map(float, size)), error)
-
-    if law == VIRTUAL:
-        return of(way)
-    rows = max(float(block[3].max()) for block in blocks)
-    ranges = way * FREE_RANGES if law in LAWS else rows * FREE_RANGES[FREE_RANGES < FREE_SLOWEST]
-    best, step = min(map(of, ranges.tolist()), key=lambda one: one.cost), FREE_COARSE
-    for _ in range(FREE_FINER):
-        step /= 3
-        best = min([best, *(of(best.range * math.exp(i * step)) for i in (-2, -1, 1, 2))], key=lambda one: one.cost)
-    return best
-
-
-def _shape(bend: _Bend, x: Array, rows: Array, size: float, way: float, stiffness: float) -> Array:
-    """The load over its ``size`` [N] at positions ``x`` [m] and numbers of ``rows``."""
-    if bend.law == VIRTUAL:
-        return ((x - bend.at) / way) ** 2
-    if bend.law == DECAY:
-        return np.exp(-rows / bend.range)
-    return LAWS[bend.law](_gaps(x, bend.at, size, bend.range, bend.law, stiffness) / bend.range)
-
-
-def _gaps(x: Array, at: float, size: float, reach: float, law: str, stiffness: float) -> Array:
-    """Gaps [m] before contact at positions ``x`` of a device that an attraction deflects."""
-    gap = np.maximum(at - x, 0.0)
-    if not math.isfinite(stiffness) or size == 0:
-        return gap
-    for _ in range(FREE_ROUNDS):
-        gap = np.maximum(at - x + size * (LAWS[law](gap / reach) - 1) / stiffness, 0.0)
-    return gap
+def _describes(bent: _Bent, blocks: _Blocks) -> bool:
+    """Whether what terms leave is noise, and beside it what lines leave is not."""
+    colour = max(bent.cost / blocks.dof, 1.0)
+    most = FREE_DESCRIBED_BY_MORE if len({term.law for term in bent.terms}) > 1 else FREE_DESCRIBED
+    return blocks.straight - bent.cost >= colour * FREE_BENDS and colour <= most
 
 
 def _falls(asked: Sequence[tuple[Sequence[tuple[Array, Array, float]], float, float]]) -> list[tuple[float, float]]:

@@ -1,10 +1,9 @@
-"""What the free rows of a record hold beside base lines, in its fit: how large it is, and what it leaves of E* and w.
+"""What the free rows of a record hold beside base lines: hypotheses, each a model of the whole record.
 
-Loads of a level or of an attraction are taken off before a fit. Its size is a parameter all the same: the whole record
-is fitted at sizes a standard error apart, the least of the parabola through their chi^2 is the size, and its width by
-the change of an estimate over it is added to the interval (the profile of one parameter). Whether an attraction stays
-in contact or ends at touch, by which law, and whether there is any, are hypotheses: the likeliest is the answer, and
-the spread to the others at their odds is a part of the model's error.
+Sizes and ranges of what acts beside the contact are unknowns of the fit, so that its covariance holds how well they are
+known. Whether an attraction stays in contact or ends at touch, by which law, whether a level is a spring that contact
+stretches, and whether there is any, are hypotheses: the likeliest by chi^2 and by what is likely before the data is the
+answer, and the spread to the others at their odds is a part of the model's error.
 """
 
 from __future__ import annotations
@@ -12,44 +11,64 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TypeAlias
 
 import numpy as np
 
-from ..base.errors import JkrError
+from ..base.errors import JkrError, known
 from ..base.executors import Pool
 from ..base.numerics import TINY, Array
 from ..base.units import show
-from .force_curve import ForceCurveFit, unbroken
+from .force_curve import FIT_ENOUGH, ForceCurveFit, unbroken
 from .forward_model import FittedBody
-from .free_rows import LAWS, FreeRows
+from .free_rows import DECAY, LAWS, LEVEL, RANGE, VIRTUAL, WAVE, FreeRows
 from .least_squares import t_quantile, wider
-from .lockstep import Flow, alone, beside, together
+from .lockstep import Flow, alone, together
 from .record import fit_record, fitted_whole, outcome_of
 from .result import Fit, attempted, later
 from .segmentation import ForceCurve
 from .settings import Settings
 
-NUISANCE_FARTHEST = 10.0  # choice: standard errors of the free rows, which the contact moves the size by at most
-NUISANCE_ROUNDS = 3  # choice: parabolas through sizes
 NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which a hypothesis is none of these data
-NUISANCE_NEEDED = 4.0  # theory: of chi^2, Akaike's criterion, the fall by the two parameters of an attraction
 NUISANCE_FAR = 3.0  # choice: standard deviations of a row, beyond which it counts no more: a jump a row late is none
+NUISANCE_ALIKE = 1.1  # choice: of the least noise that any leaves, up to which residuals are noise
 NUISANCE_SEEN = 1e-4  # choice: relative, a part of an error below which it is none
+NUISANCE_LEAST = 0.01  # choice: of the range of the load, the pull-off force that sizes are compared with at least
 NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the next hypothesis are told
 
 
+@dataclass(frozen=True)
+class Prior:
+    """What is likely of a load beside the contact before the data: the ``odds`` that a record holds it, the ``width``
+    of its size over the pull-off force, or over the range of the load where it is an error ``of_signal``, and that of
+    the log of its range."""
+
+    odds: float
+    width: float
+    of_signal: bool = False
+    of_range: float = 1.5
+
+
+# choice: of all; a virtual deflection is one of 3 % of the largest load, a drift as large as a pull-off force
+PRIORS: Mapping[str, Prior] = {
+    "exponential": Prior(0.1, 0.3), "power": Prior(0.1, 0.3), LEVEL: Prior(0.1, 0.3),
+    VIRTUAL: Prior(0.05, 0.03, True), DECAY: Prior(0.05, 0.1, True), WAVE: Prior(0.05, 0.03, True),
+}  # fmt: skip
+
+
 Outcome: TypeAlias = Mapping[str, float]  # of a fit, SI, by name
-Fitted: TypeAlias = Callable[[ForceCurve, ForceCurveFit | None], Flow[tuple[Outcome, ForceCurveFit]]]
+Whole: TypeAlias = tuple[FittedBody, ForceCurveFit]  # the body as far as it was solved
+Fitted: TypeAlias = Callable[[ForceCurve, ForceCurveFit | None], Flow[tuple[Outcome, Whole]]]
 
 
 @dataclass(frozen=True, eq=False)
 class Nuisance:
-    """The ``record`` as it is fitted best, and what is not known of its free rows: ``changes`` of the outcome by a
+    """The ``record`` as it is ``fitted`` best; what is not known of its free rows: ``changes`` of the outcome by a
     standard error each, ``spread`` of it to the other hypotheses, by their names; ``words`` on what it holds."""
 
     record: ForceCurve
+    fitted: Whole
     changes: tuple[Mapping[str, float], ...]
     spread: Mapping[str, Mapping[str, float]]
     words: tuple[str, ...]
@@ -57,44 +76,66 @@ class Nuisance:
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """What the free rows may hold: loads ``held``, the ``fit`` less them, its ``outcome``, what it leaves ``off`` all
-    rows of the record [N], those that it left out too, and the standard error ``width`` of a size in those of the free
-    rows."""
+    """What the free rows may hold: the ``record`` less that, its ``fit`` on a ``body``, its ``outcome``, and what it
+    leaves ``off`` all rows of the record [N], those that it left out too."""
 
-    held: FreeRows
+    record: ForceCurve
+    body: FittedBody
     fit: ForceCurveFit
     outcome: Outcome
     off: Array
-    width: float = 1.0
 
     @classmethod
-    def of(
-        cls, record: ForceCurve, held: FreeRows, fitted: Fitted, begin: ForceCurveFit | None = None
-    ) -> Flow[Hypothesis]:
+    def of(cls, record: ForceCurve, fitted: Fitted, begin: ForceCurveFit | None = None) -> Flow[Hypothesis]:
         """By a fit, which may leave rows out."""
-        record = record.holding(held)
-        outcome, best = yield from fitted(record, begin)
+        outcome, (body, best) = yield from fitted(record, begin)
         whole, off = unbroken(record, best.model), np.zeros(len(record.curve))
         off[whole.rows] = whole.off(best.x, 0.0)
         off[best.model.rows] = best.off
-        return cls(held, best, outcome, off)
+        return cls(record, body, best, outcome, off)
 
-    def rise(self, other: Hypothesis) -> float:
-        """By how much chi^2 is higher than that of an ``other`` one, in units of its noise: of the rows that either is
-        fitted to, of which none counts for more than one at ``NUISANCE_FAR``; no bend is the simpler one."""
-        noise, rows = max(other.fit.sigma, TINY), np.union1d(self.fit.model.rows, other.fit.model.rows)
-        mine, theirs = (float(np.minimum((one.off[rows] / noise) ** 2, NUISANCE_FAR**2).sum()) for one in (self, other))
-        simpler = float(other.held.attraction is None) - float(self.held.attraction is None)
-        return (mine - theirs) / other.fit.spread.tau + NUISANCE_NEEDED * simpler
+    @cached_property
+    def held(self) -> FreeRows:
+        """What it takes off, as it is fitted."""
+        held = self.record.held
+        assert held is not None
+        values, error = self.fit.model.values(self.fit.x), dict.fromkeys(held.names, 0.0)
+        error |= {name: self.fit.error(name) for name in self.fit.names if name in error}
+        return held.of(*(replace(term, values=tuple(values[name] for name in term.names),
+                                 errors=tuple(error[name] for name in term.names)) for term in held.terms))  # fmt: skip
+
+    @cached_property
+    def cost(self) -> float:
+        """What its terms cost, of chi^2: -2 times the logs of their odds, and of how much of what is likely of them
+        before the data is left (Laplace's approximation, normal priors)."""
+        tension = max((known(side.adhesion) or 0.0 for side in self.record.directions), default=0.0)
+        span = float(np.ptp(self.record.curve.load))
+        cost, widths, names = 0.0, list[float](), list[str]()
+        for term in self.held.terms:
+            prior = PRIORS[term.law]
+            width = prior.width * (span if prior.of_signal else max(tension, NUISANCE_LEAST * span))
+            cost += (term.size / width) ** 2 - 2 * math.log(prior.odds / (1 - prior.odds))
+            fitted = [name for name in term.names if name in self.fit.names]
+            names += fitted
+            widths += [prior.of_range if name.startswith(RANGE) else width for name in fitted]
+        if not names:
+            return cost
+        rows = [self.fit.names.index(name) for name in names]
+        inverse = np.linalg.pinv(self.fit.covariance[np.ix_(rows, rows)] / np.outer(widths, widths))
+        return cost + float(np.linalg.slogdet(np.eye(len(rows)) + inverse)[1])
 
     def name(self, other: Hypothesis) -> str:
         """What tells it from an ``other`` one."""
-        mine, theirs = self.held.attraction, other.held.attraction
-        if mine is None or theirs is None:
+        mine, theirs = self.held, other.held
+        if not (mine.bends and theirs.bends):
             return "whether the base line bends"
-        if {mine.law, theirs.law} - LAWS.keys():
+        laws = [tuple(term.law for term in one.bends) for one in (mine, theirs)]
+        if any(set(each) - LAWS.keys() for each in laws) and laws[0] != laws[1]:
             return "attraction, virtual deflection or drift"
-        return "the law of the attraction" if mine.stays == theirs.stays else "whether the attraction stays in contact"
+        if any(term.moves_tip for one in (mine, theirs) for term in one.terms):
+            return "whether a level is stretched in contact"
+        stays = [[term.stays for term in one.bends] for one in (mine, theirs)]
+        return "the law of the attraction" if stays[0] == stays[1] else "whether the attraction stays in contact"
 
 
 def _values(outcome: Mapping[str, float]) -> str:
@@ -108,103 +149,73 @@ def fit_settled(
 ) -> Flow[tuple[Fit, ForceCurve, ForceCurveFit]]:
     """The fit of a raw record less what its free rows hold, that record, and the fit of all its directions."""
     left = list[str]()
-    sizes = partial(settled, body, record, settings)
-    nuisance = attempted("how large what the free rows hold is", sizes, None, left)
-    if nuisance is None or record.held is None:
+    nuisance = attempted("what the free rows hold", partial(settled, body, record, settings), None, left)
+    if nuisance is None:
         fitted, whole = yield from fit_record(body, record, settings, pool)
         return replace(fitted, warnings=(*fitted.warnings, *left)), record, whole
-    fitted, whole = yield from fit_record(body, nuisance.record, settings, pool)
+    fitted, whole = yield from fit_record(body, nuisance.record, settings, pool, nuisance.fitted)
     known = yield from later(fitted, "errors by what free rows hold", partial(with_nuisance, fitted, nuisance))
     return known, nuisance.record, whole
 
 
 def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisance | None:
-    """The record with what its free rows hold at the sizes that fit best; None where they hold a line alone."""
-    held = record.held
-    if held is None:
+    """The record with what its free rows hold as it is likeliest; None where they hold a line alone."""
+    if record.held is None:
         return None
 
-    def of(other: ForceCurve, begin: ForceCurveFit | None) -> Flow[tuple[Outcome, ForceCurveFit]]:
-        best = yield from fitted_whole(body, other, settings, begin)
+    def of(other: ForceCurve, begin: ForceCurveFit | None) -> Flow[tuple[Outcome, Whole]]:
+        whole, best = yield from fitted_whole(body, other, settings, begin)
+        if begin is not None and min(begin.sigma, best.sigma) > FIT_ENOUGH * best.model.noise:  # neither is near
+            whole, best = yield from fitted_whole(body, other, settings)
         E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
-        return outcome_of(best, best.x, body) | {"E_star": E_star}, best
+        return outcome_of(best, best.x, body) | {"E_star": E_star}, (whole, best)
 
-    changes, spread, words = list[Mapping[str, float]](), dict[str, Mapping[str, float]](), list[str]()
-    try:
-        if held.attraction is not None:
-            likeliest, *others = _hypotheses(record, held, of)
-            held, here, begin = likeliest.held, likeliest.outcome, likeliest.fit
-            record = record.holding(held)
-            for one in others:
-                rise = min(max(one.rise(likeliest), 0.0), 2 * NUISANCE_EXCLUDED)
-                # of odds p = 1/(1 + exp(rise/2)): 2 sqrt(p (1 - p)), two standard deviations of the difference
-                share = 1 / math.cosh(rise / 4)
-                parts = {name: share * abs(off) for name, off in _between(here, one.outcome).items()}
-                before = spread.get(one.name(likeliest), {})
-                spread[one.name(likeliest)] = {name: max(part, before.get(name, 0.0)) for name, part in parts.items()}
-                if rise < NUISANCE_TOLD:
-                    what = "a straight base line" if one.held.attraction is None else one.held.attraction.brief
-                    words.append(f"{what}: {_values(one.outcome)} (chi^2 higher by {rise:.2g})")
-            if held.attraction is not None:
-                changes.append(_between(here, alone(of(record.holding(held.stronger(likeliest.width)), begin))[0]))
-        else:
-            here, begin = alone(of(record, None))
-        for raised in held.raised:
-            moved = replace(held, taken=held.taken + raised)
-            changes.append(_between(here, alone(of(record.holding(moved), begin))[0]))
-    except JkrError:  # a size that no curve resembles tells nothing
-        words.append("how well its size is known is not in the errors: no curve fits at other sizes")
-    if record.plain is not None and held.levels:
+    found, rises = _hypotheses(record, of, settings.base_line == "sine")
+    likeliest, here = found[0], found[0].outcome
+    spread, words = dict[str, Mapping[str, float]](), [*likeliest.held.words]
+    for one, rise in zip(found[1:], rises[1:], strict=True):
+        # of odds p = 1/(1 + exp(rise/2)): 2 sqrt(p (1 - p)), two standard deviations of the difference
+        share = 1 / math.cosh(rise / 4)
+        parts = {name: share * abs(off) for name, off in _between(here, one.outcome).items()}
+        before = spread.get(one.name(likeliest), {})
+        spread[one.name(likeliest)] = {name: max(part, before.get(name, 0.0)) for name, part in parts.items()}
+        if rise < NUISANCE_TOLD:
+            words.append(f"{one.held.brief}: {_values(one.outcome)} (chi^2 higher by {rise:.2g})")
+    held, changes = likeliest.record.held, list[Mapping[str, float]]()
+    for raised in held.raised if held is not None else ():
         try:
-            words.append(f"left in the loads {_values(alone(of(record.plain, None))[0])}")
-        except JkrError:
-            words.append("left in the loads no fit converges")
-    return Nuisance(record, tuple(changes), spread, (*held.words, *words))
+            moved = likeliest.record.less(raised)
+            changes.append(_between(here, alone(of(moved, likeliest.fit))[0]))
+        except JkrError:  # an offset that no curve resembles tells nothing
+            words.append("how well the offset is known is not in the errors: no curve fits at other ones")
+    return Nuisance(likeliest.record, (likeliest.body, likeliest.fit), tuple(changes), spread, tuple(words))
 
 
-def _hypotheses(record: ForceCurve, held: FreeRows, of: Fitted) -> list[Hypothesis]:
-    """What the free rows may hold, the likeliest first: an attraction that stays in contact, one that ends at touch, by
-    either law, a virtual deflection, a drift, or none; JkrError where no curve fits with any. Contact tells the size of
-    what stays."""
-    ends = together([Hypothesis.of(record, one, of) for one in (*held.by_laws, held.straight)])
+def _hypotheses(record: ForceCurve, of: Fitted, waves: bool) -> tuple[list[Hypothesis], list[float]]:
+    """What the free rows may hold, each fitted in full, the likeliest first, and by how much chi^2 of each is higher,
+    with what its terms cost; JkrError where no curve fits with any. ``waves``: only those with one, if there are.
+
+    chi^2 is in units of the noise that is left by the least, and of all rows that any is fitted to, of which none
+    counts for more than one at ``NUISANCE_FAR``.
+    """
+    assert record.held is not None
+    asked = [held for held in record.held.hypotheses if not waves or any(term.law == WAVE for term in held.terms)]
+    first, *others = (record.holding(held) for held in asked or record.held.hypotheses)
+    ends = together([Hypothesis.of(first, of)])
+    begin = ends[0].fit if isinstance(ends[0], Hypothesis) else None
+    ends += together([Hypothesis.of(one, of, begin) for one in others])
     found = [one for one in ends if isinstance(one, Hypothesis)]
     for wrong in ends:
         if isinstance(wrong, Exception) and not (found and isinstance(wrong, JkrError)):
             raise wrong
-    most = min(found, key=lambda one: one.fit.sigma)
-    near = [
-        i for i, one in enumerate(found)
-        if (law := one.held.attraction) and law.stays and one.rise(most) < NUISANCE_EXCLUDED
-    ]  # fmt: skip
-    for i, sized in zip(near, together([_of_size(record, found[i], of) for i in near]), strict=True):
-        if isinstance(sized, Exception) and not isinstance(sized, JkrError):
-            raise sized
-        found[i] = sized if isinstance(sized, Hypothesis) else found[i]
-    most = min(found, key=lambda one: one.fit.sigma)
-    return sorted(found, key=lambda one: one.rise(most))
-
-
-def _of_size(record: ForceCurve, begin: Hypothesis, of: Fitted) -> Flow[Hypothesis]:
-    """The hypothesis of an attraction at its size of least chi^2, with the standard error of the size."""
-    held = begin.held
-
-    def at(size: float) -> Flow[Hypothesis]:
-        return Hypothesis.of(record, held.stronger(size), of, begin.fit)
-
-    less, more = yield from beside([at(-1.0), at(1.0)])
-    tried, found = {-1.0: less, 0.0: begin, 1.0: more}, (0.0, 1.0)  # the size and its error
-    for _ in range(NUISANCE_ROUNDS):
-        rises = {size: one.rise(begin) for size, one in tried.items()}
-        sizes = sorted(sorted(rises, key=lambda size: rises[size])[:3])
-        bend, slope, _ = np.polyfit(sizes, [rises[size] for size in sizes], 2)
-        if bend <= 0 or abs(least := -slope / (2 * bend)) > NUISANCE_FARTHEST:
-            found = 0.0, 1.0  # as the free rows have it, where the record has no least
-            break
-        found = float(least), float(1 / math.sqrt(bend))
-        if min(abs(least - size) for size in tried) < 0.3 / math.sqrt(bend):
-            break
-        tried[least] = yield from at(least)
-    return replace(tried.get(found[0]) or (yield from at(found[0])), width=found[1])
+    whole = max(len(one.fit.model.stretches) for one in found)
+    found = [one for one in found if len(one.fit.model.stretches) == whole]  # others lack the base line of a direction
+    noise = max(min(one.fit.sigma for one in found), TINY)
+    tau = max(one.fit.spread.tau for one in found if one.fit.sigma < NUISANCE_ALIKE * noise)
+    rows = np.unique(np.concatenate([one.fit.model.rows for one in found]))
+    costs = [float(np.minimum((one.off[rows] / noise) ** 2, NUISANCE_FAR**2).sum()) / tau + one.cost for one in found]
+    order = np.argsort(costs)
+    return [found[i] for i in order], [min(costs[i] - min(costs), 2 * NUISANCE_EXCLUDED) for i in order]
 
 
 def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str, float]:

@@ -45,16 +45,15 @@ from .force_curve import (
     TIMED,
     ForceCurveFit,
     ForceCurveModel,
-    Wave,
     base_line,
     fitting,
     held_by_last_row,
     nearest,
-    straightened,
     stretches,
     windowed,
 )
 from .forward_model import FittedBody
+from .free_rows import WAVE, Term
 from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, change_words, is_misfit, left_out, misfits
 from .hypotheses import OF_ALTERNATIVES, amount_of_range, finite_range, range_of
 from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
@@ -187,7 +186,7 @@ def judgement(record: ForceCurve, best: ForceCurveFit) -> tuple[dict[str, str], 
 
 def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
     """How the record was taken, and what its residuals did to the intervals."""
-    if settings.base_line == "sine" and best.model.stretches[0].wave is None:
+    if settings.base_line == "sine" and wave_of(best.model) is None:
         yield "base line: no sine beyond its noise, a straight line is used"
     yield from _on_adhesion(best)
     free = [parameter.name for parameter in settings.free]
@@ -557,6 +556,11 @@ DIMENSIONS = {
 }  # fmt: skip
 
 
+def wave_of(model: ForceCurveModel) -> Term | None:
+    """The wave in the base lines of a model."""
+    return next((term for term in model.stretches[0].terms if term.law == WAVE), None)
+
+
 def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
     """What the unknowns ``x`` mean, SI."""
     values = best.model.values(x)
@@ -567,13 +571,11 @@ def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, flo
         quantities[WORKS[part.kind]] = values[f"q:{part.kind}"] * s
     tilt = values[f"tilt:{last.kind}"]
     P0 = values[f"offset:{last.kind}"] + tilt * (values["z0"] - last.z[0])
-    if last.wave is not None:
-        wave = Wave(math.exp(values["ln_period"]), last.wave.at, values[f"cos:{last.kind}"], values[f"sin:{last.kind}"])
-        P0 += float(wave(np.array(values["z0"])))
     quantities |= {"delta0": values["z0"] - P0 / best.model.k, "P0": P0, "tilt": tilt}
     quantities |= {name: values[name] for name in best.model.positions}
-    if last.wave is not None:
-        quantities |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
+    if (wave := wave_of(best.model)) is not None:
+        cos, period, sin = (values[name] for name in wave.names)
+        quantities |= {"wave_period": math.exp(period), "wave_amplitude": math.hypot(cos, sin)}
     quantities |= best.model.further(values)
     return quantities | body.moduli(s)
 
@@ -596,17 +598,14 @@ def rates_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, Array
         else:
             rates[WORKS[kind]] = s * (by[f"q:{kind}"] + values[f"q:{kind}"] * by["ln_s"])
 
-    # P0 = offset + tilt (z0 - z_first) + wave(z0), delta0 = z0 - P0/k
-    offset, tilt, cos, sin = (f"{name}:{last.kind}" for name in ("offset", "tilt", "cos", "sin"))
+    # P0 = offset + tilt (z0 - z_first), delta0 = z0 - P0/k
+    offset, tilt = (f"{name}:{last.kind}" for name in ("offset", "tilt"))
     P0 = by[offset] + (values["z0"] - last.z[0]) * by[tilt] + values[tilt] * by["z0"]
-    if last.wave is not None:
-        size, turn = math.hypot(values[cos], values[sin]), 2 * math.pi / math.exp(values["ln_period"])
-        phase = turn * (values["z0"] - last.wave.at)
-        slope = values[sin] * math.cos(phase) - values[cos] * math.sin(phase)
-        P0 += math.cos(phase) * by[cos] + math.sin(phase) * by[sin]
-        P0 += slope * (turn * by["z0"] - phase * by["ln_period"])
-        rates["wave_period"] = math.exp(values["ln_period"]) * by["ln_period"]
-        rates["wave_amplitude"] = (values[cos] * by[cos] + values[sin] * by[sin]) / (size or 1.0)
+    if (wave := wave_of(model)) is not None:
+        cos, period, sin = wave.names
+        size = math.hypot(values[cos], values[sin]) or 1.0
+        rates["wave_period"] = math.exp(values[period]) * by[period]
+        rates["wave_amplitude"] = (values[cos] * by[cos] + values[sin] * by[sin]) / size
     rates |= {"delta0": by["z0"] - P0 / model.k, "P0": P0, "tilt": by[tilt]}
     rates |= {name: by[name] for name in model.positions}
     for name in model.further(values):
@@ -618,7 +617,7 @@ def as_fit(
     body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None,
     jkr: JKRBeside | None = None, ranged: Sequence[FittedValue] = (),
 ) -> Fit:  # fmt: skip
-    """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines; of one with a
+    """The fit of a ``curve`` as every fit gives it; ``record``: less what its free rows hold; of one with a
     range of adhesion ``jkr`` beside it, and the range and tension that it is ``ranged`` by."""
     values = outcome_of(best, best.x, body)
     dof = max(best.off.size - best.x.size, 1)
@@ -855,23 +854,23 @@ RECORD_BEFORE = 0.4  # tuned on the same, by `make dirt`: of it, w of the approa
 
 
 def fit_record(
-    body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None
-) -> Flow[tuple[Fit, ForceCurveFit]]:
+    body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None,
+    begin: tuple[FittedBody, ForceCurveFit] | None = None,
+) -> Flow[tuple[Fit, ForceCurveFit]]:  # fmt: skip
     """Modulus, w, contact point and base lines of a whole record, and the fit of all its directions; InputError where
     it holds no contact.
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
-    ``pool``: for the samples of its bootstrap.
+    ``pool``: for the samples of its bootstrap; ``begin``: the body and the fit of all directions, where known.
     """
     if (reason := record.flags.get("no contact")) is not None:
         raise InputError(f"{record.curve.where}: no contact: {reason}")
     curve = record.curve
-    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
     body = _with_known(body, settings)
     kinds = directions_of(record, settings)
 
     def of(*kinds: str) -> Flow[tuple[FittedBody, ForceCurveFit]]:
-        return _fitted(body, _model(body, record, settings, waves, kinds), settings)
+        return _fitted(body, _model(body, record, settings, kinds), settings)
 
     def result_of(body: FittedBody, best: ForceCurveFit, *ranged: Any) -> Fit:
         plain = replace(settings, confidence="covariance", uncertain={})
@@ -884,12 +883,12 @@ def fit_record(
             what = " and ".join([f"intervals by {settings.confidence}", *inputs])
             return without(as_fit(body, record, curve, plain, best, pool, *ranged), what, error)
 
-    whole, joint = yield from of(*kinds)
+    whole, joint = begin or (yield from of(*kinds))
     if not joint.ended:
         return result_of(whole, joint), joint
     _refuse_undetermined(curve, joint)
     if settings.range is not None:
-        fresh = _model(whole, record, settings, waves, kinds)
+        fresh = _model(whole, record, settings, kinds)
         return _with_range(FittedRecord(whole, joint), fresh, settings, result_of), joint
     result = result_of(whole, joint)
     apart = partial(_of_directions, of, result_of, joint, result)
@@ -897,7 +896,7 @@ def fit_record(
     plain = yield from later(result, "alternative models", partial(attach_verdict, result, whole, joint))
     if settings.model != AUTO:
         return plain, joint
-    fresh = _model(whole, record, settings, waves, kinds)
+    fresh = _model(whole, record, settings, kinds)
     best = partial(replace_by_best_alternative, plain, whole, joint, fresh, partial(result_of, whole))
     return (yield from later(plain, "fits of alternative models", best)), joint
 
@@ -1010,19 +1009,19 @@ def _of_directions(
 
 def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> ForceCurveFit:
     """What leaves least of all directions of a record."""
-    return alone(fitted_whole(body, record, settings))
+    return alone(fitted_whole(body, record, settings))[1]
 
 
 def fitted_whole(
     body: FittedBody, record: ForceCurve, settings: Settings, begin: ForceCurveFit | None = None
-) -> Flow[ForceCurveFit]:
-    """The same as a flow, searched from the fit of a record that differs little, where it has all unknowns."""
-    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
+) -> Flow[tuple[FittedBody, ForceCurveFit]]:
+    """The same as a flow, with the body solved as far as it reaches; searched from the fit of a record that differs
+    little, where it has all unknowns."""
     body = _with_known(body, settings)
-    model = _model(body, record, settings, waves, directions_of(record, settings))
-    if begin is not None and not begin.model.values(begin.x).keys() >= set(model.names):
+    model = _model(body, record, settings, directions_of(record, settings))
+    if begin is not None and not begin.model.values(begin.x).keys() | model.by_terms.keys() >= set(model.names):
         begin = None
-    return (yield from _fitted(body, model, settings, begin))[1]
+    return (yield from _fitted(body, model, settings, begin))
 
 
 def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
@@ -1036,7 +1035,7 @@ def receding_rows(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     record = as_raw_force_curve(curve, settings)
     if record is None or not any(usable(record, kind) for kind in requested(settings)):
         return curve
-    _, best = alone(_fitted(body, _model(body, record, settings, {}, directions_of(record, settings)), settings))
+    _, best = alone(_fitted(body, _model(body, record, settings, directions_of(record, settings)), settings))
     curve = _in_contact(best, curve, receding=True)
     return replace(curve, delta=curve.depth - curve.load / best.model.k)
 
@@ -1172,12 +1171,10 @@ def differ(into: float, back: float, error: float) -> bool:
     return abs(back / into - 1) > max(RECORD_APART * error, RECORD_DIFFERS)
 
 
-def _model(
-    body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapping[str, Wave], kinds: Sequence[str]
-) -> ForceCurveModel:
+def _model(body: FittedBody, record: ForceCurve, settings: Settings, kinds: Sequence[str]) -> ForceCurveModel:
     """The model of the directions ``kinds`` of a record, by the settings."""
     curve, w, modulus = record.curve, settings.known("w"), settings.known("modulus")
-    parts = stretches(record, kinds, waves)
+    parts = stretches(record, kinds)
     works = {} if w.free else {part.kind: float(w.value or 0.0) for part in parts if part is parts[-1] or not w.value}
     known = {} if modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
     for part in (part for part in parts if not part.line.rows):

@@ -220,8 +220,7 @@ class Direction:
 class ForceCurve:
     """A measured curve taken apart; ``flags``: what is wrong with it, in a word or two, and a sentence on each;
     ``spikes``: rows that stand alone off the others, ``saturated``: rows at a detector's limit: they count for nothing.
-    ``held``: what the free rows hold beside a base line, which is taken off the loads of the ``curve``; ``plain``: the
-    record with it.
+    ``held``: what the free rows hold beside a base line, which is taken off the loads of the ``curve``.
     """
 
     curve: Curve
@@ -231,16 +230,21 @@ class ForceCurve:
     spikes: Array
     saturated: Array
     held: FreeRows | None = None
-    plain: ForceCurve | None = None
 
     def holding(self, held: FreeRows) -> ForceCurve:
         """The record with something else taken off its loads; base lines follow when it is fitted."""
         taken, signal = held.taken, held.of_signal
         if self.held is not None:
             taken, signal = taken - self.held.taken, signal - self.held.of_signal
-        curve = _less(self.curve, taken, signal)
-        sides = alone(_directions(curve.device, curve.load, [side.segment for side in self.directions]))
-        return replace(self, curve=curve, held=held, directions=sides)
+        return replace(self.less(taken, signal), held=held)
+
+    def less(self, taken: Array, of_signal: Array | float = 0.0) -> ForceCurve:
+        """The record with ``taken`` off its loads [N], of which some is no force but an error of the signal."""
+        curve = _less(self.curve, taken, of_signal)
+        parts = [side.segment for side in self.directions]
+        code = max((side.base.rounding for side in self.directions), default=0.0) * math.sqrt(12)
+        sides = alone(_directions(curve.device, curve.load, parts, code))
+        return replace(self, curve=curve, directions=sides)
 
     @cached_property
     def ignored(self) -> Array:
@@ -264,7 +268,7 @@ class ForceCurve:
         return next((item for item in self.directions if item.segment.kind == kind), None)
 
 
-def _less(curve: Curve, taken: Array, of_signal: Array) -> Curve:
+def _less(curve: Curve, taken: Array, of_signal: Array | float) -> Curve:
     """The curve less what was ``taken`` off its loads [N]: of forces the tip stays at its depth, of an error of the
     signal, ``of_signal``, the device stays where it is."""
     depth = None if curve.stiffness is None else curve.depth + of_signal / curve.stiffness
@@ -303,13 +307,13 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     parts, by_load = _segments_by_motion(z, P) if curve.segment is None else (_named_segments(curve, z), False)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = yield from _directions(z, P, sides)
-    held = yield from _free_rows(z, P, directions, resolution(whole.load), curve.stiffness)
-    plain = ForceCurve(whole, tuple(parts), directions, {}, spikes, spikes[:0]) if held is not None else None
+    code = resolution(whole.load)
+    held = yield from _free_rows(z, P, directions, code, curve.stiffness)
     saturated = saturation(curve)
     if held is not None:
         curve, whole = (_less(one, held.taken, held.of_signal) for one in (curve, whole))
         z, P = curve.device, curve.load
-        directions = yield from _directions(z, P, sides)
+        directions = yield from _directions(z, P, sides, code)
     # What a reader should know before trusting anything that is fitted to this curve; the last sentence of a name.
     touched = [item for item in directions if not isinstance(item.touch, Unknown)]
     flags = [*_missing(parts, directions)]
@@ -318,8 +322,10 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     dent = _permanent_set(z, P, directions) if by_load else ()
     limits = np.flatnonzero(np.any([*saturated.values()], axis=0)) if saturated else spikes[:0]
     flags += [*(dent or _on_base_lines(P, touched)), *_on_jumps(touched, limits), *_on_signs(z, P, directions)]
+    second = sum(level.of_contact for level in held.levels) if held is not None else 0
+    flags += [("several contacts", f"{second + 1} jumps under tension in the {RETRACT}")] * bool(second)
     flags += [("saturated", f"{sentence}: they are left out") for sentence in _words_on(curve, saturated)]
-    return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held, plain)
+    return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held)
 
 
 def _free_rows(
@@ -334,7 +340,7 @@ def _free_rows(
             continue
         rows = np.arange(item.segment.first, item.segment.last + 1)[:: 1 if kind == APPROACH else -1]
         free, contact = rows[: item.free], rows[item.free :]
-        sides.append(Side(kind, free, z[free], P[free], contact, item.jump, code, z[contact]))
+        sides.append(Side(kind, free, z[free], P[free], contact, item.jump, code, z[contact], P[contact]))
     return (yield from free_rows(sides, P.size, math.inf if stiffness is None else stiffness))
 
 
@@ -421,14 +427,15 @@ def _parts_of_way(delta: Array) -> list[Segment]:
     return [part for part in parts if len(part) > RECORD_SMALL * n]
 
 
-def _directions(z: Array, P: Array, parts: Sequence[Segment]) -> Flow[tuple[Direction, ...]]:
-    """Base line, touch, adhesion and jumps of the directions that are ``parts`` of a record, as a flow."""
-    sides = [(z[part.rows], P[part.rows], part) for part in parts]
+def _directions(z: Array, P: Array, parts: Sequence[Segment], code: float = 0.0) -> Flow[tuple[Direction, ...]]:
+    """Base line, touch, adhesion and jumps of the directions that are ``parts`` of a record, as a flow; ``code`` [N]:
+    the step of a converter at least, that loads of which something is taken off no longer show."""
+    sides = [(z[part.rows], P[part.rows], part, code) for part in parts]
     found: tuple[Direction, ...] = yield from ask(_directions_of, sides)
     return found
 
 
-def _directions_of(records: Sequence[Sequence[tuple[Array, Array, Segment]]]) -> list[tuple[Direction, ...]]:
+def _directions_of(records: Sequence[Sequence[tuple[Array, Array, Segment, float]]]) -> list[tuple[Direction, ...]]:
     """The directions of each record, by their positions, loads and segments.
 
     Those of nearly equal rows together, as arrays (directions, places) from the far end inwards, which go on with their
@@ -437,7 +444,7 @@ def _directions_of(records: Sequence[Sequence[tuple[Array, Array, Segment]]]) ->
     found: list[list[Any]] = [[None] * len(sides) for sides in records]
     alike: dict[tuple[int, int, int], list[tuple[int, int]]] = {}
     for i, sides in enumerate(records):
-        for j, (x, _, _) in enumerate(sides):
+        for j, (x, *_) in enumerate(sides):
             step = 1 if _cuts(x.size).size < CUTS else 2 ** (x.size.bit_length() - 4)
             key = -(-x.size // step) * step, _block(x.size), _jump_width(x.size)
             alike.setdefault(key, []).append((i, j))
@@ -445,21 +452,23 @@ def _directions_of(records: Sequence[Sequence[tuple[Array, Array, Segment]]]) ->
         many = max(1, ALONGSIDE // size)
         for part in (places[k : k + many] for k in range(0, len(places), many)):
             of_each = [records[i][j] for i, j in part]
-            rows, columns = np.array([x.size for x, _, _ in of_each]), np.empty((2, len(part), size))
-            for column, (z, P, side) in zip(columns.swapaxes(0, 1), of_each, strict=True):
+            rows, columns = np.array([x.size for x, *_ in of_each]), np.empty((2, len(part), size))
+            for column, (z, P, side, _) in zip(columns.swapaxes(0, 1), of_each, strict=True):
                 column[:, : z.size] = (z, P) if side.kind == APPROACH else (z[::-1], P[::-1])
                 column[:, z.size :] = column[:, z.size - 1 : z.size]
-            x, y, segments = columns[0], columns[1], [one[2] for one in of_each]
-            for (i, j), direction in zip(part, _side_by_side(x, y, rows, segments), strict=True):
+            x, y, segments, codes = columns[0], columns[1], [one[2] for one in of_each], [one[3] for one in of_each]
+            for (i, j), direction in zip(part, _side_by_side(x, y, rows, segments, codes), strict=True):
                 found[i][j] = direction
     return [tuple(sides) for sides in found]
 
 
-def _side_by_side(x: Array, y: Array, rows: Array, segments: Sequence[Segment]) -> list[Direction]:
+def _side_by_side(
+    x: Array, y: Array, rows: Array, segments: Sequence[Segment], codes: Sequence[float]
+) -> list[Direction]:
     """Base lines, touch, adhesion and jumps of directions whose positions and loads are the first ``rows`` of ``x, y``
-    (directions, places), in the order from their far ends inwards."""
+    (directions, places), in the order from their far ends inwards, with the least steps of converters."""
     block, width = _block(int(rows[0])), _jump_width(int(rows[0]))
-    roundings = [step / math.sqrt(12) for step in resolutions(y, rows)]
+    roundings = [max(own) / math.sqrt(12) for own in zip(resolutions(y, rows), codes, strict=True)]
     ends = _ends_of_free_parts(x, y, rows)
     bases, off = _base_lines(x, y, ends, roundings, block)
     falls, rises = _sudden(off, rows, bases)

@@ -71,7 +71,7 @@ def still_record() -> FittedRecord:
 def of_record(made: Wrong, settings: Settings) -> FittedRecord:
     held = as_raw_force_curve(curve(made), settings)
     assert held is not None
-    model = _model(BODY, held, settings, {}, directions_of(held, settings))
+    model = _model(BODY, held, settings, directions_of(held, settings))
     return FittedRecord(*alone(_fitted(BODY, model, settings)))
 
 

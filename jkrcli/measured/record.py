@@ -227,6 +227,7 @@ def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
 # What alternative models make of a fit: flags, warnings, the systematic parts, and the formula beside it.
 
 REJECTED, DIFFER = "model rejected", "directions differ"
+OF_DEVICE = "stiffness of the cantilever"  # an alternative by which the loads change too
 
 # When alternatives leave nothing determined.
 # choice: share of E* and of w that alternatives may move it by, above which it is flagged: half of w, of which an
@@ -340,7 +341,8 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
 
 
 def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mapping[str, float]) -> FittedValue:
-    """The estimate with what the worst alternative may move it by, and what leaving out a direction does."""
+    """The estimate with what the worst alternative may move it by, what leaving out a direction does, and the scale of
+    the loads: of a device whose stiffness or sensitivity errs, E* and w err with it."""
     of_modulus = _of_modulus(item)
     if item.error is None or not (of_modulus or item.dimension == "work"):
         return item
@@ -348,8 +350,12 @@ def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mappi
     if worst is not None:
         least = VERDICT_LEAST[not of_modulus] if alternatives.named else 0.0
         item = replace(item, model={worst[0]: max(worst[1], least) * abs(item.value)})
-    move = moves.get("E_star" if of_modulus else item.name, 0.0)
-    return item.with_model(LEFT_OUT, move * abs(item.value)) if move else item
+    scale = max((abs(one.amount) + one.quantile * one.error for one in alternatives.named if one.name == OF_DEVICE),
+                default=0.0)  # fmt: skip
+    parts = {LEFT_OUT: moves.get("E_star" if of_modulus else item.name, 0.0), "scale of the loads": scale}
+    for name, move in parts.items():
+        item = item.with_model(name, move * abs(item.value)) if move else item
+    return item
 
 
 def _of_modulus(item: FittedValue) -> bool:

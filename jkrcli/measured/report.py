@@ -92,7 +92,7 @@ class Fits(Several):
             sizes, dimension = [one.value for one in estimates], estimates[0].dimension
             middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
             parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
-        doubts = Counter(flag for item in self.fits for flag in item.flags)
+        doubts = Counter(flag for item in self.fits if status_of(item) == DOUBTFUL for flag in item.flags)
         reasons = Counter[str]()  # why curves are unusable; where one has no flag, its first line without the place
         for item in (item for item in self.outcomes if isinstance(item, Failure)):
             reasons.update(item.flags or [item.lines[0].removeprefix(f"{item.curve.where}: ")[:LONGEST_REASON]])

@@ -88,3 +88,18 @@ def test_noise_is_no_wave() -> None:
     assert curve.P is not None
     noise = 0.2 * np.ptp(curve.P) * np.random.default_rng(3).normal(size=len(curve))
     assert "wavy base line" not in segment_force_curve(replace(curve, P=curve.P + noise)).flags
+
+
+def test_a_device_whose_stiffness_errs_has_loads_that_err() -> None:
+    """A deflection sensitivity 15 % too large: w is as much too large, E* and w are known no better."""
+    curve = cycled(1)
+    assert curve.P is not None
+    assert curve.stiffness is not None
+    P = 1.15 * curve.P
+    found = fitted(replace(curve, P=P, delta=curve.device - P / curve.stiffness))
+    w = found.estimate("w")
+    assert found.grade is not None
+    assert "model rejected" in found.flags
+    assert w.model is not None
+    assert w.model["scale of the loads"] == pytest.approx(0.13 * w.value, rel=0.3)  # 1 - 1/1.15
+    assert abs(w.value - TRUE["w"]) < 2 * found.grade.sizes["w_error"] * w.value

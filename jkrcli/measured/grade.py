@@ -30,11 +30,14 @@ LIMITS = {
     # tuned on these: of the range of the load; beyond 3 % other programs' Hertz describes a curve no more
     "misfit": (0.01, 0.03, 0.1, "misfit {} of the load"),
     "misfit_of_pull_off": (0.05, 0.2, 1.0, "misfit {} of the pull-off force"),  # tuned on these
-    # tuned on these: all parts of the half-width over the value; from 30 and 50 % on it is flagged; tenfold
-    "E_star_error": (0.1, 0.3, 9.0, "E* ± {}"),
-    "w_error": (0.25, 0.5, 9.0, "w ± {}"),
+    # tuned on these: all parts of the half-width over the value; where noise makes it wide the value is usable
+    "E_star_error": (0.1, 1.0, 9.0, "E* ± {}"),
+    "w_error": (0.25, 1.0, 9.0, "w ± {}"),
+    # tuned on these: where directions tell another value each, no error makes one of them usable
+    "E_star_by_direction": (0.1, 0.25, 9.0, "a direction left out changes E* by {}"),
+    "w_by_direction": (0.25, 0.5, 9.0, "a direction left out changes w by {}"),
 }
-# Flags of what no size holds: the fit is to be looked at.
+# Flags of what no size holds, beside those of what alternatives leave undetermined: the fit is to be looked at.
 DOUBTS = ("no force curve", "wrong way", "wrong sign", "no base line", "some permanent set", "too stiff")
 UNDETERMINED = "not determined"  # the flag of a search that did not end
 LEFT_OUT = "a direction left out"  # the part of the model's error
@@ -81,7 +84,7 @@ def grade_of(
              for name, (good, usable, look, _) in graded.items()}  # fmt: skip
     worst = max(ranks, key=lambda name: (ranks[name], sizes[name] / graded[name][1]))
     rank, reason = ranks[worst], size_words({worst: sizes[worst]})[0]
-    doubt = next((flag for flag in flags if flag in DOUBTS), None)
+    doubt = next((flag for flag in flags if flag in DOUBTS or flag.endswith(UNDETERMINED)), None)
     if UNDETERMINED in flags:
         rank, reason = GRADES.index(UNFIT), UNDETERMINED
     elif doubt and rank < GRADES.index(LOOK):

@@ -337,11 +337,8 @@ class ForceCurveModel:
         for name, by in self.misplaced(part).items() if self.positions else ():
             depth += values[name] * by
         for term in part.terms:
-            if term.moves_tip and part.place is not None:
-                now, before = (
-                    term.at(part.place, some)[0] for some in ([values[name] for name in term.names], term.values)
-                )
-                depth -= (now - before) / self.k * (part.place.inside > 0)
+            if term.moves and part.place is not None:
+                depth -= term.moved(part.place, [values[name] for name in term.names])[0]
         return depth
 
     def misplaced(self, part: DirectionReadings) -> dict[str, Array]:
@@ -449,9 +446,11 @@ class ForceCurveModel:
             line, by_line = base_line(part, values)
             off[first:last] = line + columns[0] - part.P
             by = {} if self.in_place_of_path(part) else self._by_names(part, values, columns)
-            for name in [name for term in part.terms if term.moves_tip for name in term.names]:
-                inside = part.place.inside > 0 if part.place is not None else 0.0
-                by_line[name] = by_line[name] * (1 - columns[3] / self.k * inside)
+            for term in part.terms:
+                if term.moves and part.place is not None and by:
+                    _, shifts = term.moved(part.place, [values[name] for name in term.names])
+                    by_line |= {name: by_line[name] - columns[3] * shift
+                                for name, shift in zip(term.names, shifts, strict=True)}  # fmt: skip
             for name, column in itertools.chain(by.items(), by_line.items()):
                 if name in self.places:
                     rates[self.places[name], first:last] = column

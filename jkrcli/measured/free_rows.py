@@ -49,7 +49,8 @@ FREE_TRIED = 22  # choice: ranges from which the best begins a search
 FREE_FINER = 4  # theory: frequencies tried for each that the free way tells apart
 # choice: of the free way, periods of a wave; theory: at least six blocks, whose means leave sinc(1/6) = 95 % of it
 FREE_PERIODS = np.array([6 / FREE_BLOCKS, 1.0])
-FREE_ROUNDS = 3  # theory: of the deflection by the attraction, which converges by the ratio of stiffnesses each
+FREE_ROUNDS = 4  # choice: Newton's steps to the gap before a device that the attraction deflects
+FREE_STEEPEST = 0.1  # choice: least share of the device's way that the gap closes by; below 0 it jumps
 FREE_STEPS = 8  # choice: steps of Gauss and Newton to the least of the free rows, and halvings of each
 FREE_LOOKED_AT = np.geomspace(0.03, 0.3, 5)  # choice: those that are looked at before, at contact and at the far end
 FREE_APART = 36.0  # theory: fall of chi^2, six standard errors, by an amount for each direction
@@ -65,6 +66,7 @@ LAWS: dict[str, tuple[Shape, Shape]] = {  # with their derivatives
     "power": (lambda x: (1 + x) ** -2.0, lambda x: -2 * (1 + x) ** -3.0),
 }
 VIRTUAL, DECAY, LEVEL, WAVE = "virtual deflection", "decaying drift", "level", "interference"
+RELAXED = "relaxation in the dwell"
 RANGE = "range:"  # and those that are logs of ranges
 LOADS = ("size:", "change:", "cos:", "sin:")  # how unknowns of terms begin that are loads
 STAYS = {True: "stays in contact", False: "ends at touch"}
@@ -170,9 +172,19 @@ class Term:
         return self.law in LAWS or self.law == LEVEL
 
     @property
-    def moves_tip(self) -> bool:
-        """Whether it bends the device in contact by what depends on its depth."""
-        return self.law == LEVEL and self.stays
+    def moves(self) -> bool:
+        """Whether the depth of the tip follows it: what bends the device by what depends on the depth, or a surface
+        that has sunk."""
+        return self.law == RELAXED or (self.law == LEVEL and self.stays)
+
+    def moved(self, place: Place, values: Sequence[float]) -> tuple[Array, list[Array]]:
+        """How much higher the tip stands over the surface than the device says [m], and the derivatives of that."""
+        if self.law == RELAXED:
+            sunk = (place.inside == self.side).astype(float)
+            return values[0] * sunk, [sunk]
+        load, columns = self.at(place, values)
+        bent = (place.inside > 0) / place.stiffness
+        return (load - self.at(place, self.values)[0]) * bent, [column * bent for column in columns]
 
     @property
     def spring(self) -> float:
@@ -191,6 +203,8 @@ class Term:
             reach = math.exp(values[1])
             bend = np.exp(-place.rows / reach) * (free + inside)
             return A * bend, [bend, A * bend * place.rows / reach]
+        if self.law == RELAXED:
+            return np.zeros(x.size), [np.zeros(x.size)]
         if self.law == WAVE:
             phase = 2 * math.pi * (x - place.at) / math.exp(values[1])
             cos, sin = np.cos(phase) * (free + inside), np.sin(phase) * (free + inside)
@@ -205,10 +219,11 @@ class Term:
         f, slope = LAWS[self.law]
         reach, k = math.exp(values[1]), place.stiffness
         gap = np.maximum(place.at - x, 0.0)
-        for _ in range(FREE_ROUNDS if math.isfinite(k) else 0):
-            gap = np.maximum(place.at - x + A * (f(gap / reach) - 1) / k, 0.0)
+        for _ in range(FREE_ROUNDS if math.isfinite(k) else 0):  # Newton's
+            off, rate = gap - place.at + x - A * (f(gap / reach) - 1) / k, 1 - A * slope(gap / reach) / (reach * k)
+            gap = np.maximum(gap - off / np.maximum(rate, FREE_STEEPEST), 0.0)
         shape, fall = f(gap / reach), slope(gap / reach) / reach * (gap > 0)
-        rate = 1 / np.maximum(1 - A * fall / k, 1e-2)  # of the gap, by what opens it
+        rate = 1 / np.maximum(1 - A * fall / k, FREE_STEEPEST)  # of the gap, by what opens it
         bend = shape * free + self.stays * inside
         by_size = bend + A * fall * (shape - 1) / k * rate * free
         return A * bend, [by_size, -A * fall * gap * rate * free]
@@ -243,6 +258,9 @@ class Term:
             return f"a {VIRTUAL} that bends the base line by {size} over the free way"
         if self.law == DECAY:
             return f"a {DECAY} of the load, {size} at first, by a factor e over {self.range:.3g} rows"
+        if self.law == RELAXED:
+            sunk = f"{show(self.size, 'length', 3)} ± {show(HALF_WIDTH * self.error, 'length', 2)}"
+            return f"{RELAXED}, by which the surface has sunk by {sunk} before the retraction"
         if self.law == WAVE:
             return f"a wave of {size} and a period of {show(self.range, 'length', 4)}: {WAVE}"
         what = "an attraction" if self.size < 0 else "a repulsion"
@@ -259,7 +277,8 @@ class Term:
 class FreeRows:
     """What is taken off the loads of a record: ``terms``, at the rows of its ``place``; ``spoilt``: rows within an
     edge; ``others``: terms that the free rows do not tell from these; ``rounding`` [N]: what a converter leaves of the
-    offset, where noise does not move it between levels, and ``raised``: by it the loads in contact [N], by rows."""
+    offset, where noise does not move it between levels, and ``raised``: by it the loads in contact [N], by rows;
+    ``sunk``: by what the surface may have sunk in a dwell."""
 
     place: Place
     terms: tuple[Term, ...]
@@ -267,6 +286,7 @@ class FreeRows:
     others: tuple[tuple[Term, ...], ...] = ()
     rounding: float = 0.0
     raised: tuple[Array, ...] = ()
+    sunk: Term | None = None
 
     @cached_property
     def taken(self) -> Array:
@@ -293,7 +313,7 @@ class FreeRows:
     @property
     def bends(self) -> tuple[Term, ...]:
         """What bends the base line."""
-        return tuple(term for term in self.terms if term.law != LEVEL)
+        return tuple(term for term in self.terms if term.law not in (LEVEL, RELAXED))
 
     @property
     def words(self) -> Iterator[str]:
@@ -305,7 +325,9 @@ class FreeRows:
     @property
     def brief(self) -> str:
         """What bends the base line, in a word or two."""
-        springs = [f"{LEVEL} stretched in contact"] * any(term.moves_tip for term in self.terms)
+        springs = [
+            f"{LEVEL} stretched in contact" if term.law == LEVEL else RELAXED for term in self.terms if term.moves
+        ]
         return " and ".join([*(term.brief for term in self.bends), *springs]) or "a straight base line"
 
     def of(self, *terms: Term) -> FreeRows:
@@ -330,13 +352,16 @@ class FreeRows:
         if levels and levels[-1].values[1] > FREE_SLOPED * levels[-1].errors[1]:
             spring = replace(levels[-1], stays=True)
             found.append(self.of(*(spring if term is levels[-1] else term for term in self.terms)))
-        return found
+        return (
+            found if self.sunk is None else [one.of(*one.terms, *more) for one in found for more in ((self.sunk,), ())]
+        )
 
 
-def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRows | None]:
+def free_rows(sides: Sequence[Side], size: int, stiffness: float, sunk: float = 0.0) -> Flow[FreeRows | None]:
     """What the free rows of some directions hold beside lines, as a flow; None where that is nothing.
 
-    ``size``: rows of the record, ``stiffness`` of the device [N/m].
+    ``size``: rows of the record, ``stiffness`` of the device [N/m]; ``sunk``: by how much the surface may have sunk in
+    a dwell [m].
     """
     place = _place(sides, size, stiffness)
     found = [(side, *level) for side in sides for level in _levels(side)]
@@ -357,10 +382,11 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> Flow[FreeRo
             way = (side.deep - side.x.mean()) / (np.ptp(side.x) / 2 or 1.0) if side.x.size else 0.0
             own[side.contact] = rounding * way**power
         raised.append(own)
-    if not (raised or terms):
+    if not (raised or terms or sunk):
         return None
     best, *others = terms or [()]
-    return FreeRows(place, best, np.concatenate(spoilt), tuple(others), rounding, tuple(raised))
+    relaxed = Term(RELAXED, (sunk,), (0.0,), side=2) if sunk else None
+    return FreeRows(place, best, np.concatenate(spoilt), tuple(others), rounding, tuple(raised), relaxed)
 
 
 def row_noise(y: Array) -> float:

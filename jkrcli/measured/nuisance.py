@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ..base.numerics import TINY, Array
 from ..base.units import show
 from .force_curve import FIT_ENOUGH, ForceCurveFit, unbroken
 from .forward_model import FittedBody
-from .free_rows import DECAY, LAWS, LEVEL, RANGE, VIRTUAL, WAVE, FreeRows
+from .free_rows import DECAY, LAWS, LEVEL, RANGE, RELAXED, VIRTUAL, WAVE, FreeRows
 from .least_squares import t_quantile, wider
 from .lockstep import Flow, alone, together
 from .record import fit_record, fitted_whole, outcome_of
@@ -40,20 +40,20 @@ NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the ne
 
 @dataclass(frozen=True)
 class Prior:
-    """What is likely of a load beside the contact before the data: the ``odds`` that a record holds it, the ``width``
-    of its size over the pull-off force, or over the range of the load where it is an error ``of_signal``, and that of
-    the log of its range."""
+    """What is likely of a term before the data: the ``odds`` that a record holds it, the ``width`` of its size ``over``
+    the pull-off force, the range of the load, or the way of the device, and that of the log of its range."""
 
     odds: float
     width: float
-    of_signal: bool = False
+    over: Literal["tension", "load", "way"] = "tension"
     of_range: float = 1.5
 
 
 # choice: of all; a virtual deflection is one of 3 % of the largest load, a drift as large as a pull-off force
 PRIORS: Mapping[str, Prior] = {
     "exponential": Prior(0.1, 0.3), "power": Prior(0.1, 0.3), LEVEL: Prior(0.1, 0.3),
-    VIRTUAL: Prior(0.05, 0.03, True), DECAY: Prior(0.05, 0.1, True), WAVE: Prior(0.05, 0.03, True),
+    VIRTUAL: Prior(0.05, 0.03, "load"), DECAY: Prior(0.05, 0.1, "load"), WAVE: Prior(0.05, 0.03, "load"),
+    RELAXED: Prior(0.5, 0.01, "way"),
 }  # fmt: skip
 
 
@@ -110,10 +110,12 @@ class Hypothesis:
         before the data is left (Laplace's approximation, normal priors)."""
         tension = max((known(side.adhesion) or 0.0 for side in self.record.directions), default=0.0)
         span = float(np.ptp(self.record.curve.load))
+        scales = {"tension": max(tension, NUISANCE_LEAST * span), "load": span,
+                  "way": float(np.ptp(self.record.curve.device))}  # fmt: skip
         cost, widths, names = 0.0, list[float](), list[str]()
         for term in self.held.terms:
             prior = PRIORS[term.law]
-            width = prior.width * (span if prior.of_signal else max(tension, NUISANCE_LEAST * span))
+            width = prior.width * scales[prior.over]
             cost += (term.size / width) ** 2 - 2 * math.log(prior.odds / (1 - prior.odds))
             fitted = [name for name in term.names if name in self.fit.names]
             names += fitted
@@ -127,12 +129,14 @@ class Hypothesis:
     def name(self, other: Hypothesis) -> str:
         """What tells it from an ``other`` one."""
         mine, theirs = self.held, other.held
+        if len({any(term.law == RELAXED for term in one.terms) for one in (mine, theirs)}) > 1:
+            return RELAXED
         if not (mine.bends and theirs.bends):
             return "whether the base line bends"
         laws = [tuple(term.law for term in one.bends) for one in (mine, theirs)]
         if any(set(each) - LAWS.keys() for each in laws) and laws[0] != laws[1]:
             return "attraction, virtual deflection or drift"
-        if any(term.moves_tip for one in (mine, theirs) for term in one.terms):
+        if any(term.moves for one in (mine, theirs) for term in one.terms):
             return "whether a level is stretched in contact"
         stays = [[term.stays for term in one.bends] for one in (mine, theirs)]
         return "the law of the attraction" if stays[0] == stays[1] else "whether the attraction stays in contact"

@@ -308,7 +308,7 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = yield from _directions(z, P, sides)
     code = resolution(whole.load)
-    held = yield from _free_rows(z, P, directions, code, curve.stiffness)
+    held = yield from _free_rows(z, P, directions, code, curve.stiffness, _sunk(z, P, parts, directions))
     saturated = saturation(curve)
     if held is not None:
         curve, whole = (_less(one, held.taken, held.of_signal) for one in (curve, whole))
@@ -329,10 +329,10 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
 
 
 def _free_rows(
-    z: Array, P: Array, directions: Sequence[Direction], code: float, stiffness: float | None
+    z: Array, P: Array, directions: Sequence[Direction], code: float, stiffness: float | None, sunk: float
 ) -> Flow[FreeRows | None]:
     """What the free rows of the first approach and the first retraction hold beside a base line; ``code`` [N]: the step
-    of the converter."""
+    of the converter, ``sunk`` [m]: what the surface has sunk by in between."""
     sides = []
     for kind in (APPROACH, RETRACT):
         item = next((item for item in directions if item.segment.kind == kind), None)
@@ -341,7 +341,24 @@ def _free_rows(
         rows = np.arange(item.segment.first, item.segment.last + 1)[:: 1 if kind == APPROACH else -1]
         free, contact = rows[: item.free], rows[item.free :]
         sides.append(Side(kind, free, z[free], P[free], contact, item.jump, code, z[contact], P[contact]))
-    return (yield from free_rows(sides, P.size, math.inf if stiffness is None else stiffness))
+    return (yield from free_rows(sides, P.size, math.inf if stiffness is None else stiffness, sunk))
+
+
+def _sunk(z: Array, P: Array, parts: Sequence[Segment], directions: Sequence[Direction]) -> float:
+    """By how much the surface has sunk [m] where the load falls in a dwell, by the stiffness with which the retraction
+    begins; 0 where it does not fall by more than noise."""
+    dwell = next((part for part in parts if part.kind == DWELL and len(part) >= FEWEST_ROWS), None)
+    back = next((side.segment for side in directions if side.segment.kind == RETRACT), None)
+    if dwell is None or back is None or len(directions) < 2:
+        return 0.0
+    size = max(len(dwell) // 10, 1)
+    loads, noise = P[dwell.rows], max(side.base.noise for side in directions)
+    fall = float(loads[:size].mean() - loads[-size:].mean())
+    first = slice(back.first, back.first + max(len(back) // 20, FEWEST_ROWS // 2))
+    way, lost = z[first] - z[first].mean(), P[first] - P[first].mean()
+    stiffness = float(way @ lost) / max(float(way @ way), 1e-300)
+    falls = fall > RECORD_SIGMAS * noise * math.sqrt(2 / size) and fall > RECORD_LEAST * float(np.ptp(P))
+    return fall / stiffness if falls and stiffness > 0 else 0.0
 
 
 def _spikes(P: Array) -> Array:

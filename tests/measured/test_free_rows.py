@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,19 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.files import read
-from jkrcli.measured.free_rows import Side, free_rows
+from jkrcli.measured.free_rows import (
+    DECAY,
+    LAWS,
+    LEVEL,
+    RELAXED,
+    VIRTUAL,
+    WAVE,
+    FreeRows,
+    Place,
+    Side,
+    Term,
+    free_rows,
+)
 from jkrcli.measured.lockstep import alone
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.report import estimate_words
@@ -98,6 +111,40 @@ def test_an_attraction_is_told_with_size_and_range(share: float) -> None:
     assert bend.range == pytest.approx(reach, rel=0.5)
     assert whole.curve.load != pytest.approx(P + drawn, abs=0.1 * size)
     assert whole.holding(found.of()).curve.load == pytest.approx(P + drawn, abs=1e-9 * size)
+
+
+TERMS = [
+    Term("exponential", (-2e-9, -16.0)), Term("power", (3e-9, -17.0), stays=False), Term(VIRTUAL, (1e-9,)),
+    Term(DECAY, (-4e-9, 3.0)), Term(WAVE, (1e-9, -16.5, -2e-9), (0.0, 0.0, 0.0)), Term(RELAXED, (2e-9,), side=2),
+    Term(LEVEL, (-3e-9, 5e-10), stays=False, between=(150, 180), far=0.0, near=3e-7),
+    Term(LEVEL, (-3e-9, 2e-9), stays=True, between=(150, 180), far=0.0, near=3e-7),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("term", TERMS, ids=lambda term: f"{term.law} {term.stays}")
+def test_derivatives_of_terms_are_differences(term: Term) -> None:
+    """Of loads and of what moves the tip, on a device that they bend."""
+    x = np.concatenate([np.linspace(-1e-6, 2e-7, 100), np.linspace(2e-7, -1e-6, 100)])
+    side = np.repeat([1, 2], 100)
+    place = Place(np.arange(200), x, x - 1e-8, side * (x < 0), side * (x >= 0), 0.0, 1e-6, 0.1)
+
+    def both(values: Sequence[float]) -> list[tuple[np.ndarray, list[np.ndarray]]]:
+        return [term.at(place, values), *([term.moved(place, values)] if term.moves else [])]
+
+    for i, value in enumerate(term.values):
+        step = 1e-6 * abs(value)
+        ends = [both([v + sign * step * (j == i) for j, v in enumerate(term.values)]) for sign in (1, -1)]
+        for (_, columns), (more, _), (less, _) in zip(both(term.values), *ends, strict=True):
+            difference = (more - less) / (2 * step)
+            off = np.abs(columns[i] - difference).max()
+            assert off <= (0.02 if term.law in LAWS else 1e-6) * np.abs(difference).max() + 1e-30
+
+
+def test_terms_of_loads_scale_with_them() -> None:
+    x = np.linspace(-1e-6, 2e-7, 100)
+    place = Place(np.arange(100), x, x, (x < 0) * 1, (x >= 0) * 1, 0.0, 1e-6, np.inf)
+    held = FreeRows(place, tuple(term for term in TERMS if term.law != RELAXED), np.zeros(0, dtype=int))
+    assert held.scaled(3.0).taken == pytest.approx(3 * held.taken, rel=1e-12)
 
 
 @pytest.mark.parametrize(("levels", "rests"), [(0.05, True), (0.008, False)])

@@ -39,6 +39,27 @@ def test_fits_of_clean_records_hold_the_truth(kind: str) -> None:
     assert not found.silent
 
 
+@pytest.mark.parametrize(
+    ("kind", "i", "words"),
+    [
+        ("three at once", 14, ["decaying drift", "interference", "attraction"]),
+        ("three at once", 3, ["second contact", "repulsion", "virtual deflection"]),
+        ("three at once", 4, ["decaying drift", "attraction"]),
+        ("several tethers", 10, ["level"]),
+        ("second contact", 5, ["stretched in contact"]),
+        ("interference", 0, ["interference"]),
+        ("decaying drift", 14, ["decaying drift"]),
+        ("hold", 10, ["relaxation in the dwell"]),
+    ],
+)  # fmt: skip
+def test_what_acts_beside_the_contact_is_named_and_leaves_the_truth(kind: str, i: int, words: Sequence[str]) -> None:
+    """Several at once left E* 1 to 40 % off, a second contact w 2 to 4 %, a hold w_approach 23 to 42 %."""
+    found = answer(kind, 3, i)
+    assert found.status == "fitted"
+    assert max(one.off for one in found.told.values()) < 1
+    assert all(word in found.words for word in words)
+
+
 def test_an_answer_far_off_without_a_flag_is_silent() -> None:
     told = {"w": Told(1.0, 0.05, 0.05, 0.02, 0.6)}
     found = {kind: [Answer(status, "", 1.0, "", told)] for kind, status in ((CLEAN, "fitted"), ("drag", "flagged"))}

@@ -24,15 +24,15 @@ from .score_tests import Verdict
 GOOD, USABLE, LOOK, UNFIT = "good", "usable with the error stated", "look at it", "not usable"
 GRADES = (GOOD, USABLE, LOOK, UNFIT)
 
-# The largest size of each kind that is good, usable, or to be looked at, and its words. Chosen on every second of 165
+# The largest size of each kind that is good, usable, or to be looked at, and its words. Chosen on every second of 164
 # curves of real microscopes and on made records of 26 kinds, checked on the others (docs/project/counts.md).
 LIMITS = {
     # tuned on these: of the range of the load; beyond 3 % other programs' Hertz describes a curve no more
     "misfit": (0.01, 0.03, 0.1, "misfit {} of the load"),
     "misfit_of_pull_off": (0.05, 0.2, 1.0, "misfit {} of the pull-off force"),  # tuned on these
     # tuned on these: all parts of the half-width over the value; where noise makes it wide the value is usable
-    "E_star_error": (0.1, 1.0, 9.0, "E* ± {}"),
-    "w_error": (0.25, 1.0, 9.0, "w ± {}"),
+    "E_star_error": (0.1, 1.0, 4.0, "E* ± {}"),
+    "w_error": (0.25, 1.0, 4.0, "w ± {}"),
     # tuned on these: where directions tell another value each, no error makes one of them usable
     "E_star_by_direction": (0.1, 0.25, 9.0, "a direction left out changes E* by {}"),
     "w_by_direction": (0.25, 0.5, 9.0, "a direction left out changes w by {}"),

@@ -848,7 +848,7 @@ FIT_BLUNT = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt f
 FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
 FIT_CONVERGED = 1e-11  # choice: relative change of parameters
 FIT_FELL = 4e-4  # theory: of chi^2 over its rows, its rise two hundredths of a standard error from the minimum
-FIT_BEGUN = 1e-5  # choice: of chi^2, its fall by a step with which a search goes on with all rows and a sharper fold
+FIT_BEGUN = 1e-4  # choice: of chi^2, its fall by a step with which a search goes on with all rows and a sharper fold
 FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
 FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
 FIT_NEAR = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
@@ -1181,33 +1181,39 @@ def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     return least, most
 
 
-def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit]:
+def nearest(
+    model: ForceCurveModel, loss: Loss = "linear", found: dict[str, ForceCurveFit] | None = None
+) -> Flow[ForceCurveFit]:
     """The unknowns that leave least, from several starts until one leaves no more than noise or two lead to one curve,
     none of them of another record; SolveError where no search converges. Of a retraction alone all are tried: only its
-    shape shows how far its edge rests."""
-    best: ForceCurveFit | SolveError = SolveError(
-        "no curve of this body resembles the force curve; --flip P, if compression is negative"
-    )
-    ends = list[Array]()
+    shape shows how far its edge rests. Fits of single directions, where they were of use, are added to those ``found``.
+    """
+    wrong = SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
+    ends, best = list[Array](), None
     for begin in (starts_of(model), None):
-        for x in (yield from _of_each(model, loss)) if begin is None else begin:
+        for x in (yield from _of_each(model, loss, {} if found is None else found)) if begin is None else begin:
+            fitted = None
             try:
                 least = yield from _searching(model, x, begin is None, ends)
                 if least is None:
-                    if "turn" not in model.names and isinstance(best, ForceCurveFit) and best.ended:
-                        return best
+                    if "turn" not in model.names and best is not None and not best[0][0]:
+                        return best[2] or (yield from _finished(model, best[1], loss))
                     continue
-                fitted = yield from _finished(model, least, loss)
+                misfit = math.sqrt(2 * least.cost * _even(model).A / least.dof)
+                ended = least.ended or _flat(least.state.residuals, least.state.jacobian, FIT_NEAR / least.dof)
+                if loss != "linear" or misfit <= FIT_ENOUGH * model.noise:
+                    fitted = yield from _finished(model, least, loss)
+                    misfit, ended = fitted.sigma, fitted.ended
+                    if "turn" not in model.names and _explains(fitted, model, FIT_ENOUGH):
+                        return fitted
             except SolveError as error:
-                best = error if isinstance(best, SolveError) else best
+                wrong = error
                 continue
-            if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
-                best = fitted
-            if "turn" not in model.names and _explains(best, model, FIT_ENOUGH):
-                return best
-    if isinstance(best, SolveError):
-        raise best
-    return best
+            if best is None or (not ended, misfit) < best[0]:
+                best = (not ended, misfit), least, fitted
+    if best is None:
+        raise wrong
+    return best[2] or (yield from _finished(model, best[1], loss))
 
 
 def _explains(fitted: ForceCurveFit, model: ForceCurveModel, enough: float) -> bool:
@@ -1216,14 +1222,15 @@ def _explains(fitted: ForceCurveFit, model: ForceCurveModel, enough: float) -> b
     return fitted.sigma <= enough * model.noise and fitted.names == model.names
 
 
-def _of_each(model: ForceCurveModel, loss: Loss) -> Flow[list[Array]]:
-    """Unknowns of several directions as fits of each alone have them, moduli and the zero as either does."""
+def _of_each(model: ForceCurveModel, loss: Loss, found: dict[str, ForceCurveFit]) -> Flow[list[Array]]:
+    """Unknowns of several directions as fits of each alone have them, which are ``found``, moduli and the zero as
+    either does."""
     if len(model.stretches) == 1:
         return []
     own: list[dict[str, float]] = []
     for part in model.stretches:
         with contextlib.suppress(SolveError):
-            one = yield from nearest(replace(model, stretches=(part,)), loss)
+            one = found[part.kind] = yield from nearest(replace(model, stretches=(part,)), loss)
             values = one.model.values(one.x)
             own.append(values | {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0))})
     if len(own) < len(model.stretches):

@@ -875,8 +875,11 @@ def fit_record(
     body = _with_known(body, settings)
     kinds = directions_of(record, settings)
 
+    alone_found = dict[str, ForceCurveFit]()
+
     def of(*kinds: str) -> Flow[tuple[FittedBody, ForceCurveFit]]:
-        return _fitted(body, _model(body, record, settings, kinds), settings)
+        near = alone_found.get(kinds[0]) if len(kinds) == 1 else None
+        return _fitted(body, _model(body, record, settings, kinds), settings, near, alone_found)
 
     def result_of(body: FittedBody, best: ForceCurveFit, *ranged: Any) -> Fit:
         plain = replace(settings, confidence="covariance", uncertain={})
@@ -1088,9 +1091,11 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
 
 
 def _fitted(
-    body: FittedBody, model: ForceCurveModel, settings: Settings, best: ForceCurveFit | None = None
-) -> Flow[tuple[FittedBody, ForceCurveFit]]:
-    """The model that fits best, and the body solved as far as it reaches; from that of a record that differs little."""
+    body: FittedBody, model: ForceCurveModel, settings: Settings, best: ForceCurveFit | None = None,
+    found: dict[str, ForceCurveFit] | None = None,
+) -> Flow[tuple[FittedBody, ForceCurveFit]]:  # fmt: skip
+    """The model that fits best, and the body solved as far as it reaches; from that of a record that differs little.
+    ``found`` gets fits of directions alone."""
     for part in model.stretches:
         if part.z.size == 0:
             raise InputError(f"the {part.kind} has no row to fit: contact ends where it begins, or its signs are wrong")
@@ -1099,7 +1104,7 @@ def _fitted(
     body = _deep_enough(body, model)
     for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
-        best = yield from nearest(model, settings.loss) if best is None else _again(best, model, settings)
+        best = yield from nearest(model, settings.loss, found) if best is None else _again(best, model, settings)
         reach = best.a.max()
         if not body.extensible or reach <= body.series.a[-1]:
             break

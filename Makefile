@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help study setup run test test-all core test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures kinds bounds point-bounds node-study mesh-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help study setup run test test-all core test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures kinds cost bounds point-bounds node-study mesh-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -191,6 +191,9 @@ dirt: $(READY) #: what fits make of 24 kinds of dirt in force curves, 20 of each
 
 kinds: $(READY) #: what fits make of force curves of 26 kinds, 20 of each, and of 200 clean ones, on half-spaces and layers (ten minutes)
 	$(STUDY).kinds $(call QUOTE,$(SEED)) 20
+
+cost: $(READY) #: what fits of disturbed force curves take, in units of a clean one of as many rows (three minutes)
+	OPENBLAS_NUM_THREADS=1 $(STUDY).cost $(call QUOTE,$(SEED))
 
 record-rivals: $(READY) #: whether wrong models of raw records are told and right ones are not accused, on 20 records of each kind (fifteen minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_rivals $(call QUOTE,$(SEED)) 20

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -16,7 +17,7 @@ from ..base.errors import InputError, JkrError, SolveError, counted
 from ..base.executors import executor
 from ..base.files import beside, together, write_text
 from ..base.numerics import LEVEL
-from ..base.process import one_thread
+from ..base.process import SILENCE, duration, one_thread
 from ..base.registry import Result
 from ..base.wings import offered
 from ..bodies.problem import RELAXATIONS
@@ -176,12 +177,34 @@ def fit_tension(request: FitRequest) -> None:
 Outcome: TypeAlias = "Fit | Failure"
 Pictures: TypeAlias = "list[tuple[Outcome, Files]]"
 FEWER = "fewer rows, curves or samples"
+FORECAST_FEW = 8  # choice: curves from which the time of a folder is forecast; fitted together they cost as all do
+FORECAST_LOT = 0.05  # choice: seconds between curves that were not fitted together
 
 
 def refits_of(confidence: str, samples: int, uncertain: int) -> int:
     """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
     anew = {"covariance": 0, "profile": TABLE_PROFILED, "bootstrap": samples}
     return anew[confidence] + TABLE_CARRIED * uncertain
+
+
+@contextlib.contextmanager
+def mended(label: str, total: int, seconds: float) -> Iterator[Callable[[bool], None]]:
+    """Progress of fits whose forecast is mended: a note where those done so far tell that what is left takes more than
+    twice as long as was told. Several are done at once: what one lot took is known as the next one ends."""
+    start, told, done, last = time.monotonic(), seconds, 0, 0.0
+    with progress(label, total, seconds) as step:
+
+        def next_one(failed: bool) -> None:
+            nonlocal told, done, last
+            step(failed)
+            now = time.monotonic() - start
+            left = last / max(done, 1) * (total - done)
+            if now > last + FORECAST_LOT and left > max(2 * (told - last), SILENCE):
+                told = last + left
+                note(f"{label}: {done} of {total} done, about {duration(left)} to go")
+            done, last = done + 1, now
+
+        yield next_one
 
 
 def fit_curves(
@@ -195,11 +218,18 @@ def fit_curves(
     each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     seconds = sum(each_curve)
     forecast = Forecast(len(bodies) * seconds, memory_of(curves, len(bodies), parallel[0]), 0.0)
-    begin(f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
-    each = []
-    for one in bodies:
-        with executor(*parallel, progress, seconds) as pool:
-            each.append(fit_all(one, curves, settings, pool))
+    begin(what := f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
+    each, few = [list[Outcome]() for _ in bodies], FORECAST_FEW if len(curves) > 2 * FORECAST_FEW else 0
+    for part in (curves[:1], curves[1 : few + 1]) if few else ():  # the first solves the bodies deep enough
+        start = time.process_time()
+        with executor(1) as here:
+            for one, items in zip(bodies, each, strict=True):
+                items += fit_all(one, part, settings, here)
+        seconds = (time.process_time() - start) / len(part) / len(bodies) * len(curves)
+    begin(what, replace(forecast, seconds=seconds * len(bodies)), limits, FEWER)
+    for one, items in zip(bodies, each, strict=True):
+        with executor(*parallel, mended, seconds) as pool:
+            items += fit_all(one, curves[len(items) :], settings, pool)
     outcomes = [item for items in each for item in items]
     if request.options.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
         raise InputError("fit: --rivals is for raw force curves, and none of these is one: leave it out")

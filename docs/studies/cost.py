@@ -1,0 +1,67 @@
+"""Time fits of disturbed records beside clean ones: ``make cost SEED=7``.
+
+Records of ``kinds_records``, fitted with default options. The unit is the time of a clean record of as many rows, a + b
+rows by ``CLEAN`` ones on half-spaces; per kind the median and the largest of the times in this unit, each the least of
+three, and the median time. CPU seconds of one process with one BLAS thread: run it alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jkrcli.base.errors import JkrError
+from jkrcli.measured.curve import Reading
+from jkrcli.measured.files import read
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.settings import settings_of
+
+from .kinds import body, drawn
+from .kinds_records import KINDS
+
+RUNS = 3  # of each fit, of which the least counts
+CLEAN = 20  # records of the kind "clean" that are the unit
+
+
+def seconds(kind: str, seed: int, i: int) -> tuple[int, float]:
+    """Tell the rows of record ``i`` of a kind, and the CPU seconds of its fit."""
+    made = drawn(kind, seed, i)
+    held, options = body(made), dict[str, Any](made.options)
+    with tempfile.TemporaryDirectory() as folder:
+        made.write(file := Path(folder) / "record.txt")
+        (curve,) = read(file, Reading(contact="as-is"))
+    times = []
+    for _ in range(RUNS):
+        start = time.process_time()
+        with contextlib.suppress(JkrError):
+            fit(held, curve, settings_of(held, **options))
+        times.append(time.process_time() - start)
+    return len(curve), min(times)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    parser.add_argument("count", type=int, nargs="?", default=8, help="records of each kind")
+    parser.add_argument("--only", default="", help="kinds that contain this")
+    asked = parser.parse_args()
+    rows, clean = np.array([seconds("clean", asked.seed, 1000 + i) for i in range(CLEAN)]).T
+    (a, b), every = np.linalg.lstsq(np.column_stack([np.ones(CLEAN), rows]), clean, rcond=None)[0], list[float]()
+    for kind in (kind for kind in KINDS if asked.only in kind):
+        found = [seconds(kind, asked.seed, i) for i in range(asked.count)]
+        units = [spent / (a + b * size) for size, spent in found]
+        every += units
+        print(f"{kind:<23} median {np.median(units):5.1f} worst {max(units):5.1f}; "
+              f"{np.median([spent for _, spent in found]):.3f} s", flush=True)  # fmt: skip
+    print(f"a clean one {1e3 * a:.0f} ms + {1e6 * b:.1f} us a row; all: median {np.median(every):.1f}, nine tenths "
+          f"below {np.quantile(every, 0.9):.1f}, worst {max(every):.1f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

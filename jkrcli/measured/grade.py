@@ -94,13 +94,9 @@ def grade_of(
 
 def size_words(sizes: Mapping[str, float]) -> list[str]:
     """Those of the ``sizes`` that are graded, in words."""
-    return [
-        LIMITS[name][3].format(
-            "more than tenfold" if size > TENFOLD else f"{100 * size:.2g} %" if size < 1 else f"{size:.0%}"
-        )
-        for name, size in sizes.items()
-        if name in LIMITS
-    ]
+    words = {name: "more than tenfold" if size > TENFOLD else f"{100 * size:.{2 + (size > 1)}g} %"
+             for name, size in sizes.items() if name in LIMITS}  # fmt: skip
+    return [LIMITS[name][3].format(said) for name, said in words.items()]
 
 
 def change_words(change: float) -> str:

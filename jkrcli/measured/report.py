@@ -312,7 +312,6 @@ def verdict_words(item: Fit) -> list[str]:
     if tied := item.verdict.tied:
         verdict += f"; by {tied[0].name} ({parameter_words(tied[0])})"
         judged = ["JKR as described is rejected", *(f"{one.name} is not distinguishable from it" for one in tied[1:])]
-    judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
     judged += [f"model uncertainty from {', '.join(parts)}"] if parts else []
     return [verdict, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]

@@ -31,6 +31,7 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.measured import priors
 from jkrcli.measured.archive import FITTED, status_of
 from jkrcli.measured.curve import Reading
 from jkrcli.measured.files import read
@@ -41,6 +42,7 @@ from jkrcli.methods.layered.solver import Layered
 
 from .kinds_records import KINDS, Made, clean, identities
 
+THIRD = 1 / 3  # of a half-width, that other widths of priors may move a result by
 FAR = 3.0  # half-widths beyond which an answer without a flag is silently wrong
 CLEAN, MORE = "clean, wide", 10  # the kind that is judged as clean, as many for each of another kind unless told
 RIGHT = (CLEAN, "clean")  # kinds without dirt, where a flag accuses
@@ -142,6 +144,17 @@ def answer(kind: str, seed: int, i: int) -> Answer:
         return judged(drawn(kind, seed, i), Path(folder) / "record.txt")
 
 
+def moved(kind: str, seed: int, i: int, widths: float) -> dict[str, float]:
+    """Tell by how much what is told of record ``i`` moves, over its half-width, with all widths of priors ``widths``
+    times as large."""
+    found = []
+    for priors.WIDTHS in (widths, 1.0):
+        found.append(answer(kind, seed, i).told)
+    other, told = found
+    return {name: abs(other[name].value - one.value) / (one.half + one.model)
+            for name, one in told.items() if name in other}  # fmt: skip
+
+
 # --------------------------------------------------------------------------------------------------
 # What is printed.
 
@@ -181,6 +194,19 @@ def remarks(answers: list[Answer], right: bool = False) -> list[str]:
             told = "; ".join(f"{name} {item}" for name, item in one.told.items())
             lines.append(f"    {i} {what}: {told}; {one.about}: {one.words[:LONGEST]}")
     return lines
+
+
+def moves(kind: str, each: list[dict[str, float]]) -> str:
+    """Summarise by how much a kind moves, and which records do by more than a third."""
+    parts = [f"{kind:<23}"]
+    for name in ASKED:
+        shares = {i: one[name] for i, one in enumerate(each) if name in one}
+        if shares:
+            beyond = ", ".join(f"{i}: {share:.2f}" for i, share in shares.items() if share > THIRD)
+            parts.append(
+                f"{name} at most {max(shares.values()):.3f} of {len(shares)}{f' ({beyond})' if beyond else ''}"
+            )
+    return " ".join(parts)
 
 
 def totals(found: Mapping[str, list[Answer]]) -> list[str]:
@@ -247,6 +273,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="kinds that contain this")
     parser.add_argument("--write", type=Path, help="write records and meta.json into this folder, fit none")
     parser.add_argument("--verify", action="store_true", help="check identities of the mechanics, fit none")
+    parser.add_argument("--widths", type=float, help="tell instead what widths of priors so many times as large move")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("-v", "--verbose", action="store_true", help="also a line for each that is off or refused")
     asked = parser.parse_args()
@@ -260,6 +287,11 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     found = {}
     with ProcessPoolExecutor(asked.workers, get_context("forkserver")) as pool:
+        for kind, count in counts.items() if asked.widths else ():
+            several = [pool.submit(moved, kind, asked.seed, i, asked.widths) for i in range(count)]
+            print(moves(kind, [one.result() for one in several]), flush=True)
+        if asked.widths:
+            return
         waiting = defaultdict(list)
         for kind, count in counts.items():
             waiting[kind] = [pool.submit(answer, kind, asked.seed, i) for i in range(count)]

@@ -1,7 +1,8 @@
 """What is known before the data of each hypothesis that a result is averaged over, or its error holds: one table.
 
 A ``Prior`` is the width of an amount, the odds of the hypothesis against the simpler one, and the limits that no body,
-tip or instrument exceeds. ``WIDTHS`` scales all widths at once: results hardly depend on it (``make kinds``).
+tip or instrument exceeds. ``WIDTHS`` scales all widths at once: halved or doubled it moves no result by more than a
+third of its half-width (``make kinds``).
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-WIDTHS = 1.0  # choice: of all widths; halved and doubled by the study
+WIDTHS = 1.0  # theory: of all widths as they stand
 
 RANGE, LONG, TENSION = "adhesion of finite range", "adhesion of long range (DMT)", "surface tension"
 
@@ -22,16 +23,23 @@ class Prior:
     ----------
     size : float
         The amount in either direction that is likely unless the user or the data say otherwise; 0 of what the
-        description of the body rules out.
+        description of the body rules out. Of a load beside the contact over the pull-off force, or over the range of
+        the load where it is an error of the signal.
     odds : float
         Of the hypothesis against the simpler one, or of an amount beyond the likely ones against those.
-    limits : (float, float)
+    limits : (float, float), optional
         Least and largest amounts that any body, tip or instrument has.
+    of_signal : bool, optional
+        Whether a load beside the contact is an error of the signal.
+    of_range : float, optional
+        Standard deviation of the log of the range or the period of such a load.
     """
 
     size: float = 0.0
     odds: float = 1.0
     limits: tuple[float, float] = (-math.inf, math.inf)
+    of_signal: bool = False
+    of_range: float = 1.5
 
     @property
     def width(self) -> float:
@@ -46,6 +54,12 @@ class Prior:
 
 UNLIKELY, POSITIVE = Prior(), (0.0, math.inf)
 PRIORS = {
+    # What acts beside the contact:
+    # choice: of all; a virtual deflection is one of 3 % of the largest load, a drift as large as a pull-off force
+    "exponential": Prior(0.3, 1 / 9), "power": Prior(0.3, 1 / 9), "level": Prior(0.3, 1 / 9),
+    "virtual deflection": Prior(0.03, 1 / 19, of_signal=True), "decaying drift": Prior(0.1, 1 / 19, of_signal=True),
+    "interference": Prior(0.03, 1 / 19, of_signal=True),
+    # What body, tip, adhesion and instrument may be else:
     # choice: [m], of molecules in dry contact 1 nm, of hairs more; theory: longer ones with odds of 1 to 20, exp(-3)
     RANGE: Prior(10e-9, math.exp(-3), limits=POSITIVE),
     LONG: Prior(limits=(0.0, 1.0)),  # theory: from JKR to DMT
@@ -57,4 +71,6 @@ PRIORS = {
     "no slip": Prior(1.0, limits=POSITIVE),  # theory: from none to full
     "large strains": Prior(1.0, limits=(0.0, 2.0)),  # choice: of their effect on rubber, that of other materials
     "stiffness of the cantilever": Prior(limits=(-1.0, 1.0)),  # choice: relative, of one that someone measured
-}
+    # choice: standard deviation of the relative change along a table; w of polymers may double
+    "a change of w along the curve": Prior(0.5), "a change of E* along the curve": Prior(0.5),
+}  # fmt: skip

@@ -22,6 +22,7 @@ from ..methods.layered.spectrum import spectrum_seconds
 from .forward_model import Drift
 from .least_squares import chi2_increase, influence, t_quantile
 from .parameters import FittedValue, Parameter
+from .priors import PRIORS
 from .rows import SEARCH_HALVINGS, SEARCH_REACH, Minimum
 from .settings import Loss, Settings
 
@@ -213,7 +214,6 @@ def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float, likely: floa
 # parameters, a second part of their uncertainty beside the statistical one.
 
 # What is expected of alternatives before the data, and when they are significant.
-ALTERNATIVE_LIKELY = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
 # choice: the change for which moves are told, and not counted, where the data hold no pull-off that would test it
 ALTERNATIVE_UNIT = 0.01
 ALTERNATIVE_CHANCE = 5e-3  # choice: at which data of the model itself show an alternative
@@ -335,7 +335,7 @@ def alternatives_of(minimum: Minimum, variance: float, dof: int, settings: Setti
         precision = float(direction @ direction) / variance
         if precision > 0:
             change = -float(direction @ residuals) / variance / precision
-            spread = t / math.sqrt(precision + 1 / ALTERNATIVE_LIKELY**2)
+            spread = t / math.sqrt(precision + 1 / PRIORS[ALTERNATIVES[name][0]].width ** 2)
             centre = change * (spread / t) ** 2 * precision
             changes = (-ALTERNATIVE_UNIT, ALTERNATIVE_UNIT) if untested else (centre - spread, centre + spread)
             alternatives.append(AddedTerm(name, change, _shifts(minimum, name, changes, close)))

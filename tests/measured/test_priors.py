@@ -1,0 +1,41 @@
+"""What is known of hypotheses before the data hardly moves a result."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from test_fit_record import BODY
+
+from jkrcli.measured import priors
+from jkrcli.measured.hypotheses import ALTERNATIVES
+from jkrcli.measured.settings import Settings, settings_of
+from studies.kinds import THIRD, moved
+
+
+@pytest.mark.parametrize("kind", ["clean", "tether", pytest.param("charge", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("widths", [0.5, 2.0])
+def test_halving_and_doubling_all_widths_moves_no_result(kind: str, widths: float) -> None:
+    """By less than a third of its half-width, on made records."""
+    shares = moved(kind, 3, 1, widths)
+    assert shares.keys() >= {"E_star", "w"}
+    assert max(shares.values()) < THIRD
+    assert priors.WIDTHS == 1
+
+
+def test_widths_are_scaled_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In settings, too: what a user tells is no prior."""
+    told = settings_of(BODY, uncertain=[("range", "3 nm")])
+    before = [one.width for one in priors.PRIORS.values()]
+    assert settings_of(BODY).longest_range == 10e-9
+    monkeypatch.setattr(priors, "WIDTHS", 2.0)
+    assert [one.width for one in priors.PRIORS.values()] == [2 * one for one in before]
+    assert isinstance(told, Settings)
+    assert (settings_of(BODY).longest_range, told.longest_range) == (20e-9, 3e-9)
+
+
+def test_the_table_is_of_what_there_is() -> None:
+    """Odds are those of 1 to 20 of a longer range; alternatives are called as in the list."""
+    assert priors.PRIORS[priors.RANGE].cost == pytest.approx(2 * math.log(20), rel=2e-3)
+    assert {priors.RANGE, priors.LONG, priors.TENSION} < {one.name for one in ALTERNATIVES}
+    assert all(one.prior.limits[0] < one.prior.limits[1] for one in ALTERNATIVES)

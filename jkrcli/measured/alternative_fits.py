@@ -28,6 +28,7 @@ from .least_squares import STATISTICS_IMPROBABLE
 from .lockstep import Flow, alone, ask, beside, quiet, together
 from .model_changes import (
     AMOUNT,
+    ANY,
     LITTLE,
     BodyChange,
     Change,
@@ -86,7 +87,6 @@ FULL_HALVES = 2  # choice: bisections between the largest amount that the data l
 FULL_EXCLUDED = 6.0
 FULL_ABOUT = 0.5  # choice: standard errors, by which what a range does to a fit may be off
 FULL_FALLING = 2.0  # choice: of the step to come, by which chi^2 may still fall
-FULL_STILL = 0.02  # choice: standard errors, below which a step is the last one
 FULL_SLOW = 0.3  # choice: of w of the retraction, the least w of a slow edge to start from where none advanced
 FULL_SETTLED = 0.1  # choice: standard errors of the modulus, by which the last round may move it
 
@@ -177,8 +177,7 @@ def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
 
 def _at_most(near: Linearised, change: Change, ahead: Array, score: Score) -> Flow[Score]:
     """The score with the moves at the largest amount that is possible, about ``ahead`` per amount."""
-    begin = near.x + score.most * ahead
-    end = yield from _followed(near, _with_amount(near.record, change, score.most), still=FULL_ABOUT, begin=begin)
+    end = yield from _followed(near, change, score.most, begin=near.x + score.most * ahead)
     E, w = (math.nan, math.nan) if end is None else _moves(near, end[1])
     return replace(score, E_star=E / score.most, w=w / score.most) if math.isfinite(E + w) else score
 
@@ -203,8 +202,7 @@ class _Amounts:
 
     def at(self, amount: float) -> Flow[Moves | None]:
         """The moves at an amount, from where those below lead."""
-        model = _with_amount(self.near.record, self.change, amount)
-        end = yield from _followed(self.near, model, SCORE_TIED, FULL_ABOUT, self._begin(amount))
+        end = yield from _followed(self.near, self.change, amount, SCORE_TIED, self._begin(amount))
         moves = None if end is None else (end[0], *_moves(self.near, end[1]))
         self.moves[amount] = None
         if end is not None and moves is not None and moves[0] < SCORE_TIED and np.isfinite(moves).all():
@@ -222,8 +220,8 @@ class _Amounts:
 
     def _first(self, amount: float) -> Array:
         """Moves of the unknowns to first order, between amounts that were looked at on straight lines."""
-        if amount in self.first or not self.first:
-            return self.first.get(amount, amount * self.ahead)
+        if not self.first:
+            return amount * self.ahead
         known = [0.0, *sorted(self.first)]
         rows = np.array([np.zeros_like(self.ahead), *(self.first[one] for one in known[1:])])
         return np.array([np.interp(amount, known, column) for column in rows.T])
@@ -249,7 +247,9 @@ def _of_ranges(tried: _Amounts, score: Score, certain: float, long: bool) -> Flo
     on."""
     record, within, unsure = tried.near.record, score.quantile**2, score.quantile * score.error
     if long:
-        amounts, shortest = sorted({*_ranges(record, score)}), amount_of_range(record, FULL_RANGES[-1] * record.neck)
+        # endless ones, that no short one is detected for, and the longest that is likely
+        lengths = [amount_of_range(record, times * record.neck) for times in (ADHESION_ENDLESS, *FULL_RANGES)]
+        amounts, shortest = sorted({*lengths, score.known}), lengths[-1]
         (rise,), _ = tried.look_ahead([shortest])
         if rise > FULL_EXCLUDED**2:
             tried.moves.update((amount, None) for amount in amounts if amount >= shortest)
@@ -337,12 +337,6 @@ def _of_amounts(tried: _Amounts, score: Score) -> Flow[Score]:
     return replace(moving, amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
 
 
-def _ranges(record: FittedRecord, score: Score) -> list[float]:
-    """Amounts of ranges to try: endless ones, that no short one is detected for, and the longest that is likely."""
-    ranges = (ADHESION_ENDLESS, *FULL_RANGES)
-    return [*(amount_of_range(record, times * record.neck) for times in ranges), score.known]
-
-
 def _moves(near: Linearised, x: Array) -> tuple[float, float]:
     """By how much the logs of E* and w differ at the unknowns ``x``; where w falls its relative change, which has an
     end: w may come to 0."""
@@ -363,17 +357,13 @@ def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
     return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E, w=w, word=word)
 
 
-def _with_amount(record: FittedRecord, change: Change, amount: float) -> ChangedModel:
-    """The model with an amount of a change that is known."""
-    return ChangedModel.of(record.model, change, {AMOUNT: amount})
-
-
 def _followed(
-    near: Linearised, model: ChangedModel, most: float = math.inf, still: float = FULL_STILL, begin: Array | None = None
+    near: Linearised, change: Change, amount: float, most: float = math.inf, begin: Array | None = None
 ) -> Flow[tuple[float, Array] | None]:
-    """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
-    the fit without, down to ``still`` standard errors, from ``begin`` on, else from that fit; None where they do not
-    settle, or come to a contact that is nowhere stable, or chi^2 will not fall to about ``most``."""
+    """By how much chi^2 rises with an ``amount`` of a ``change``, and the unknowns, by steps with the derivatives of
+    the fit without, from ``begin`` on, else from that fit; None where they do not settle, or come to a contact that is
+    nowhere stable, or chi^2 will not fall to about ``most``."""
+    model = ChangedModel.of(near.record.model, change, {AMOUNT: amount})
     x, size, excess = near.x if begin is None else begin, math.inf, math.inf
     with contextlib.suppress(SolveError, ArithmeticError):  # unknowns that no row determines may go anywhere
         for _ in range(MOST_STEPS):
@@ -381,7 +371,7 @@ def _followed(
             before, size, x, excess = size, near.size(step), x - step, left - near.left
             if not (size < before and excess < most + FULL_FALLING * size):
                 return None
-            if size < still:
+            if size < FULL_ABOUT:
                 break
         return excess, x
     return None
@@ -404,7 +394,10 @@ def fit_alternatives(
     for cost, x, change, score in begun:
         if cost <= most:
             with contextlib.suppress(JkrError):
-                fits.append(_in_full(record, ChangedModel.of(fresh, change), x, score))
+                here = FittedRecord(record.body, reconverge(to_the_end(ChangedModel.of(fresh, change), x)))
+                misfit, dof, loose = misfit_left(here, here.regular)
+                chance = numerics.f_chance(dof, max(loose, 1), misfit / dof)
+                fits.append(AlternativeFit(score, here.fit, chance, fall_of(record, here)))
     return tuple(sorted(fits, key=lambda one: (not one.passes, -one.falls)))
 
 
@@ -422,23 +415,33 @@ def _likeliest(alternatives: RecordAlternatives) -> Iterator[Score]:
 def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Change, amount: float) -> tuple[float, Array]:
     """About the least misfit with a ``change``, and its unknowns: from the best of its starts and what one step asks
     for, and from the best that the body suggests at each of these."""
-    low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
+    low, high = change.limits.get(AMOUNT, ANY)
     starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
-    model = ChangedModel.of(fresh, change)
-    x = _unknowns(record, model, record.fit.x)
-    plain, new = [np.append(x, start) for start in starts], [[*_new(record, model, start)] for start in starts]
-    groups = [plain, *new]
-    if change.coupled and isinstance(change, BodyChange):
-        groups = [[start] for start in _valleys(record, model, starts)]
-    if isinstance(change, LoadsChange):  # of histories, which have several minima
-        groups = [[start] for group in (new if change.where == "last" else [plain]) for start in group]
-    searches = []
-    for group in filter(None, groups):
+    model, searches = ChangedModel.of(fresh, change), []
+    for group in _begins(record, model, [*starts]):
         with contextlib.suppress(JkrError):  # others may come to an end
             searches.append(rough(model, min(group, key=partial(misfit_at, model)), FULL_STEPS))
     if not searches:
         raise SolveError("no curve with this change resembles the force curve")
     return min(searches, key=lambda one: one[0])
+
+
+def _begins(record: FittedRecord, model: ChangedModel, starts: Sequence[tuple[float, ...]]) -> Iterator[list[Array]]:
+    """Groups of unknowns about ``starts`` of the change, of each of which the best is a start: histories and ranges
+    have several minima."""
+    change, x, last = model.change, _unknowns(record, model, record.fit.x), model.stretches[-1]
+    if isinstance(change, BodyChange) and change.coupled:
+        yield from ([begin] for begin in _valleys(record, model, starts))
+        return
+    if isinstance(change, LoadsChange) and change.where == "last":
+        i = model.names.index(f"q:{last.kind}")
+        x[i] = max(record.values[f"q:{model.stretches[0].kind}"], FULL_SLOW * x[i])
+    plain = [np.append(x, start) for start in starts]
+    yield from [[begin] for begin in plain] if isinstance(change, LoadsChange) else [plain]
+    for start in starts if isinstance(change, BodyChange | StiffnessChange) else ():
+        values = {**record.values, **dict(zip(change.names, start, strict=True))}
+        with contextlib.suppress(JkrError):  # as its body suggests
+            yield [np.append(x, start) for x in starts_of(model.followed(last, values))]
 
 
 def _about(record: FittedRecord) -> Linearised:
@@ -451,7 +454,7 @@ def _valleys(record: FittedRecord, model: ChangedModel, starts: Iterable[tuple[f
     """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
     more than the ones next to them."""
     near, starts = _about(record), sorted(starts)
-    flows = [_followed(near, _with_amount(record, model.change, start[0]), still=FULL_ABOUT) for start in starts]
+    flows = [_followed(near, model.change, start[0]) for start in starts]
     ends = []
     for end in together(flows):
         if isinstance(end, Exception):
@@ -470,26 +473,6 @@ def _unknowns(record: FittedRecord, model: ChangedModel, x: Array) -> Array:
     roots = {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0)) for part in model.stretches}
     own = [name for name in model.names if name not in model.change.names]
     return np.array([({"turn": 0.0} | roots | values)[name] for name in own])
-
-
-def _new(record: FittedRecord, model: ChangedModel, start: tuple[float, ...]) -> Iterator[Array]:
-    """Unknowns about an amount to ``start`` from, as its body suggests."""
-    if isinstance(model.change, LoadsChange) and model.change.where == "last":
-        x, i = _unknowns(record, model, record.fit.x), model.names.index(f"q:{model.stretches[-1].kind}")
-        x[i] = max(record.values[f"q:{model.stretches[0].kind}"], FULL_SLOW * x[i])
-        yield np.append(x, start)
-    if model.change.coupled or not isinstance(model.change, BodyChange | StiffnessChange):
-        return
-    values = {**record.values, **dict(zip(model.change.names, start, strict=True))}
-    with contextlib.suppress(JkrError):
-        yield from (np.append(x, start) for x in starts_of(model.followed(model.stretches[-1], values)))
-
-
-def _in_full(record: FittedRecord, model: ChangedModel, x: Array, score: Score) -> AlternativeFit:
-    here = FittedRecord(record.body, reconverge(to_the_end(model, x)))
-    misfit, dof, loose = misfit_left(here, here.regular)
-    chance = numerics.f_chance(dof, max(loose, 1), misfit / dof)
-    return AlternativeFit(score, here.fit, chance, fall_of(record, here))
 
 
 def to_the_end(model: ForceCurveModel, x: Array) -> ForceCurveFit:
@@ -513,8 +496,7 @@ RANGE_EVERY = 3  # choice: of the Tabor numbers of ``ADHESION_TABOR``, which sta
 def with_range_of(record: FittedRecord, fresh: ForceCurveModel, change: Change, amount: float) -> ForceCurveFit:
     """The fit with an ``amount`` of a range of adhesion that is known."""
     model = ChangedModel.of(fresh, change, {AMOUNT: amount})
-    near = _about(record)
-    end = alone(_followed(near, _with_amount(record, change, amount), still=FULL_ABOUT))
+    end = alone(_followed(_about(record), change, amount))
     return to_the_end(model, _unknowns(record, model, record.fit.x if end is None else end[1]))
 
 

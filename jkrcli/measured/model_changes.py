@@ -128,15 +128,11 @@ def perturbed_logs(family: Family, D: Array, S: Array) -> Array:
     step = float(u[1] - u[0])
     (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
     s, ds = v / t, v / t * (dV / v - dT / t)
-    dS = np.exp(S) * (ds + s * _slope(S, step))
-    rate = s * np.exp(S + D) * (dD + d * _slope(D, step))
+    slope_D, slope_S = (np.gradient(rows, step, axis=-1, edge_order=2) for rows in (D, S))
+    dS = np.exp(S) * (ds + s * slope_S)
+    rate = s * np.exp(S + D) * (dD + d * slope_D)
     T = np.log(ds / dS) / 2
     return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T], axis=-2)
-
-
-def _slope(rows: Array, step: float) -> Array:
-    """The derivative at even nodes, of second order."""
-    return np.gradient(rows, step, axis=-1, edge_order=2)
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
+from operator import itemgetter
 from typing import TypeAlias
 
 import numpy as np
@@ -114,16 +115,9 @@ class RecordAlternatives:
     def worst(self, quantity: str) -> tuple[str, float] | None:
         """The alternative that may move "E_star" or "w" most, and by how much, relative: of the named, where some
         are."""
-        return self._worst[quantity]
-
-    @cached_property
-    def _worst(self) -> dict[str, tuple[str, float] | None]:
-        worst: dict[str, tuple[str, float] | None] = {}
-        for quantity in ("E_star", "w"):
-            moves = {one.name: one.moved(getattr(one, quantity)) for one in self.named or self.scores}
-            name = max(moves, key=lambda key: moves[key], default="")
-            worst[quantity] = (name, moves[name]) if name and moves[name] > 0 else None
-        return worst
+        moves = [(one.moved(getattr(one, quantity)), one.name) for one in self.named or self.scores]
+        most, name = max(moves, key=itemgetter(0), default=(0.0, ""))
+        return (name, most) if most > 0 else None
 
 
 @dataclass(frozen=True)
@@ -185,9 +179,12 @@ class Table:
         weighted: Array = self.record.model.whitened((self.columns * rows).T, self.record.fit.spread.noise).T
         return weighted
 
-    def taken(self, rows: Array) -> Array:
-        """The same of some ``rows`` alone."""
-        return _weighted(self.record, self.columns, rows)
+    def taken(self, rows: Array) -> tuple[Array, Linearised]:
+        """The columns of some ``rows`` in units of the noise, as if no other row were there, and the fit by them."""
+        noise, some = self.record.fit.spread.noise, self.columns.take(np.flatnonzero(rows), axis=1).T
+        columns = noise.whitened(in_time(some, self.record.model.rows[rows], noise) if noise.slow else some).T
+        (linear,) = _factored([(self, rows, columns @ columns.T, lambda: columns)])
+        return columns, linear
 
     def gram(self, rows: Array) -> Array:
         """Products of the weighted columns: of white noise those over all rows, less those over the others, which are
@@ -228,8 +225,7 @@ def score_tests(record: FittedRecord) -> Flow[tuple[RecordAlternatives, Table]]:
     table = yield from ask(tables, record)
     rows, noise, own = record.regular, record.fit.spread.noise, 1 + record.fit.x.size
     if noise.slow:
-        columns = table.taken(rows)
-        (linear,) = _factored([(table, rows, columns @ columns.T, lambda: columns)])
+        columns, linear = table.taken(rows)
     else:
         columns, linear = table.columns, (yield from ask(linearised, (table, rows)))
     left = None
@@ -350,9 +346,7 @@ def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
     """chi^2 of what a fit leaves on some ``rows``, its degrees of freedom, and how many rows the noise is estimated
     from."""
     (table,) = tables([record], ())
-    columns = table.taken(rows)
-    (linear,) = _factored([(table, rows, columns @ columns.T, lambda: columns)])
-    return linear.left, max(int(np.count_nonzero(rows)) - record.fit.x.size, 1), _loose(record)
+    return table.taken(rows)[1].left, max(int(np.count_nonzero(rows)) - record.fit.x.size, 1), _loose(record)
 
 
 def misfit_of(record: FittedRecord, rows: Array, noise: Spectrum) -> float:
@@ -557,15 +551,6 @@ def relative_errors(fit: ForceCurveFit) -> tuple[float, float]:
     rates = _by_unknown(fit)
     by = np.array([rates.get(name, 0.0) for name in fit.names])
     return E, math.sqrt(max(float(by @ fit.covariance @ by), 0.0)) if rates else math.inf
-
-
-def _weighted(record: FittedRecord, table: Array, rows: Array) -> Array:
-    """The ``rows`` of a ``table`` (columns, rows) in units of the noise of the free rows, so that noise has unit
-    variance and no colour."""
-    noise, some = record.fit.spread.noise, table.take(np.flatnonzero(rows), axis=1)
-    return (
-        noise.whitened(in_time(some.T, record.model.rows[rows], noise)).T if noise.slow else some / math.sqrt(noise.A)
-    )
 
 
 def _loose(record: FittedRecord) -> int:

@@ -47,6 +47,7 @@ from .score_tests import (
     SCORE_MATTERS,
     SCORE_TIED,
     UNDECIDED,
+    FittedAlternative,
     Linearised,
     RecordAlternatives,
     Score,
@@ -92,26 +93,6 @@ FULL_SETTLED = 0.1  # choice: standard errors of the modulus, by which the last 
 
 
 Moves = tuple[float, float, float]  # rises of chi^2 and of the logs of E* and w
-
-
-@dataclass(frozen=True, eq=False)
-class AlternativeFit:
-    """An alternative fitted in full: its one-step ``score``; ``chance``: that the noise of the free rows leaves as
-    much, where no row is next to a fold; ``falls``: how much lower chi^2 is than without, on the rows of both that are
-    off the folds, in units of the noise without."""
-
-    score: Score
-    fit: ForceCurveFit
-    chance: float
-    falls: float
-
-    @property
-    def passes(self) -> bool:
-        return self.fit.ended and self.chance > STATISTICS_IMPROBABLE
-
-    def taken(self, best: AlternativeFit) -> bool:
-        """Whether the ``best`` one rejects the model without and this one leaves about as little, as noise would."""
-        return self.passes and best.falls > SCORE_TIED and self.falls > best.falls - SCORE_TIED
 
 
 def record_alternatives(
@@ -380,25 +361,31 @@ def _followed(
 @np.errstate(all="ignore")
 def fit_alternatives(
     record: FittedRecord, fresh: ForceCurveModel, alternatives: RecordAlternatives
-) -> tuple[AlternativeFit, ...]:
-    """The best of each family, by how much the misfit falls, those that pass first; ``fresh``: the model of the
-    record before its fit left any row out."""
-    fresh, begun = replace(fresh, family=record.model.family), []
+) -> list[tuple[FittedAlternative, ForceCurveFit]]:
+    """The best of each family with its fit, by how much chi^2 falls, on the rows of both that are off the folds, those
+    that leave no more than noise first; ``fresh``: the model of the record before its fit left any row out."""
+    fresh, begun, fits = replace(fresh, family=record.model.family), [], list[tuple[FittedAlternative, ForceCurveFit]]()
     for score in _likeliest(alternatives):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
             change = next(one for one in ALTERNATIVES if one.name == score.name).change(record)
             if change is not None and change.in_full:
                 begun.append((*_roughly(record, fresh, change, score.amount), change, score))
     most = FULL_PROMISING * min((cost for cost, *_ in begun), default=0.0)
-    fits = []
-    for cost, x, change, score in begun:
-        if cost <= most:
-            with contextlib.suppress(JkrError):
-                here = FittedRecord(record.body, reconverge(to_the_end(ChangedModel.of(fresh, change), x)))
-                misfit, dof, loose = misfit_left(here, here.regular)
-                chance = numerics.f_chance(dof, max(loose, 1), misfit / dof)
-                fits.append(AlternativeFit(score, here.fit, chance, fall_of(record, here)))
-    return tuple(sorted(fits, key=lambda one: (not one.passes, -one.falls)))
+    for _, x, change, score in (one for one in begun if one[0] <= most):
+        with contextlib.suppress(JkrError):
+            here = FittedRecord(record.body, reconverge(to_the_end(ChangedModel.of(fresh, change), x)))
+            misfit, dof, loose = misfit_left(here, here.regular)
+            chance, quantities = numerics.f_chance(dof, max(loose, 1), misfit / dof), here.model.further(here.values)
+            q = max(here.values[f"q:{here.model.stretches[-1].kind}"], 0.0)
+            fits.append((FittedAlternative(
+                score.name, score.family, fall_of(record, here), chance,
+                here.fit.ended and chance > STATISTICS_IMPROBABLE, here.E_star, quantities.pop("w", q * here.modulus),
+                quantities,
+            ), here.fit))  # fmt: skip
+    fits.sort(key=lambda one: (not one[0].taken, -one[0].falls))
+    best = fits[0][0].falls if fits else 0.0  # which rejects the model without, or none is taken
+    least = best - SCORE_TIED if best > SCORE_TIED else math.inf
+    return [(replace(one, taken=one.taken and one.falls > least), full) for one, full in fits]
 
 
 def _likeliest(alternatives: RecordAlternatives) -> Iterator[Score]:
@@ -514,18 +501,18 @@ def with_free_range(
         with contextlib.suppress(SolveError):
             near.append(with_range_of(record, fresh, change, known))
             starts.append(np.append(near[-1].x, known))
-    best, fall, ends = None, -FULL_LEANING, list[tuple[ForceCurveFit, float]]()
+    free = list[ForceCurveFit]()
     for x in starts:
         with contextlib.suppress(SolveError):
-            full = to_the_end(model, x)
-            falls = fall_of(record, FittedRecord(record.body, full))
-            if full.ended:
-                ends.append((full, falls))
-                if falls > (fall if best is None else fall + RANGE_LOWER):
-                    best, fall = full, falls
+            free.append(to_the_end(model, x))
+    free = [one for one in free if one.ended]
+    falls = {one: fall_of(record, FittedRecord(record.body, one)) for one in (*free, *near)}
+    best, fall = None, -FULL_LEANING
+    for one in free:
+        if falls[one] > fall + RANGE_LOWER * (best is not None):
+            best, fall = one, falls[one]
     if best is not None:
-        ends += [(one, fall_of(record, FittedRecord(record.body, one))) for one in near]
-        return best, [one for one, falls in ends if one is not best and falls > fall - RANGE_LOWER]
+        return best, [one for one in falls if one is not best and falls[one] > fall - RANGE_LOWER]
     raise SolveError(
         "the fit with a range of adhesion does not converge: none leaves as little as JKR, which it contains; leave "
         "the range out, or fix it"

@@ -903,12 +903,10 @@ class ForceCurveFit:
         return np.concatenate([a for a, _ in self.radii])
 
     @cached_property
-    def weighted(self) -> tuple[Array, Array]:
-        """Derivatives by the unknowns and, last, residuals of all rows in units of the noise, (unknowns + 1, rows), and
-        the products of these columns."""
+    def weighted(self) -> Array:
+        """Derivatives by the unknowns and, last, residuals of all rows in units of the noise, (unknowns + 1, rows)."""
         off, J = self.model.residuals(self.x, 0.0)
-        columns = self.model.whitened(np.concatenate([J.T, off[None]]).T, self.spread.noise).T
-        return columns, columns @ columns.T
+        return self.model.whitened(np.concatenate([J.T, off[None]]).T, self.spread.noise).T
 
     def at_loads(self, factor: float) -> Array:
         """The unknowns as they are about where all loads are ``factor`` times as large."""

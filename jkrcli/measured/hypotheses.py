@@ -59,6 +59,7 @@ from .force_curve import (
     receding,
 )
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
+from .lockstep import by_groups
 from .model_changes import (
     AMOUNT,
     LITTLE,
@@ -70,7 +71,6 @@ from .model_changes import (
     PositionChange,
     ShapeChange,
     StiffnessChange,
-    by_groups,
 )
 from .priors import LONG, PRIORS, RANGE, TENSION, UNLIKELY, Prior
 
@@ -687,17 +687,11 @@ def _instants(record: FittedRecord, which: int) -> Instants:
     rows = slice(record.model.ends[which], record.model.ends[which + 1])
     touching, t = a > 0, record.time(part) * (-1 if part.kind == APPROACH else 1)
     inside = np.flatnonzero(touching)[:: 1 if which == 0 else -1]
-    thin = inside[_some_of(inside.size)]
+    thin = inside[np.unique(np.linspace(0, inside.size - 1, RELAXATION_INSTANTS).astype(int))]
     P = part.P + record.residuals[rows]
     base = P[~touching].mean() if inside.size < a.size else 0.0
     depth = record.depth[rows][thin] - (P[thin] - base) / record.model.k
     return inside + rows.start, t[inside], np.array([t[thin], depth, a[thin], record.P_H[rows][thin]])
-
-
-@lru_cache(maxsize=REMEMBERED)
-def _some_of(count: int) -> Array:
-    """Numbers of ``RELAXATION_INSTANTS`` of so many, or all."""
-    return np.unique(np.linspace(0, count - 1, RELAXATION_INSTANTS).astype(int))
 
 
 def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation]) -> Loads:
@@ -712,7 +706,8 @@ def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation])
         try:
             path = contact.history(Program(t, x - z0)).path
             lost = min(path.lost, float(t.max()))
-            times = [_dense_at_ends(*ends) for ends in ((path.begin, path.turn), (path.turn, lost))]
+            place = (1 - np.cos(math.pi * np.linspace(0, 1, RELAXATION_TIMES))) / 2
+            times = [a + (b - a) * place for a, b in ((path.begin, path.turn), (path.turn, lost))]
             return [cubic_spline(one, path.states(one)[2] ** RELAXATION_SMOOTH) for one in times]
         except InputError:  # there is no such history
             return [cubic_spline(np.array([t.min(), t.max()]), np.zeros(2))] * 2
@@ -737,11 +732,6 @@ def _program(record: FittedRecord) -> tuple[Array, Array]:
     x = np.concatenate([tips[0][some], [turn], tips[1][::-1][some]])
     order = np.argsort(t, kind="stable")
     return t[order], x[order]
-
-
-def _dense_at_ends(first: float, last: float) -> Array:
-    place: Array = (1 - np.cos(math.pi * np.linspace(0, 1, RELAXATION_TIMES))) / 2
-    return first + (last - first) * place
 
 
 BODY, TIP, ADHESION, DEVICE, MEMORY = (

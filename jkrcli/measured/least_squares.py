@@ -13,7 +13,7 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ..base import numerics
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.executors import Pool, batches_in_order
 from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, f_quantile, median
-from .lockstep import Flow, alone, ask, together
+from .lockstep import Flow, alone, ask, by_groups, together
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
 
@@ -206,14 +206,7 @@ Model = Callable[[Array], State]  # one with ``many``, a kernel of (model, x), i
 
 def states(asked: Sequence[tuple[Model, Array]]) -> list[State | Exception]:
     """The states of models at their unknowns, those of one kind by its kernel ``many``."""
-    answers: list[State | Exception] = [SolveError("not asked")] * len(asked)
-    kinds: dict[Any, list[int]] = {}
-    for place, (model, _) in enumerate(asked):
-        kinds.setdefault(getattr(model, "many", _each), []).append(place)
-    for many, places in kinds.items():
-        for place, answer in zip(places, many([asked[place] for place in places]), strict=True):
-            answers[place] = answer
-    return answers
+    return by_groups(asked, lambda one: getattr(one[0], "many", _each), lambda many, some: many(some))
 
 
 def _each(asked: Sequence[tuple[Model, Array]]) -> list[State | Exception]:

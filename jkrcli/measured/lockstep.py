@@ -15,7 +15,7 @@ An answer that is an exception is raised where it was asked for, in that flow on
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Hashable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..base.errors import JkrError
 Question = TypeVar("Question")
 Answer = TypeVar("Answer")
 End = TypeVar("End")
+Item = TypeVar("Item")
 
 Kernel: TypeAlias = Callable[[list[Question]], Sequence[Answer | Exception]]
 
@@ -104,6 +105,19 @@ def answers(kernel: Kernel[Question, Answer], questions: list[Question]) -> Sequ
         if len(questions) == 1:
             return [error]
         return [answer for question in questions for answer in answers(kernel, [question])]
+
+
+def by_groups(
+    items: Sequence[Item], key: Callable[[Item], Hashable], of: Callable[[Any, list[Item]], Iterable[Answer]]
+) -> list[Answer]:
+    """The answers ``of`` a key and those of the ``items`` that have it, in the order of the items."""
+    places: dict[Hashable, list[int]] = {}
+    for place, item in enumerate(items):
+        places.setdefault(key(item), []).append(place)
+    found: dict[int, Answer] = {}
+    for own, some in places.items():
+        found |= dict(zip(some, of(own, [items[place] for place in some]), strict=True))
+    return [found[place] for place in range(len(items))]
 
 
 def quiet(flow: Flow[End]) -> Flow[End]:

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from operator import itemgetter
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from .branches import Moving, Resting
 from .fitted_record import CHANGE_FOLD, CHANGE_SMALL, FittedRecord, Values
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, Loads, offs
 from .forward_model import FUNCTIONS, Family, grid, on_grid
+from .lockstep import by_groups
 
 AMOUNT, ANY = "amount", (-math.inf, math.inf)
 
@@ -34,21 +35,6 @@ CHANGE_STEP = 1e-5  # theory: relative, for one-sided differences of loads that 
 
 
 LITTLE = CHANGE_LITTLE
-Item = TypeVar("Item")
-Answer = TypeVar("Answer")
-
-
-def by_groups(
-    items: Sequence[Item], key: Callable[[Item], Hashable], of: Callable[[Any, list[Item]], Iterable[Answer]]
-) -> list[Answer]:
-    """The answers ``of`` a key and those of the ``items`` that have it, in the order of the items."""
-    places: dict[Hashable, list[int]] = {}
-    for place, item in enumerate(items):
-        places.setdefault(key(item), []).append(place)
-    found: dict[int, Answer] = {}
-    for own, some in places.items():
-        found |= dict(zip(some, of(own, [items[place] for place in some]), strict=True))
-    return [found[place] for place in range(len(items))]
 
 
 # --------------------------------------------------------------------------------------------------

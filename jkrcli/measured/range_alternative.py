@@ -106,29 +106,24 @@ def _climbed(
     From the middle on they are climbed while they are possible, else descended until one is; the bracket beyond the
     longest possible one is halved.
     """
-    rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
-    k, step = min(len(RANGE_RANGES) // 2, len(lengths) - 1), 0
-    while 0 <= k < len(lengths):
-        try:
-            rungs[k] = rung_of(lengths[k])
-        except JkrError:  # attraction reaches beyond the body, or the step led nowhere
-            if step > 0:
-                break
-            step = -1
-        else:
-            best = min(best, rungs[k].excess)
-            possible = rungs[k].excess - best <= limit
-            if (step == -1 and possible) or (step == 1 and not possible):
-                break
-            step = 1 if possible else -1
-        k += step
-    climbed = [rungs[k] for k in sorted(rungs)]
+    rungs, k = [_Rung(0.0, 0.0, dict.fromkeys(values, 0.0))], min(len(RANGE_RANGES) // 2, len(lengths) - 1)
+
+    def is_possible(length: float) -> bool:
+        with contextlib.suppress(JkrError):  # attraction reaches beyond the body, or the step led nowhere
+            rungs.append(rung_of(length))
+            return rungs[-1].excess - min(rung.excess for rung in rungs) <= limit
+        return False
+
+    up = is_possible(lengths[k])
+    for length in lengths[k + 1 :] if up else lengths[:k][::-1]:
+        if is_possible(length) != up:
+            break
     with contextlib.suppress(JkrError):
         for _ in range(SEARCH_HALVINGS):
-            if (length := _between(climbed, limit)) is not None:
-                climbed.append(rung_of(length))
-                climbed.sort(key=lambda rung: rung.length)
-    return climbed
+            rungs.sort(key=lambda rung: rung.length)
+            if (between := _between(rungs, limit)) is not None:
+                rungs.append(rung_of(between))
+    return sorted(rungs, key=lambda rung: rung.length)
 
 
 def _last_possible(rungs: Sequence[_Rung], limit: float) -> int:

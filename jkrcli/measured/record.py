@@ -30,7 +30,6 @@ from ..base.units import show
 from ..bodies.problem import Problem
 from ..methods.radii import ROOM
 from .alternative_fits import (
-    AlternativeFit,
     fall_of,
     fit_alternatives,
     record_alternatives,
@@ -56,7 +55,7 @@ from .forward_model import FittedBody
 from .free_rows import WAVE, Term
 from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, change_words, is_misfit, left_out, misfits
 from .hypotheses import OF_ALTERNATIVES, amount_of_range, finite_range, range_of
-from .least_squares import SEARCH_DIGITS, Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
+from .least_squares import Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .lockstep import Flow, alone, together
 from .model_changes import AMOUNT
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
@@ -64,6 +63,7 @@ from .result import Fit, JKRBeside, later, without
 from .rows import noise_from_third_differences
 from .score_tests import (
     DETECTED,
+    SCORE_DIGITS,
     SCORE_TIED,
     UNDECIDED,
     FittedAlternative,
@@ -80,44 +80,24 @@ from .settings import AUTO, CALIBRATED, RANGES, Settings
 
 @dataclass(frozen=True, eq=False)
 class AddedParameter:
-    """One step of Gauss and Newton from a fit with one more unknown, by which loads change by a ``column`` [N].
-    ``lower``: L of the products L L^T of J, the column and r in units of their lengths, ``scale``: its last line is r
-    along what the columns before it leave of each."""
+    """One step of Gauss and Newton from a fit with one more unknown, by which loads change by a ``column`` [N]: the
+    ``step`` of all unknowns, the new one last, whose ``size`` is in standard errors of white noise."""
 
     fit: ForceCurveFit
     column: Array
-    lower: Array
-    scale: Array
+    step: Array
+    size: float
 
     @classmethod
     def of(cls, fit: ForceCurveFit, column: Array) -> AddedParameter:
-        """By the products, to which the column adds one line, unless that loses too many digits."""
-        rows, products = fit.weighted
-        c = fit.model.whitened(column, fit.spread.noise)
-        by_c, p = rows @ c, len(rows) - 1
-        squares = np.zeros((p + 2, p + 2))  # its lower half
-        squares[:p, :p], squares[-1, :p], squares[-1, -1] = products[:p, :p], products[p, :p], products[p, p]
-        squares[p, :p], squares[p, p], squares[-1, p] = by_c[:p], c @ c, by_c[p]
-        scale = np.sqrt(squares.diagonal())
+        """By the products of weighted columns."""
+        *own, r = fit.weighted
+        J = np.array([*own, fit.model.whitened(column, fit.spread.noise)])
+        scale = np.linalg.norm(J, axis=1)
         scale[scale == 0] = 1.0
-        with contextlib.suppress(np.linalg.LinAlgError):
-            lower = np.linalg.cholesky(squares / (scale[:, None] * scale))
-            if min(lower.diagonal().tolist()[:-1]) > SEARCH_DIGITS:
-                return cls(fit, column, lower, scale)
-        _, R = np.linalg.qr(np.vstack([rows[:p], c, rows[p]]).T / scale)
-        return cls(fit, column, R.T, scale)
-
-    @property
-    def size(self) -> float:
-        """Of the step of the new unknown, in standard errors of white noise."""
-        return abs(float(self.lower[-1, -2] * self.scale[-1]))
-
-    @cached_property
-    def step(self) -> Array:
-        """Of all unknowns, the new one last."""
-        L, along = self.lower[:-1, :-1], self.lower[-1, :-1]
-        step: Array = -np.linalg.lstsq(L.T, along, rcond=None)[0] * self.scale[-1] / self.scale[:-1]
-        return step
+        inverse = np.linalg.pinv(J @ J.T / (scale[:, None] * scale), rcond=SCORE_DIGITS, hermitian=True)
+        step = -(inverse @ (J @ r / scale)) / scale
+        return cls(fit, column, step, abs(float(step[-1] * scale[-1])) / math.sqrt(max(float(inverse[-1, -1]), TINY)))
 
     @property
     def last(self) -> float:
@@ -280,22 +260,13 @@ def replace_by_best_alternative(
     if verdict is None or not verdict.alternatives.named:
         return plain
     full = fit_alternatives(FittedRecord(body, fit), fresh, verdict.alternatives)
-    verdict = replace(verdict, fitted=tuple(_fitted_alternative(one, full[0], body) for one in full))
+    verdict = replace(verdict, fitted=tuple(one for one, _ in full))
     if not verdict.tied:
         return replace(plain, verdict=verdict)
-    results = {one.score.name: result_of(one.fit) for one in full[: len(verdict.tied)]}
+    results = {one.name: result_of(found) for one, found in full if one.taken}
     result = results[verdict.tied[0].name]
     estimates = tuple(_with_ties(item, verdict.tied, results) for item in result.estimates)
     return replace(result, estimates=estimates, verdict=verdict)
-
-
-def _fitted_alternative(one: AlternativeFit, best: AlternativeFit, body: FittedBody) -> FittedAlternative:
-    model, score = one.fit.model, one.score
-    values = model.values(one.fit.x)
-    s, quantities = math.exp(values["ln_s"]), model.further(values)
-    w = quantities.pop("w", max(values[f"q:{model.stretches[-1].kind}"], 0.0) * s)
-    E_star, taken = s * body.problem.E_star, one.taken(best)
-    return FittedAlternative(score.name, score.family, one.falls, one.chance, taken, E_star, w, quantities)
 
 
 def _with_ties(item: FittedValue, tied: Sequence[FittedAlternative], results: Mapping[str, Fit]) -> FittedValue:

@@ -10,11 +10,10 @@ are named together. Many records are tested together; no alternative is known he
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from operator import itemgetter
-from typing import TypeAlias
 
 import numpy as np
 
@@ -25,9 +24,8 @@ from .curve import APPROACH
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit
 from .hypotheses import ALTERNATIVES, AlternativeModel
-from .least_squares import COLOURED_FREE, SEARCH_DIGITS, Spectrum, frequencies, in_time, t_quantile
-from .lockstep import Flow, ask
-from .model_changes import by_groups
+from .least_squares import COLOURED_FREE, Spectrum, frequencies, in_time, t_quantile
+from .lockstep import Flow, ask, by_groups
 
 DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
 
@@ -41,6 +39,7 @@ SCORE_OVER = 1.25  # choice: of what is possible, up to which an amount may come
 SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from which they are named together
 # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
 SCORE_BESIDE = 1.5
+SCORE_DIGITS = 1e-12  # theory: of squares of unit columns, what is left of one beside the others that products hold
 SCORE_SEEN = 1e-7  # theory: of a column, what is left of it that differences of squares tell
 SCORE_TAIL = 0.125  # theory: of Student's t: cubics of logs of its tail between are good to 1e-6
 SCORE_FARTHEST = 1e3  # choice: of the same, beyond which a tail is as there
@@ -174,24 +173,20 @@ class Table:
         products: Array = self.columns @ self.columns.T
         return products
 
-    def weighted(self, rows: Array) -> Array:
-        """The columns in units of the noise, where rows other than ``rows`` count as exact."""
-        weighted: Array = self.record.model.whitened((self.columns * rows).T, self.record.fit.spread.noise).T
-        return weighted
-
     def taken(self, rows: Array) -> tuple[Array, Linearised]:
         """The columns of some ``rows`` in units of the noise, as if no other row were there, and the fit by them."""
         noise, some = self.record.fit.spread.noise, self.columns.take(np.flatnonzero(rows), axis=1).T
         columns = noise.whitened(in_time(some, self.record.model.rows[rows], noise) if noise.slow else some).T
-        (linear,) = _factored([(self, rows, columns @ columns.T, lambda: columns)])
+        (linear,) = _factored([(self, rows, columns @ columns.T)])
         return columns, linear
 
     def gram(self, rows: Array) -> Array:
         """Products of the weighted columns: of white noise those over all rows, less those over the others, which are
         few."""
         noise = self.record.fit.spread.noise
-        if noise.slow:
-            return (weighted := self.weighted(rows)) @ weighted.T
+        if noise.slow:  # where other rows count as exact
+            weighted = self.record.model.whitened((self.columns * rows).T, noise)
+            return weighted.T @ weighted
         others = self.columns[:, np.flatnonzero(~rows)]
         gram: Array = (self.products - others @ others.T) / noise.A
         return gram
@@ -375,8 +370,8 @@ def off_folds(record: FittedRecord) -> Array:
 @dataclass(frozen=True, eq=False)
 class Linearised:
     """A fit with its derivatives in units of the noise, for steps of models that differ a little, on some ``rows`` of
-    the ``table``. ``gram``: products of its columns in these units. J = Q R over the lengths ``scale`` of its columns,
-    R the ``triangle``; ``along``: what of all columns is along Q, ``inverse``: the unknowns in their lengths by that.
+    the ``table``. ``gram``: products of its columns in these units. J = Q ``root`` over the lengths ``scale`` of its
+    columns; ``along``: what of all columns is along Q, ``inverse``: the unknowns in their lengths by that.
     Of the columns c of alternatives, c' what is left of them beyond the model's: ``sizes`` |c'|, ``shared``: what of
     the residuals is along it, and by how much the unknowns ``moves`` per amount, (alternatives, unknowns)."""
 
@@ -384,7 +379,7 @@ class Linearised:
     rows: Array
     gram: Array
     scale: Array
-    triangle: Array
+    root: Array
     along: Array
     inverse: Array
     sizes: Array
@@ -450,56 +445,32 @@ class Linearised:
 
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""
-        return float(np.linalg.norm(self.triangle @ (self.scale * step)))
+        return float(np.linalg.norm(self.root @ (self.scale * step)))
 
 
 def linearised(asked: Sequence[tuple[Table, Array]]) -> list[Linearised]:
-    """Fits with the columns of their tables, each on some of its rows; those of as many columns together."""
-    return by_groups(
-        asked, lambda one: (one[0].record.fit.x.size, len(one[0].columns)),
-        lambda _, some: _factored([(table, rows, table.gram(rows), partial(table.weighted, rows))
-                                   for table, rows in some]),
-    )  # fmt: skip
+    """Fits with the columns of their tables, each on some of its rows."""
+    return _factored([(table, rows, table.gram(rows)) for table, rows in asked])
 
 
-Weighted: TypeAlias = tuple[Table, Array, Array, Callable[[], Array]]  # with its rows, their gram, and weighted columns
+def _factored(asked: Sequence[tuple[Table, Array, Array]]) -> list[Linearised]:
+    """Fits by the products of columns over some rows, those of as many columns together: J^T J = V L V^T over the
+    lengths of the columns, Q = J V L^(-1/2) over them."""
 
+    def alike(size: tuple[int, int], some: Sequence[tuple[Table, Array, Array]]) -> Iterator[Linearised]:
+        p, grams = slice(1, 1 + size[0]), np.stack([gram for *_, gram in some])
+        scales = np.sqrt(np.diagonal(grams, 0, 1, 2)[:, p])
+        scales = np.where(scales > 0, scales, 1.0)  # of an unknown that none of the rows determines, which stays
+        squares, vectors = np.linalg.eigh(grams[:, p, p] / (scales[:, :, None] * scales[:, None]))
+        seen = squares > SCORE_DIGITS * squares.max(axis=1, initial=0.0, keepdims=True)
+        roots = np.sqrt(np.where(seen, squares, 1.0))[:, None]
+        inverses, factors = vectors * seen[:, None] / roots, (vectors * seen[:, None] * roots).transpose(0, 2, 1)
+        along = inverses.transpose(0, 2, 1) @ (grams[:, p] / scales[..., None])
+        numbers = (grams, scales, factors, along, inverses, *_evidence(grams, scales, along, inverses))
+        for (table, rows, _), *own in zip(some, *numbers, strict=True):
+            yield Linearised(table, rows, *own)
 
-def _factored(asked: Sequence[Weighted]) -> list[Linearised]:
-    """Those of as many columns each, by J^T J of their grams; by a QR decomposition of what is weighted where J^T J
-    loses too many digits."""
-    p, grams = slice(1, 1 + asked[0][0].record.fit.x.size), np.stack([gram for _, _, gram, _ in asked])
-    scales = np.sqrt(np.diagonal(grams, 0, 1, 2)[:, p])
-    scales = np.where(scales > 0, scales, 1.0)  # of an unknown that none of the rows determines, which stays
-    lower = np.zeros((len(grams), scales.shape[1], scales.shape[1]))
-    try:
-        lower = np.linalg.cholesky(grams[:, p, p] / (scales[:, :, None] * scales[:, None]))
-    except np.linalg.LinAlgError:
-        if len(asked) > 1:
-            return [one for each in asked for one in _factored([each])]
-    digits = np.diagonal(lower, 0, 1, 2)
-    good = digits.min(axis=1, initial=1.0) > SEARCH_DIGITS * digits.max(axis=1, initial=1.0)
-    lower[~good] = np.eye(scales.shape[1])
-    along, triangles = np.linalg.solve(lower, grams[:, p] / scales[..., None]), lower.transpose(0, 2, 1)
-    inverses = np.linalg.inv(triangles)
-    for i in np.flatnonzero(~good).tolist():
-        columns = asked[i][3]()
-        Q, triangles[i] = np.linalg.qr((columns[p] / scales[i, :, None]).T)
-        along[i], inverses[i] = Q.T @ columns.T, _inverted(triangles[i])
-    return [
-        Linearised(table, rows, *own)
-        for (table, rows, *_), *own in zip(asked, grams, scales, triangles, along, inverses,
-                                           *_evidence(grams, scales, along, inverses), strict=True)
-    ]  # fmt: skip
-
-
-def _inverted(triangle: Array) -> Array:
-    """The inverse: rows that are left out may determine one unknown alone."""
-    digits = np.abs(np.diag(triangle))
-    if digits.min(initial=1.0) > SEARCH_DIGITS * digits.max(initial=1.0):
-        return np.asarray(np.linalg.inv(triangle))
-    inverse: Array = np.linalg.pinv(triangle, rcond=len(triangle) * np.finfo(float).eps)
-    return inverse
+    return by_groups(asked, lambda one: (one[0].record.fit.x.size, len(one[0].columns)), alike)
 
 
 def _evidence(gram: Array, scale: Array, along: Array, inverse: Array) -> tuple[Array, Array, Array]:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -22,9 +22,10 @@ from ..base.numerics import TINY, Array
 from ..base.units import show
 from .force_curve import FIT_ENOUGH, ForceCurveFit, unbroken
 from .forward_model import FittedBody
-from .free_rows import DECAY, LAWS, LEVEL, RANGE, RELAXED, VIRTUAL, WAVE, FreeRows
+from .free_rows import LAWS, RANGE, RELAXED, WAVE, FreeRows
 from .least_squares import t_quantile, wider
 from .lockstep import Flow, alone, together
+from .priors import PRIORS
 from .record import fit_record, fitted_whole, outcome_of
 from .result import Fit, attempted, later
 from .segmentation import ForceCurve
@@ -36,25 +37,6 @@ NUISANCE_ALIKE = 1.1  # choice: of the least noise that any leaves, up to which 
 NUISANCE_SEEN = 1e-4  # choice: relative, a part of an error below which it is none
 NUISANCE_LEAST = 0.01  # choice: of the range of the load, the pull-off force that sizes are compared with at least
 NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the next hypothesis are told
-
-
-@dataclass(frozen=True)
-class Prior:
-    """What is likely of a term before the data: the ``odds`` that a record holds it, the ``width`` of its size ``over``
-    the pull-off force, the range of the load, or the way of the device, and that of the log of its range."""
-
-    odds: float
-    width: float
-    over: Literal["tension", "load", "way"] = "tension"
-    of_range: float = 1.5
-
-
-# choice: of all; a virtual deflection is one of 3 % of the largest load, a drift as large as a pull-off force
-PRIORS: Mapping[str, Prior] = {
-    "exponential": Prior(0.1, 0.3), "power": Prior(0.1, 0.3), LEVEL: Prior(0.1, 0.3),
-    VIRTUAL: Prior(0.05, 0.03, "load"), DECAY: Prior(0.05, 0.1, "load"), WAVE: Prior(0.05, 0.03, "load"),
-    RELAXED: Prior(0.5, 0.01, "way"),
-}  # fmt: skip
 
 
 Outcome: TypeAlias = Mapping[str, float]  # of a fit, SI, by name
@@ -116,10 +98,10 @@ class Hypothesis:
         for term in self.held.terms:
             prior = PRIORS[term.law]
             width = prior.width * scales[prior.over]
-            cost += (term.size / width) ** 2 - 2 * math.log(prior.odds / (1 - prior.odds))
+            cost += (term.size / width) ** 2 + prior.cost
             fitted = [name for name in term.names if name in self.fit.names]
             names += fitted
-            widths += [prior.of_range if name.startswith(RANGE) else width for name in fitted]
+            widths += [prior.width_of_range if name.startswith(RANGE) else width for name in fitted]
         if not names:
             return cost
         rows = [self.fit.names.index(name) for name in names]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 WIDTHS = 1.0  # theory: of all widths as they stand
 
@@ -23,14 +24,14 @@ class Prior:
     ----------
     size : float
         The amount in either direction that is likely unless the user or the data say otherwise; 0 of what the
-        description of the body rules out. Of a load beside the contact over the pull-off force, or over the range of
-        the load where it is an error of the signal.
+        description of the body rules out.
     odds : float
         Of the hypothesis against the simpler one, or of an amount beyond the likely ones against those.
     limits : (float, float), optional
         Least and largest amounts that any body, tip or instrument has.
-    of_signal : bool, optional
-        Whether a load beside the contact is an error of the signal.
+    over : str, optional
+        What the size of a load beside the contact is over: the pull-off force, "tension", the range of the "load", or
+        the "way" of the device.
     of_range : float, optional
         Standard deviation of the log of the range or the period of such a load.
     """
@@ -38,13 +39,18 @@ class Prior:
     size: float = 0.0
     odds: float = 1.0
     limits: tuple[float, float] = (-math.inf, math.inf)
-    of_signal: bool = False
+    over: Literal["tension", "load", "way"] = "tension"
     of_range: float = 1.5
 
     @property
     def width(self) -> float:
         """The size, by ``WIDTHS``."""
         return WIDTHS * self.size
+
+    @property
+    def width_of_range(self) -> float:
+        """The same of the log of a range."""
+        return WIDTHS * self.of_range
 
     @property
     def cost(self) -> float:
@@ -57,8 +63,8 @@ PRIORS = {
     # What acts beside the contact:
     # choice: of all; a virtual deflection is one of 3 % of the largest load, a drift as large as a pull-off force
     "exponential": Prior(0.3, 1 / 9), "power": Prior(0.3, 1 / 9), "level": Prior(0.3, 1 / 9),
-    "virtual deflection": Prior(0.03, 1 / 19, of_signal=True), "decaying drift": Prior(0.1, 1 / 19, of_signal=True),
-    "interference": Prior(0.03, 1 / 19, of_signal=True),
+    "virtual deflection": Prior(0.03, 1 / 19, over="load"), "decaying drift": Prior(0.1, 1 / 19, over="load"),
+    "interference": Prior(0.03, 1 / 19, over="load"), "relaxation in the dwell": Prior(0.01, 1.0, over="way"),
     # What body, tip, adhesion and instrument may be else:
     # choice: [m], of molecules in dry contact 1 nm, of hairs more; theory: longer ones with odds of 1 to 20, exp(-3)
     RANGE: Prior(10e-9, math.exp(-3), limits=POSITIVE),

@@ -8,6 +8,7 @@ import pytest
 from test_fit_record import BODY
 
 from jkrcli.measured import priors
+from jkrcli.measured.free_rows import DECAY, LAWS, LEVEL, RELAXED, VIRTUAL, WAVE
 from jkrcli.measured.hypotheses import ALTERNATIVES
 from jkrcli.measured.settings import Settings, settings_of
 from studies.kinds import THIRD, moved
@@ -35,7 +36,8 @@ def test_widths_are_scaled_together(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_table_is_of_what_there_is() -> None:
-    """Odds are those of 1 to 20 of a longer range; alternatives are called as in the list."""
+    """Odds are those of 1 to 20 of a longer range; alternatives and loads beside the contact are called as they are."""
     assert priors.PRIORS[priors.RANGE].cost == pytest.approx(2 * math.log(20), rel=2e-3)
+    assert {*LAWS, LEVEL, VIRTUAL, DECAY, WAVE, RELAXED} < priors.PRIORS.keys()
     assert {priors.RANGE, priors.LONG, priors.TENSION} < {one.name for one in ALTERNATIVES}
     assert all(one.prior.limits[0] < one.prior.limits[1] for one in ALTERNATIVES)

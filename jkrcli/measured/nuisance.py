@@ -89,7 +89,7 @@ class Hypothesis:
     @cached_property
     def cost(self) -> float:
         """What its terms cost, of chi^2: -2 times the logs of their odds, and of how much of what is likely of them
-        before the data is left (Laplace's approximation, normal priors)."""
+        before the data is left (Laplace's approximation); of sizes by Cauchy's distribution, whose tail is heavy."""
         tension = max((known(side.adhesion) or 0.0 for side in self.record.directions), default=0.0)
         span = float(np.ptp(self.record.curve.load))
         scales = {"tension": max(tension, NUISANCE_LEAST * span), "load": span,
@@ -98,7 +98,7 @@ class Hypothesis:
         for term in self.held.terms:
             prior = PRIORS[term.law]
             width = prior.width * scales[prior.over]
-            cost += (term.size / width) ** 2 + prior.cost
+            cost += 2 * math.log1p((term.size / width) ** 2) + prior.cost
             fitted = [name for name in term.names if name in self.fit.names]
             names += fitted
             widths += [prior.width_of_range if name.startswith(RANGE) else width for name in fitted]

@@ -24,6 +24,11 @@ def test_halving_and_doubling_all_widths_moves_no_result(kind: str, widths: floa
     assert priors.WIDTHS == 1
 
 
+def test_a_repulsion_of_several_widths_is_not_taken_for_another_by_half_of_them() -> None:
+    """Of a brush: with normal priors E* moved by 0.45 half-widths."""
+    assert max(moved("brush", 11, 1, 0.5).values()) < THIRD
+
+
 def test_widths_are_scaled_together(monkeypatch: pytest.MonkeyPatch) -> None:
     """In settings, too: what a user tells is no prior."""
     told = settings_of(BODY, uncertain=[("range", "3 nm")])

@@ -8,7 +8,7 @@ equation; what types there are is in ``model_changes.py``. The data are asked fo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, TypeAlias, cast
@@ -59,7 +59,6 @@ from .force_curve import (
     receding,
 )
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
-from .lockstep import by_groups
 from .model_changes import (
     AMOUNT,
     LITTLE,
@@ -596,7 +595,6 @@ RELAXATION_INSTANTS = 60  # choice: at which hereditary integrals are taken; 400
 
 TIME = "relaxation_time"
 Memory: TypeAlias = Callable[[Array], Array]  # phi of r = 1 - amount phi, of time over that of the record
-Instants: TypeAlias = tuple[Array, Array, Array]  # rows, times, and what they are at some of them
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -607,9 +605,16 @@ class MemoryChange(LoadsChange):
 
     @staticmethod
     def columns(asked: Sequence[tuple[FittedRecord, Any]]) -> list[Array | None]:
-        records = [*dict.fromkeys(record for record, _ in asked)]
-        found = dict(zip(records, histories(records), strict=True))
-        return [found[record].column(change.memory) * record.at_fixed_position for record, change in asked]
+        histories, found = (
+            {record: _history(record) for record in {record for record, _ in asked}},
+            list[Array | None](),
+        )
+        for record, change in asked:
+            column = np.zeros(record.a.size)
+            for rows, at, t, ages, counts in histories[record]:
+                column[rows] = np.interp(at, t, -np.sum(change.memory(ages) * counts, axis=1))
+            found.append(column * record.at_fixed_position)
+        return found
 
 
 def relaxing(
@@ -631,56 +636,30 @@ def relaxing(
     return MemoryChange(memory=memory, loads=loads, coupled=True, quantities=quantities, **search)
 
 
-@dataclass(frozen=True, eq=False)
-class _History:
-    """What memories act on, in two directions: at the instants ``t`` of the rows in contact, over the time of the
-    record, ``ages`` of the changes of the strain before each (instants, changes), and what each counts [N]. Ting: on
-    the way out what came before t1, when the radius was the same, as load, the rest as displacement. ``rows`` of all:
-    those in contact in order of time, at the times ``at``."""
-
-    size: int
-    each: Sequence[tuple[Array, Array, Array, Array, Array]]
-
-    def column(self, memory: Memory) -> Array:
-        """Changes of the loads [N] of all rows per amount of a memory, at fixed displacement."""
-        column = np.zeros(self.size)
-        for rows, at, t, ages, counts in self.each:
-            column[rows] = np.interp(at, t, -np.einsum("ij,ij->i", memory(ages), counts))
-        return column
-
-
-def histories(records: Sequence[FittedRecord]) -> list[_History]:
-    """Those of records of two directions, of a body with as many instants together."""
-    each = [(record, _instants(record, 0), _instants(record, 1)) for record in records]
-    return by_groups(each, lambda one: (one[0].model.family, one[1][2].shape[1], one[2][2].shape[1]), _together)
-
-
-def _together(
-    alike: tuple[Family, int, int], each: Sequence[tuple[FittedRecord, Instants, Instants]]
-) -> Iterator[_History]:
-    family, n, _ = alike
-    t, depth, a, P_H = np.stack([way[2] for _, way, _ in each], axis=1)
-    t_out, depth_out, a_out, _ = np.stack([back[2] for *_, back in each], axis=1)
-    middle = np.concatenate([t[:, :1], (t[:, 1:] + t[:, :-1]) / 2], axis=1)
-    before = np.concatenate([np.zeros((len(each), 1)), t_out[:, :-1]], axis=1)
-    times = np.concatenate([middle, (t_out + before) / 2], axis=1)[:, None]
-    largest = np.maximum.accumulate(a, axis=1)
-    t1 = np.array([np.interp(*columns) for columns in zip(a_out, largest, t, strict=True)])
-    _, T, _, V = family.values(np.log(a_out).ravel()).reshape(FUNCTIONS, *a_out.shape)
-    S = np.array([[record.modulus] for record, *_ in each]) * V / T
+def _history(record: FittedRecord) -> list[tuple[Array, Array, Array, Array, Array]]:
+    """What memories act on, of each direction: the rows in contact in order of time, when they were, some of these
+    instants over the time of the record, the ages of the changes of the strain before each (instants, changes), and
+    what each change counts [N]. Ting: on the way out what came before t1, when the radius was the same, as load, the
+    rest as displacement."""
+    (rows, at, (t, depth, a, P_H)), (rows_out, at_out, (t_out, depth_out, a_out, _)) = (
+        _instants(record, which) for which in (0, 1)
+    )
+    middle = np.append(t[0], (t[1:] + t[:-1]) / 2)
+    times = np.concatenate([middle, (t_out + np.append(0.0, t_out[:-1])) / 2])
+    t1 = np.interp(a_out, np.maximum.accumulate(a), t)
+    _, T, _, V = record.model.family.values(np.log(a_out))
 
     # what each change counts: dP_H up to t1, S d(delta) later
-    steps = np.diff(np.concatenate([depth, depth_out], axis=1), prepend=depth[:, :1])[:, None]
-    dP = np.zeros(steps.shape)
-    dP[:, 0, :n] = np.diff(P_H, prepend=0.0)
-    counts = np.where(times > t1[..., None], S[..., None] * steps, dP)
-    ages = (np.maximum(now[..., None] - past, 0.0) for now, past in ((t, middle[:, None]), (t_out, times)))
-    for (record, way, back), *one in zip(each, t, *ages, dP[..., :n], t_out, counts, strict=True):
-        t_in, age, age_out, count, out, count_out = one
-        yield _History(record.a.size, [(*way[:2], t_in, age, count), (*back[:2], out, age_out, count_out)])
+    steps = np.diff(np.append(depth, depth_out), prepend=depth[0])
+    dP = np.append(np.diff(P_H, prepend=0.0), np.zeros(t_out.size))
+    counts = np.where(times > t1[:, None], (record.modulus * V / T)[:, None] * steps, dP)
+    return [
+        (rows, at, t, np.maximum(t[:, None] - middle, 0.0), dP[: t.size]),
+        (rows_out, at_out, t_out, np.maximum(t_out[:, None] - times, 0.0), counts),
+    ]
 
 
-def _instants(record: FittedRecord, which: int) -> Instants:
+def _instants(record: FittedRecord, which: int) -> tuple[Array, Array, Array]:
     """The rows in contact of a stretch in order of time, when they were, and at some of them that time, the depth, the
     contact radius and P_H, (4, instants)."""
     part, a = record.model.stretches[which], record.radii[which][0]

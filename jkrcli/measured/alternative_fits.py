@@ -24,7 +24,7 @@ from ..bodies.problem import GEL_TENSION
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .hypotheses import ADHESION_ENDLESS, ALTERNATIVES, amount_of_range, amount_of_tension
-from .least_squares import STATISTICS_IMPROBABLE
+from .least_squares import STATISTICS_IMPROBABLE, in_time
 from .lockstep import Flow, alone, ask, beside, quiet, together
 from .model_changes import (
     AMOUNT,
@@ -54,12 +54,9 @@ from .score_tests import (
     Table,
     by_moves,
     chance_of,
-    common_rows,
     least_taken,
     linearised,
     misfit_left,
-    misfit_of,
-    off_folds,
     score_tests,
     tables,
 )
@@ -109,7 +106,7 @@ def record_alternatives(
 def bounds(alternatives: RecordAlternatives, table: Table) -> Flow[RecordAlternatives]:
     """The alternatives with these moves; unknowns that no row determines may go anywhere meanwhile."""
     record, every = table.record, np.ones(table.record.residuals.size, dtype=bool)
-    off = yield from ask(linearised, (table, off_folds(record)))
+    off = yield from ask(linearised, (table, record.off_folds))
     near, rates = (yield from ask(linearised, (table, every))), by_moves(record.fit)
     each = [_bounded(off if one.name in (RANGE, TENSION) else near, one, i, rates)
             for i, one in enumerate(alternatives.scores)]  # fmt: skip
@@ -433,7 +430,7 @@ def _begins(record: FittedRecord, model: ChangedModel, starts: Sequence[tuple[fl
 
 def _about(record: FittedRecord) -> Linearised:
     """A fit without alternatives, on the rows that are off the folds."""
-    (near,) = linearised([(tables([record], ())[0], off_folds(record))])
+    (near,) = linearised([(tables([record], ())[0], record.off_folds)])
     return near
 
 
@@ -470,10 +467,17 @@ def to_the_end(model: ForceCurveModel, x: Array) -> ForceCurveFit:
 
 
 def fall_of(record: FittedRecord, here: FittedRecord) -> float:
-    """How much lower chi^2 is ``here`` than without, on the rows of both that are off the folds."""
+    """How much lower chi^2 is ``here`` than without, on the rows of both that are off the folds, as a fit to all rows
+    leaves it: those at folds hold its folds where they are."""
     noise = record.fit.spread.noise  # for all alternatives: misfit that is slow may pass for noise of the fit's own
-    plain = misfit_of(record, common_rows(record, here), noise)
-    return plain - misfit_of(here, common_rows(here, record), noise)
+
+    def left(one: FittedRecord, other: FittedRecord) -> float:
+        rows = one.off_folds & np.isin(one.model.rows, other.model.rows[other.off_folds])
+        r = one.residuals[rows]
+        r = noise.whitened(in_time(r, one.model.rows[rows], noise) if noise.slow else r)
+        return float(r @ r)
+
+    return left(record, here) - left(here, record)
 
 
 RANGE_LOWER = 4.0  # theory: chi^2 of one unknown at 95 %, by which a minimum with a longer range is to be lower

@@ -24,7 +24,7 @@ from .curve import APPROACH
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit
 from .hypotheses import ALTERNATIVES, AlternativeModel
-from .least_squares import COLOURED_FREE, Spectrum, frequencies, in_time, t_quantile
+from .least_squares import COLOURED_FREE, frequencies, in_time, t_quantile
 from .lockstep import Flow, ask, by_groups
 
 DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
@@ -37,8 +37,6 @@ SCORE_TIED = 9.0  # choice: of chi^2, three standard errors: alternatives nearer
 SCORE_NEAR = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
 SCORE_OVER = 1.25  # choice: of what is possible, up to which an amount may come out: the same
 SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from which they are named together
-# rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
-SCORE_BESIDE = 1.5
 SCORE_DIGITS = 1e-12  # theory: of squares of unit columns, what is left of one beside the others that products hold
 SCORE_SEEN = 1e-7  # theory: of a column, what is left of it that differences of squares tell
 SCORE_TAIL = 0.125  # theory: of Student's t: cubics of logs of its tail between are good to 1e-6
@@ -342,29 +340,6 @@ def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
     from."""
     (table,) = tables([record], ())
     return table.taken(rows)[1].left, max(int(np.count_nonzero(rows)) - record.fit.x.size, 1), _loose(record)
-
-
-def misfit_of(record: FittedRecord, rows: Array, noise: Spectrum) -> float:
-    """chi^2 of some ``rows``, in units of a ``noise``, as a fit to all of them leaves it: those at folds hold its folds
-    where they are."""
-    r = record.residuals[rows]
-    r = noise.whitened(in_time(r, record.model.rows[rows], noise) if noise.slow else r)
-    return float(r @ r)
-
-
-def common_rows(record: FittedRecord, other: FittedRecord) -> Array:
-    """Which rows of a fit an ``other`` has, too, but for those at the fold of either."""
-    return off_folds(record) & np.isin(record.model.rows, other.model.rows[off_folds(other)])
-
-
-def off_folds(record: FittedRecord) -> Array:
-    """Which rows are not right at the fold that a stretch jumps at: there the load rises with a root of the distance,
-    so that a fold misplaced by less than from row to row leaves many times the noise, in a model that is right."""
-    rows = []
-    for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
-        fold = part.z[a > 0].min() if part.jumped and (a > 0).any() else math.inf
-        rows.append(np.abs(part.z - fold) > SCORE_BESIDE * part.spacing)
-    return np.concatenate(rows)
 
 
 @dataclass(frozen=True, eq=False)

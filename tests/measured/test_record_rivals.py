@@ -41,7 +41,6 @@ from jkrcli.measured.score_tests import (
     _evidence,
     _tails,
     linearised,
-    off_folds,
     score_tests,
     tables,
 )
@@ -453,7 +452,7 @@ def test_a_look_ahead_tells_where_steps_lead() -> None:
     at, alternative = of_record(right(AT), usual()), named("surface tension")
     effect = change(alternative.name, at)
     assert isinstance(effect, BodyChange)
-    near = linear(at, off_folds(at))
+    near = linear(at, at.off_folds)
     tried = _Amounts(near, effect, near.moves[near.table.alternatives.index(alternative)])
     amounts = [2e-4, 8e-4, 1.5e-3]
     rises, moves = tried.look_ahead(amounts)

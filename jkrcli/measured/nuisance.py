@@ -2,8 +2,8 @@
 
 Sizes and ranges of what acts beside the contact are unknowns of the fit, so that its covariance holds how well they are
 known. Whether an attraction stays in contact or ends at touch, by which law, whether a level is a spring that contact
-stretches, and whether there is any, are hypotheses: the likeliest by chi^2 and by what is likely before the data is the
-answer, and the spread to the others at their odds is a part of the model's error.
+stretches, and whether there is any, are hypotheses: the record is fitted by the likeliest, by chi^2 and by what is
+likely before the data; estimates are averages over all at their odds, and the spread is a part of the model's error.
 """
 
 from __future__ import annotations
@@ -47,11 +47,13 @@ Fitted: TypeAlias = Callable[[ForceCurve, ForceCurveFit | None], Flow[tuple[Outc
 @dataclass(frozen=True, eq=False)
 class Nuisance:
     """The ``record`` as it is ``fitted`` best; what is not known of its free rows: ``changes`` of the outcome by a
-    standard error each, ``spread`` of it to the other hypotheses, by their names; ``words`` on what it holds."""
+    standard error each, ``shift`` from it to the average over hypotheses, ``spread`` of it to the others, by their
+    names; ``words`` on what it holds."""
 
     record: ForceCurve
     fitted: Whole
     changes: tuple[Mapping[str, float], ...]
+    shift: Mapping[str, float]
     spread: Mapping[str, Mapping[str, float]]
     words: tuple[str, ...]
 
@@ -167,6 +169,8 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
         spread[one.name(likeliest)] = {name: max(part, before.get(name, 0.0)) for name, part in parts.items()}
         if rise < NUISANCE_TOLD:
             words.append(f"{one.held.brief}: {_values(one.outcome)} (chi^2 higher by {rise:.2g})")
+    odds, each = np.exp(-np.array(rises) / 2), [_between(here, one.outcome) for one in found]
+    shift = {name: float(np.average([one.get(name, 0.0) for one in each], weights=odds)) for name in here}
     held, changes = likeliest.record.held, list[Mapping[str, float]]()
     for raised in held.raised if held is not None else ():
         try:
@@ -174,7 +178,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
             changes.append(_between(here, alone(of(moved, likeliest.fit))[0]))
         except JkrError:  # an offset that no curve resembles tells nothing
             words.append("how well the offset is known is not in the errors: no curve fits at other ones")
-    return Nuisance(likeliest.record, (likeliest.body, likeliest.fit), tuple(changes), spread, tuple(words))
+    return Nuisance(likeliest.record, (likeliest.body, likeliest.fit), tuple(changes), shift, spread, tuple(words))
 
 
 def _hypotheses(record: ForceCurve, of: Fitted, waves: bool) -> tuple[list[Hypothesis], list[float]]:
@@ -217,7 +221,9 @@ def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:
     for item in fitted.estimates:
         if item.error is not None and item.free:
             total = math.hypot(*(change.get(item.name, 0.0) for change in nuisance.changes))
-            item = replace(wider(item, {"free rows": total}, t), systematic=item.systematic)
+            wide, by = wider(item, {"free rows": total}, t), nuisance.shift.get(item.name, 0.0)
+            low, high = (None if end is None else end + by for end in (wide.low, wide.high))
+            item = replace(wide, value=wide.value + by, low=low, high=high, systematic=item.systematic)
             for name, parts in nuisance.spread.items() if item.dimension in ("modulus", "work") else ():
                 part = parts.get(item.name, 0.0)
                 item = item.with_model(name, part) if part > NUISANCE_SEEN * abs(item.value) else item

@@ -158,6 +158,7 @@ SEARCH_GOOD = 0.75  # theory: the same, above which they may be longer
 SEARCH_LONGER = 1.01  # choice: factor within which a step is as long as the radius
 SEARCH_SINGULAR = 1e-14  # theory: of the largest singular value, rounding
 SEARCH_DIGITS = 1e-4  # theory: what is left of unit columns beside the others; its square is far above round-off
+SEARCH_FLAT = 1e-12  # theory: of squares, the least curvature, which round-off leaves known to 1e-4
 SEARCH_MISFIT = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
 
 
@@ -438,7 +439,7 @@ def _shorter(state: State, inner: Array, unit: Array, squares: Array, slopes: Ar
     # What is left along right singular vectors of J, their singular values, and they themselves; by J itself where
     # squares lose too many digits.
     each, V = np.linalg.eigh(squares)
-    if each[0] > SEARCH_DIGITS**2 * each[-1]:
+    if each[0] > SEARCH_FLAT * each[-1]:
         sizes, rows = np.sqrt(each), V.T
         along = slopes @ V / sizes
     else:

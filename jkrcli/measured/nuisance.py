@@ -26,7 +26,7 @@ from .free_rows import LAWS, RANGE, RELAXED, WAVE, FreeRows
 from .least_squares import t_quantile, wider
 from .lockstep import Flow, alone, together
 from .priors import PRIORS
-from .record import fit_record, fitted_whole, outcome_of
+from .record import fit_record, fitted_whole, outcome_of, requested, usable
 from .result import Fit, attempted, later
 from .segmentation import ForceCurve
 from .settings import Settings
@@ -158,7 +158,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
         E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
         return outcome_of(best, best.x, body) | {"E_star": E_star}, (whole, best)
 
-    found, rises = _hypotheses(record, of, settings.base_line == "sine")
+    found, rises = _hypotheses(record, of, settings)
     likeliest, here = found[0], found[0].outcome
     spread, words = dict[str, Mapping[str, float]](), [*likeliest.held.words]
     for one, rise in zip(found[1:], rises[1:], strict=True):
@@ -181,16 +181,20 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
     return Nuisance(likeliest.record, (likeliest.body, likeliest.fit), tuple(changes), shift, spread, tuple(words))
 
 
-def _hypotheses(record: ForceCurve, of: Fitted, waves: bool) -> tuple[list[Hypothesis], list[float]]:
+def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[list[Hypothesis], list[float]]:
     """What the free rows may hold, each fitted in full, the likeliest first, and by how much chi^2 of each is higher,
-    with what its terms cost; JkrError where no curve fits with any. ``waves``: only those with one, if there are.
+    with what its terms cost; JkrError where no curve fits with any. Of a sine only those with a wave, if there are;
+    none that leaves a direction without a base line, which others have.
 
     chi^2 is in units of the noise that is left by the least, and of all rows that any is fitted to, of which none
     counts for more than one at ``NUISANCE_FAR``.
     """
     assert record.held is not None
-    asked = [held for held in record.held.hypotheses if not waves or any(term.law == WAVE for term in held.terms)]
-    first, *others = (record.holding(held) for held in asked or record.held.hypotheses)
+    sine = settings.base_line == "sine"
+    asked = [held for held in record.held.hypotheses if not sine or any(term.law == WAVE for term in held.terms)]
+    each = [record.holding(held) for held in asked or record.held.hypotheses]
+    told = [sum(usable(one, kind) for kind in requested(settings)) for one in each]
+    first, *others = (one for one, count in zip(each, told, strict=True) if count == max(told))
     ends = together([Hypothesis.of(first, of)])
     begin = ends[0].fit if isinstance(ends[0], Hypothesis) else None
     ends += together([Hypothesis.of(one, of, begin) for one in others])
@@ -198,8 +202,6 @@ def _hypotheses(record: ForceCurve, of: Fitted, waves: bool) -> tuple[list[Hypot
     for wrong in ends:
         if isinstance(wrong, Exception) and not (found and isinstance(wrong, JkrError)):
             raise wrong
-    whole = max(len(one.fit.model.stretches) for one in found)
-    found = [one for one in found if len(one.fit.model.stretches) == whole]  # others lack the base line of a direction
     noise = max(min(one.fit.sigma for one in found), TINY)
     tau = max(one.fit.spread.tau for one in found if one.fit.sigma < NUISANCE_ALIKE * noise)
     rows = np.unique(np.concatenate([one.fit.model.rows for one in found]))

@@ -123,6 +123,10 @@ class Place:
         low, high = np.log(ends).tolist()
         return low, high
 
+    def about(self, at: float) -> Place:
+        """The same of another place of contact."""
+        return replace(self, at=at)
+
     def some(self, rows: Array) -> Place:
         """The same of some of the rows."""
         columns = {name: getattr(self, name)[rows] for name in ("rows", "x", "tips", "free", "inside")}
@@ -215,18 +219,40 @@ class Term:
             load, columns = (A + values[1] * along) * on, [on, along * on]
             return self._stretched(place, values, inside, load, columns) if self.stays else (load, columns)
 
-        # the gap of a device that the attraction deflects: gap = at - x + A (f - 1)/k
         f, slope = LAWS[self.law]
-        reach, k = math.exp(values[1]), place.stiffness
-        gap = np.maximum(place.at - x, 0.0)
-        for _ in range(FREE_ROUNDS if math.isfinite(k) else 0):  # Newton's
-            off, rate = gap - place.at + x - A * (f(gap / reach) - 1) / k, 1 - A * slope(gap / reach) / (reach * k)
-            gap = np.maximum(gap - off / np.maximum(rate, FREE_STEEPEST), 0.0)
+        reach, k, gap = math.exp(values[1]), place.stiffness, self._gap(place, values)
         shape, fall = f(gap / reach), slope(gap / reach) / reach * (gap > 0)
         rate = 1 / np.maximum(1 - A * fall / k, FREE_STEEPEST)  # of the gap, by what opens it
         bend = shape * free + self.stays * inside
         by_size = bend + A * fall * (shape - 1) / k * rate * free
         return A * bend, [by_size, -A * fall * gap * rate * free]
+
+    def contact(self, zero: float, values: Sequence[float], stiffness: float) -> tuple[float, float]:
+        """Where the device is [m] when the gap of an attraction closes at a ``zero`` of the depth in contact, where
+        what stays in contact is taken off, and the derivative of that by the size."""
+        return zero + (self.size if self.stays else values[0]) / stiffness, 0.0 if self.stays else 1 / stiffness
+
+    def by_contact(self, place: Place, values: Sequence[float]) -> Array:
+        """The derivative of an attraction before contact by the place of contact [N/m]."""
+        A, reach, slope = values[0], math.exp(values[1]), LAWS[self.law][1]
+        gap = self._gap(place, values)
+        fall = slope(gap / reach) / reach * (gap > 0)
+        on = (place.free > 0) if not self.side else place.free == self.side
+        change: Array = A * fall / np.maximum(1 - A * fall / place.stiffness, FREE_STEEPEST) * on
+        return change
+
+    def _gap(self, place: Place, values: Sequence[float]) -> Array:
+        """The gap before a device that the attraction deflects, at - z + A (f(gap/range) - 1)/k, by Newton's steps."""
+        (A, log), k, (f, slope) = values, place.stiffness, LAWS[self.law]
+        reach = math.exp(log)
+        gap = np.maximum(place.at - place.x, 0.0)
+        for _ in range(FREE_ROUNDS if math.isfinite(k) else 0):
+            off, rate = (
+                gap - place.at + place.x - A * (f(gap / reach) - 1) / k,
+                1 - A * slope(gap / reach) / (reach * k),
+            )
+            gap = np.maximum(gap - off / np.maximum(rate, FREE_STEEPEST), 0.0)
+        return gap
 
     def _stretched(
         self, place: Place, values: Sequence[float], inside: Array, load: Array, columns: list[Array]
@@ -278,7 +304,7 @@ class FreeRows:
     """What is taken off the loads of a record: ``terms``, at the rows of its ``place``; ``spoilt``: rows within an
     edge; ``others``: terms that the free rows do not tell from these; ``rounding`` [N]: what a converter leaves of the
     offset, where noise does not move it between levels, and ``raised``: by it the loads in contact [N], by rows;
-    ``sunk``: by what the surface may have sunk in a dwell."""
+    ``sunk``: by what the surface may have sunk in a dwell; ``left_out``: rows that something else holds."""
 
     place: Place
     terms: tuple[Term, ...]
@@ -287,6 +313,7 @@ class FreeRows:
     rounding: float = 0.0
     raised: tuple[Array, ...] = ()
     sunk: Term | None = None
+    left_out: int = 0
 
     @cached_property
     def taken(self) -> Array:
@@ -320,6 +347,8 @@ class FreeRows:
         if self.rounding:
             offset = show(self.rounding, "load", 2)
             yield f"they lie on levels of an A/D converter: the force offset is known to {offset}"
+        if self.left_out:
+            yield f"{self.left_out} of them, after contact is lost, are held by several tethers and are left out"
         yield from (term.words for term in self.terms)
 
     @property
@@ -364,7 +393,11 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float, sunk: float = 
     a dwell [m].
     """
     place = _place(sides, size, stiffness)
-    found = [(side, *level) for side in sides for level in _levels(side)]
+    levels = [_levels(side) for side in sides]
+    uneven = [side.rows[rows - 1 :] for side, (_, rows) in zip(sides, levels, strict=True) if rows < side.y.size]
+    sides = [replace(side, rows=side.rows[:rows], x=side.x[:rows], y=side.y[:rows])
+             for side, (_, rows) in zip(sides, levels, strict=True)]  # fmt: skip
+    found = [(side, *level) for side, (of_side, _) in zip(sides, levels, strict=True) for level in of_side]
     spoilt = [np.zeros(0, dtype=int), *(side.rows[max(edge - 1, 0) : edge + 2] for side, edge, _ in found)]
     terms = yield from _bends(sides, place, [term for _, _, term in found])
     # Rows that rest on one level of a converter, with noise below it, know their load to its share of a level only.
@@ -382,11 +415,13 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float, sunk: float = 
             way = (side.deep - side.x.mean()) / (np.ptp(side.x) / 2 or 1.0) if side.x.size else 0.0
             own[side.contact] = rounding * way**power
         raised.append(own)
-    if not (raised or terms or sunk):
+    if not (raised or terms or sunk or uneven):
         return None
     best, *others = terms or [()]
     relaxed = Term(RELAXED, (sunk,), (0.0,), side=2) if sunk else None
-    return FreeRows(place, best, np.concatenate(spoilt), tuple(others), rounding, tuple(raised), relaxed)
+    left_out = sum(rows.size for rows in uneven)
+    spoilt += uneven
+    return FreeRows(place, best, np.concatenate(spoilt), tuple(others), rounding, tuple(raised), relaxed, left_out)
 
 
 def row_noise(y: Array) -> float:
@@ -411,19 +446,21 @@ def _place(sides: Sequence[Side], size: int, stiffness: float) -> Place:
 
 
 # ---------------------------------------------------------------------- levels
-def _levels(side: Side) -> list[tuple[int, Term]]:
+def _levels(side: Side) -> tuple[list[tuple[int, Term]], int]:
     """Tensions along lines, from the far end inwards, each from an edge, a row of the side, up to the next: all that
-    lie outside of a contact that lets go by a jump."""
-    edges: list[int] = []
+    lie outside of a contact that lets go by a jump; and how many rows are free of what is neither free nor a line."""
+    edges, rows = list[int](), side.y.size
     if side.y.size < FREE_FEWEST or not side.jump < 0:
-        return []
+        return [], rows
+    steps: dict[int, tuple[float, float, float]] = {}
     for _ in range(FREE_MOST):
-        edge = _edge(side.y - _stairs(side, edges), side.noise)
-        if edge is None or edge in edges:
+        stairs = sum((step * (np.arange(rows) >= edge) for edge, (step, _, _) in steps.items()), np.zeros(rows))
+        edge = _edge(side.y - stairs, side.noise)
+        if edge is None or edge in steps:
             break
         edges = sorted({*edges, edge})
-    steps = dict(zip(edges, (_step(side, *around) for around in zip([0, *edges], edges, [*edges[1:], side.y.size],
-                                                                    strict=False)), strict=True))  # fmt: skip
+        around = zip([0, *edges], edges, [*edges[1:], rows], strict=False)
+        steps = {edge: _step(side, before, edge, after) for before, edge, after in around}
     edges = [edge for edge in edges if abs(steps[edge][0]) > FREE_SIGMAS * steps[edge][1]]
     tensions = np.cumsum([steps[edge][0] for edge in edges])
     tethers = (
@@ -432,7 +469,7 @@ def _levels(side: Side) -> list[tuple[int, Term]]:
         and tensions.min() > FREE_LEVEL * side.jump
     )
     if not tethers or any(steps[edge][2] > FREE_EVEN * side.noise for edge in edges):
-        return []
+        return [], edges[0] if tethers and len(edges) > 1 else rows
     found = list[tuple[int, Term]]()
     for edge, end, tension in zip(
         edges, (end - 1 for end in (*edges[1:], side.y.size)), tensions.tolist(), strict=True
@@ -442,16 +479,7 @@ def _levels(side: Side) -> list[tuple[int, Term]]:
             second = steps[edge][0] < FREE_TETHER * side.jump
             level = Term(LEVEL, (tension, 0.0), (0.0, 0.0), False, 0, (first, last), far, near, second)
             found.append((edge, level))
-    return found
-
-
-def _stairs(side: Side, edges: Sequence[int]) -> Array:
-    """Steps at the ``edges`` [N] beside a cubic."""
-    along = np.linspace(-1, 1, side.y.size)
-    steps = [(np.arange(side.y.size) >= edge).astype(float) for edge in edges]
-    design = np.column_stack([*(along**power for power in range(4)), *steps])
-    found: Array = design[:, 4:] @ np.linalg.lstsq(design, side.y, rcond=None)[0][4:]
-    return found
+    return found, rows
 
 
 def _step(side: Side, before: int, edge: int, after: int) -> tuple[float, float, float]:
@@ -715,7 +743,10 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
 def _describes(bent: _Bent, blocks: _Blocks) -> bool:
     """Whether what terms leave is noise, and beside it what lines leave is not."""
     colour = max(bent.cost / blocks.dof, 1.0)
-    most = FREE_DESCRIBED_BY_MORE if len({term.law for term in bent.terms}) > 1 else FREE_DESCRIBED
+    several = len({term.law for term in bent.terms}) > 1
+    if several and any(abs(term.size) < FREE_SLOPED * term.error for term in bent.terms):
+        return False  # of which one makes up for what another one makes
+    most = FREE_DESCRIBED_BY_MORE if several else FREE_DESCRIBED
     return blocks.straight - bent.cost >= colour * FREE_BENDS and colour <= most
 
 

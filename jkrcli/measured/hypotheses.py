@@ -59,6 +59,7 @@ from .force_curve import (
     receding,
 )
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
+from .free_rows import VIRTUAL
 from .model_changes import (
     AMOUNT,
     LITTLE,
@@ -553,6 +554,18 @@ def drift(record: FittedRecord) -> Change | None:
     return PositionChange(error=lambda part: sign.get(part.kind, -1.0) * record.time(part) * record.reach)
 
 
+def virtual_deflection(record: FittedRecord) -> Change | None:
+    """A parabola over the positions, 0 at contact, that free rows alone do not show; where none is fitted."""
+    parts, names = record.model.stretches, record.fit.names
+    if any(name.endswith(VIRTUAL) for name in names) or "z0" not in names:
+        return None
+    way = max(float(np.ptp(part.z[~part.touching])) if (~part.touching).any() else 0.0 for part in parts)
+    if not way:
+        return None
+    shapes = [part.span * ((part.z - record.values["z0"]) / way) ** 2 for part in parts]
+    return LoadsChange(column=np.concatenate(shapes))
+
+
 def another_modulus(record: FittedRecord) -> Change | None:
     """E* (1 + amount) on the way back."""
     if len(record.model.stretches) < 2 or "ln_s" not in record.fit.names or record.retraction is None:
@@ -798,6 +811,7 @@ ALTERNATIVES: tuple[AlternativeModel, ...] = (
     AlternativeModel("another modulus on retraction", MEMORY, "relative change", another_modulus, of_directions=True),
     AlternativeModel("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
     AlternativeModel("stiffness of the cantilever", DEVICE, "relative change", stiffness),
+    AlternativeModel(VIRTUAL, DEVICE, "of the range of the load, over the free way", virtual_deflection),
     AlternativeModel("creep of the position", DEVICE, "of the travel, per decade of time",
           lambda record: misplaced(record, lambda part: part.travel * creep(record.time(part)), "creep"),
           of_directions=True),

@@ -76,6 +76,7 @@ PRIORS = {
     "sphere or paraboloid": Prior(limits=(-1.0, 1.0)),  # theory: from one to the other
     "no slip": Prior(1.0, limits=POSITIVE),  # theory: from none to full
     "large strains": Prior(1.0, limits=(0.0, 2.0)),  # choice: of their effect on rubber, that of other materials
+    "virtual deflection": Prior(0.03, limits=(-1.0, 1.0)),  # choice: of the range of the load, over the free way
     "stiffness of the cantilever": Prior(limits=(-1.0, 1.0)),  # choice: relative, of one that someone measured
     # choice: standard deviation of the relative change along a table; w of polymers may double
     "a change of w along the curve": Prior(0.5), "a change of E* along the curve": Prior(0.5),

@@ -153,7 +153,9 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
 
     def of(other: ForceCurve, begin: ForceCurveFit | None) -> Flow[tuple[Outcome, Whole]]:
         whole, best = yield from fitted_whole(body, other, settings, begin)
-        if begin is not None and min(begin.sigma, best.sigma) > FIT_ENOUGH * best.model.noise:  # neither is near
+        if (
+            begin is not None and best.sigma > FIT_ENOUGH * begin.sigma > FIT_ENOUGH**2 * best.model.noise
+        ):  # none is near
             whole, best = yield from fitted_whole(body, other, settings)
         E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
         return outcome_of(best, best.x, body) | {"E_star": E_star}, (whole, best)
@@ -203,10 +205,10 @@ def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[lis
         if isinstance(wrong, Exception) and not (found and isinstance(wrong, JkrError)):
             raise wrong
     # of several bends each is to be told by the fit, or one makes up for what another one makes
-    told = [
+    plain = [
         one for one in found if len(bends := one.held.bends) < 2 or all(abs(term.size) > term.error for term in bends)
     ]
-    found = told or found
+    found = plain or found
     noise = max(min(one.fit.sigma for one in found), TINY)
     tau = max(one.fit.spread.tau for one in found if one.fit.sigma < NUISANCE_ALIKE * noise)
     rows = np.unique(np.concatenate([one.fit.model.rows for one in found]))

@@ -63,8 +63,9 @@ PRIORS = {
     # What acts beside the contact:
     # choice: of all; a virtual deflection is one of 3 % of the largest load, a drift as large as a pull-off force
     "exponential": Prior(0.3, 1 / 9), "power": Prior(0.3, 1 / 9), "level": Prior(0.3, 1 / 9),
-    "virtual deflection": Prior(0.03, 1 / 19, over="load"), "decaying drift": Prior(0.1, 1 / 19, over="load"),
-    "interference": Prior(0.03, 1 / 19, over="load"), "relaxation in the dwell": Prior(0.01, 1.0, over="way"),
+    "virtual deflection": Prior(0.03, 1 / 19, over="load", limits=(-1.0, 1.0)),
+    "decaying drift": Prior(0.1, 1 / 19, over="load"), "interference": Prior(0.03, 1 / 19, over="load"),
+    "relaxation in the dwell": Prior(0.01, 1.0, over="way"),
     # What body, tip, adhesion and instrument may be else:
     # choice: [m], of molecules in dry contact 1 nm, of hairs more; theory: longer ones with odds of 1 to 20, exp(-3)
     RANGE: Prior(10e-9, math.exp(-3), limits=POSITIVE),
@@ -76,7 +77,6 @@ PRIORS = {
     "sphere or paraboloid": Prior(limits=(-1.0, 1.0)),  # theory: from one to the other
     "no slip": Prior(1.0, limits=POSITIVE),  # theory: from none to full
     "large strains": Prior(1.0, limits=(0.0, 2.0)),  # choice: of their effect on rubber, that of other materials
-    "virtual deflection": Prior(0.03, limits=(-1.0, 1.0)),  # choice: of the range of the load, over the free way
     "stiffness of the cantilever": Prior(limits=(-1.0, 1.0)),  # choice: relative, of one that someone measured
     # choice: standard deviation of the relative change along a table; w of polymers may double
     "a change of w along the curve": Prior(0.5), "a change of E* along the curve": Prior(0.5),

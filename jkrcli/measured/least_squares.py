@@ -389,7 +389,8 @@ def steps_within(asked: Sequence[tuple[LeastSquares, Array, State, Array, float]
         squares, slopes = np.array([state.squares for state in at]), np.array([state.slopes for state in at])
         units = np.maximum(units, np.sqrt(np.diagonal(squares, axis1=1, axis2=2)))
         unit = 1 / np.where(units > 0, units, 1.0)
-        inner = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
+        seen = np.diagonal(squares, axis1=1, axis2=2) > 0  # no row depends on the others here
+        inner = seen & ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
         left, reach = np.max(np.abs(slopes), axis=1, where=inner, initial=0.0), _lengths(x / unit)
         radius = np.minimum(radius, np.where(reach > 0, reach, 1.0))
         # The step of Gauss and Newton where no bound holds an unknown, and squares keep digits enough.

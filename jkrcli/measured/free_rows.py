@@ -376,7 +376,8 @@ class FreeRows:
         stretched in contact, too."""
         found, levels = list[FreeRows](), self.levels
         for terms in (self.terms, *self.others):
-            ends = tuple(replace(term, stays=False) if term.law in LAWS else term for term in terms)
+            # adhesion's own is an attraction
+            ends = tuple(replace(term, stays=False) if term.law in LAWS and term.size < 0 else term for term in terms)
             found += [self.of(*each) for each in dict.fromkeys([terms, ends])]
         if levels and levels[-1].values[1] > FREE_SLOPED * levels[-1].errors[1]:
             spring = replace(levels[-1], stays=True)

@@ -204,10 +204,12 @@ def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[lis
     for wrong in ends:
         if isinstance(wrong, Exception) and not (found and isinstance(wrong, JkrError)):
             raise wrong
-    # of several bends each is to be told by the fit, or one makes up for what another one makes
+    # Of several bends each is to be told by the fit, or one makes up for another; and adhesion's own attracts.
     plain = [
-        one for one in found if len(bends := one.held.bends) < 2 or all(abs(term.size) > term.error for term in bends)
-    ]
+        one for one in found
+        if (len(bends := one.held.bends) < 2 or all(abs(term.size) > term.error for term in bends))
+        and not any(term.size > 0 and not term.stays for term in bends)
+    ]  # fmt: skip
     found = plain or found
     noise = max(min(one.fit.sigma for one in found), TINY)
     tau = max(one.fit.spread.tau for one in found if one.fit.sigma < NUISANCE_ALIKE * noise)

@@ -1001,8 +1001,6 @@ def fitted_whole(
     model = _model(body, record, settings, directions_of(record, settings))
     if begin is not None and not begin.model.values(begin.x).keys() | model.by_terms.keys() >= set(model.names):
         begin = None
-    if begin is None and model.by_terms:  # first as the free rows have them, or the search creeps along valleys
-        _, begin = yield from _fitted(body, replace(model, known={**model.known, **model.by_terms}), settings)
     return (yield from _fitted(body, model, settings, begin))
 
 

@@ -53,6 +53,11 @@ class Prior:
         return WIDTHS * self.of_range
 
     @property
+    def spread(self) -> float:
+        """Two standard deviations of an amount that is either none or as large as its width, at its odds."""
+        return 2 * math.sqrt(self.odds) / (1 + self.odds) * self.width
+
+    @property
     def cost(self) -> float:
         """What the odds are of chi^2."""
         return -2 * math.log(self.odds)

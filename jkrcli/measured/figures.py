@@ -146,8 +146,7 @@ def _region(axes: Axes, fit: Fit) -> None:
     angle = np.linspace(0, 2 * np.pi, 200)
     size = np.sqrt(np.diag(covariance))
     root = np.linalg.cholesky(covariance / np.outer(size, size) + 1e-14 * np.eye(2))
-    x, y = radius * size[:, None] * (root @ np.stack([np.cos(angle), np.sin(angle)]))
-    E, w = x, y
+    E, w = radius * size[:, None] * (root @ np.stack([np.cos(angle), np.sin(angle)]))
     E, w = (fit.value("modulus") + E) * factor, (fit.value("w") + w) / w_unit
     axes.plot(E, w, "-", color=plots.ORANGE, label=f"{fit.settings.level * 100:g} % region (statistical)")
     axes.plot(fit.value("E_star") / E_unit, fit.value("w") / w_unit, "+", color=plots.BLUE, ms=8)
@@ -296,13 +295,10 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
         level = (float(np.median(curve.P[~near])) - curve.P.min()) / np.ptp(curve.P)
         places.append(enlarged(axes, z[near] / x, curve.P[near] / y, 0.05 + 0.9 * level))
     # The loads [N] of a record, the line through them broken at its jumps: the row before the steepest step is nan.
-    assert record.curve.P is not None
-    P = record.curve.P.copy()
+    broken = curve.P.copy()
     for row in [jump.row for item in record.directions for jump in (*item.jumps, *item.steps)]:
         first = max(row - 3, 0)
-        steps = np.abs(np.diff(record.curve.P[first : row + 3 + 1]))
-        P[first + int(np.argmax(steps))] = np.nan
-    broken = P
+        broken[first + int(np.argmax(np.abs(np.diff(curve.P[first : row + 3 + 1]))))] = np.nan
     for place in places:
         for segment in record.segments:
             thin = slice(segment.first, segment.last + 1, 1 + len(segment) // DRAWN)
@@ -334,11 +330,8 @@ def _marks(axes: Axes, item: Direction, position: Array, x: float, y: float) -> 
 # --------------------------------------------------------------------------------------------------
 # Figures of the work of adhesion along measured curves.
 
-GROUPS = {
-    "measured": (plots.GREEN, "o"),
-    "advancing": (plots.BLUE, "^"),
-    "receding": (plots.ORANGE, "v"),
-}  # told apart in grey too
+# told apart in grey too
+GROUPS = {"measured": (plots.GREEN, "o"), "advancing": (plots.BLUE, "^"), "receding": (plots.ORANGE, "v")}
 
 
 def work_figure(curves: Sequence[WorkAlong], law: Any = None) -> Figure:
@@ -396,8 +389,7 @@ def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float,
         colour, marker = GROUPS[name]
         axes.loglog(np.abs(rows["speed"]) / speed, rows["w"] / w, marker, color=colour, ms=3, mfc="none")
     if law is not None:
-        slowest, fastest = law.speeds
-        v = np.geomspace(slowest, fastest, 100)
+        v = np.geomspace(*law.speeds, 100)
         middle, low, high = law.band(v)
         axes.fill_between(v / speed, low / w, high / w, color=plots.BLACK, alpha=0.2, lw=0)
         axes.loglog(v / speed, middle / w, color=plots.BLACK, label="power law")

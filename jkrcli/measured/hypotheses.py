@@ -19,17 +19,7 @@ from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
 from ..adhesion.validity import EXCESS, LIMITS, STRAINED
 from ..base.errors import InputError
-from ..base.numerics import (
-    MOST_STEPS,
-    REMEMBERED,
-    SAME,
-    SETTLED,
-    UNSEEN,
-    Array,
-    PiecewiseCubic,
-    cubic_spline,
-    median,
-)
+from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, PiecewiseCubic, cubic_spline, median
 from ..base.wings import is_offered, offered
 from ..bodies.problem import (
     HalfSpace,
@@ -618,10 +608,8 @@ class MemoryChange(LoadsChange):
 
     @staticmethod
     def columns(asked: Sequence[tuple[FittedRecord, Any]]) -> list[Array | None]:
-        histories, found = (
-            {record: _history(record) for record in {record for record, _ in asked}},
-            list[Array | None](),
-        )
+        histories = {record: _history(record) for record in {record for record, _ in asked}}
+        found = list[Array | None]()
         for record, change in asked:
             column = np.zeros(record.a.size)
             for rows, at, t, ages, counts in histories[record]:
@@ -726,13 +714,8 @@ def _program(record: FittedRecord) -> tuple[Array, Array]:
     return t[order], x[order]
 
 
-BODY, TIP, ADHESION, DEVICE, MEMORY = (
-    "layer or substrate",
-    "shape of the tip",
-    "adhesion",
-    "instrument",
-    "relaxation or flow",
-)
+BODY, TIP, ADHESION = "layer or substrate", "shape of the tip", "adhesion"
+DEVICE, MEMORY = "instrument", "relaxation or flow"
 # What the unknowns of alternatives mean, by dimension:
 OF_ALTERNATIVES = {
     AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",

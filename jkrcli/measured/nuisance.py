@@ -157,8 +157,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
             begin is not None and best.sigma > FIT_ENOUGH * begin.sigma > FIT_ENOUGH**2 * best.model.noise
         ):  # none is near
             whole, best = yield from fitted_whole(body, other, settings)
-        E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
-        return outcome_of(best, best.x, body) | {"E_star": E_star}, (whole, best)
+        return outcome_of(best, best.x, body), (whole, best)
 
     found, rises = _hypotheses(record, of, settings)
     likeliest, here = found[0], found[0].outcome

@@ -515,8 +515,7 @@ def _by_profile(
     if any(item.name == "E_star_approach" for item in fitted.estimates):  # beside the answer of the retraction
         settings = replace(settings, segment="retract")
     _, found = yield from fitted_whole(other, record, settings, best)
-    values = outcome_of(found, found.x, other)
-    return {**values, "E_star": values["modulus"] * other.problem.E_star}, found.sigma
+    return outcome_of(found, found.x, other), found.sigma
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,35 +7,18 @@ import contextlib
 import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
-from ..base.numerics import (
-    FEWEST_ROWS,
-    HALF_WIDTH,
-    MOST_SOLVES,
-    MOST_STEPS,
-    REMEMBERED,
-    ROUNDED,
-    SAME,
-    TINY,
-    UNSEEN,
-    Array,
-)
+from ..base.numerics import FEWEST_ROWS, HALF_WIDTH, MOST_SOLVES, MOST_STEPS, ROUNDED, SAME, TINY, UNSEEN, Array
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..methods.radii import ROOM
-from .alternative_fits import (
-    fall_of,
-    fit_alternatives,
-    record_alternatives,
-    with_free_range,
-    with_range_of,
-)
+from .alternative_fits import fall_of, fit_alternatives, record_alternatives, with_free_range, with_range_of
 from .checks import warnings_of
 from .curve import APPROACH, RETRACT, TURNED, Curve
 from .fitted_record import FittedRecord, Known
@@ -168,7 +151,10 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
     """How the record was taken, and what its residuals did to the intervals."""
     if settings.base_line == "sine" and wave_of(best.model) is None:
         yield "base line: no sine beyond its noise, a straight line is used"
-    yield from _on_adhesion(best)
+    if [part.kind for part in best.model.stretches] == [APPROACH]:
+        yield "approach alone: its w is w_approach; w, that of the retraction, stays empty"
+    if f"q:{RETRACT}" in best.model.known:
+        yield RESTS
     free = [parameter.name for parameter in settings.free]
     for kind in (part.kind for part in best.model.stretches if best.model.works.get(part.kind) == 0 and "w" in free):
         yield f"{NAMES[kind]}: w would be negative and is set to 0: check body and indenter"
@@ -192,15 +178,6 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
             f"residuals are autocorrelated (effective sample size n/{best.spread.tau:.1f}), "
             f"which widens the intervals by {math.sqrt(best.spread.tau):.1f}"
         )
-
-
-def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
-    """What the fitted directions leave open about w."""
-    known = best.model.known
-    if len(best.model.stretches) == 1 and best.model.stretches[0].kind == APPROACH:
-        yield "approach alone: its w is w_approach; w, that of the retraction, stays empty"
-    if f"q:{RETRACT}" in known:
-        yield RESTS
 
 
 # --------------------------------------------------------------------------------------------------
@@ -342,20 +319,16 @@ def _by_formula(problem: Problem, fit: ForceCurveFit) -> tuple[str, float | None
     depth = float(fit.model.depth(part, values)[i]) - load / fit.model.k
     if R is None or depth <= 0:
         return "", None
-    if not problem.layers:
-        return "Hertz", 3 * load / (4 * math.sqrt(R * depth**3)) if load > 0 else None
-    w = max(values[f"q:{part.kind}"], 0.0) * math.exp(values["ln_s"])
-    try:
-        return "a half-space formula", half_space_modulus(load, depth, R, w)
-    except ValueError:
-        return "a half-space formula", None
+    formula, adheres = ("a half-space formula", 1.0) if problem.layers else ("Hertz", 0.0)
+    w = adheres * max(values[f"q:{part.kind}"], 0.0) * math.exp(values["ln_s"])
+    return formula, half_space_modulus(load, depth, R, w)
 
 
-def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
+def half_space_modulus(P: float, delta: float, R: float, w: float) -> float | None:
     """E* [Pa] of the half-space on which a paraboloid of radius ``R`` [m] stands at depth ``delta`` [m] under the load
-    ``P`` [N] against the work of adhesion ``w`` [J/m^2] (JKR); ValueError where there is none."""
+    ``P`` [N] against the work of adhesion ``w`` [J/m^2] (JKR, Hertz without w); None where there is none."""
     if w == 0:
-        return 3 * P / (4 * math.sqrt(R * delta**3))
+        return 3 * P / (4 * math.sqrt(R * delta**3)) if P > 0 else None
 
     def modulus(a: float) -> float:
         return 2 * math.pi * a * w / (a**2 / R - delta) ** 2
@@ -368,7 +341,10 @@ def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
 
     # From the contact radius without adhesion, to where the depth is nothing beside a^2/R:
     touching = math.sqrt(R * delta)
-    return modulus(touching * float(brentq(lambda x: excess(touching * x), 1 + ROUNDED, 1 / UNSEEN)))
+    try:
+        return modulus(touching * float(brentq(lambda x: excess(touching * x), 1 + ROUNDED, 1 / UNSEEN)))
+    except ValueError:
+        return None
 
 
 # --------------------------------------------------------------------------------------------------
@@ -381,11 +357,6 @@ WHOLE_RECORD_PLACED = 0.3  # choice: scatter of positions over that of loads, bo
 PARAMETERS = frozenset({"modulus", "w", "delta0", "P0", *POSITIONS})  # of a whole record; others need prepared readings
 FREE = (-math.inf, math.inf)
 ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or known by the stiffness of the device
-
-
-def as_raw_force_curve(curve: Curve, settings: Settings) -> ForceCurve | None:
-    """What ``raw_force_curve`` leads to."""
-    return alone(raw_force_curve(curve, settings))
 
 
 def raw_force_curve(curve: Curve, settings: Settings) -> Flow[ForceCurve | None]:
@@ -457,9 +428,8 @@ def _raw(record: ForceCurve) -> bool:
     sides = [kind for kind in (APPROACH, RETRACT) if usable(record, kind)]
     delta, P = record.curve.device, record.curve.P
     assert P is not None
-    if noise_from_third_differences(delta) * np.ptp(P) > WHOLE_RECORD_PLACED * noise_from_third_differences(P) * np.ptp(
-        delta
-    ):
+    placed, scattered = map(noise_from_third_differences, (delta, P))
+    if placed * np.ptp(P) > WHOLE_RECORD_PLACED * scattered * np.ptp(delta):
         return False
     if len(sides) > 1 or (sides and record.curve.stiffness is not None):
         return True
@@ -501,11 +471,8 @@ def directions_of(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     wanted = requested(settings)
     kinds = tuple(kind for kind in wanted if usable(record, kind))
     if not kinds and settings.contact == "auto" and record.curve.stiffness is not None:
-        kinds = tuple(
-            kind
-            for kind in wanted
-            if (side := record.direction(kind)) is not None and not _contact_left_out(record, side)
-        )
+        sides = filter(None, map(record.direction, wanted))
+        kinds = tuple(side.segment.kind for side in sides if not _contact_left_out(record, side))
     if not kinds:
         reasons = [f"{kind}: {reason_not(record, kind)}" for kind in wanted]
         raise InputError(f"no direction can be fitted ({'; '.join(reasons)})")
@@ -543,9 +510,7 @@ def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, flo
     values = best.model.values(x)
     s = math.exp(values["ln_s"])
     last = best.model.stretches[-1]
-    quantities = {"modulus": s}
-    for part in best.model.stretches:
-        quantities[WORKS[part.kind]] = values[f"q:{part.kind}"] * s
+    quantities = {"modulus": s} | {WORKS[part.kind]: values[f"q:{part.kind}"] * s for part in best.model.stretches}
     tilt = values[f"tilt:{last.kind}"]
     P0 = values[f"offset:{last.kind}"] + tilt * (values["z0"] - last.z[0])
     quantities |= {"delta0": values["z0"] - P0 / best.model.k, "P0": P0, "tilt": tilt}
@@ -612,6 +577,7 @@ def as_fit(
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     a, order = best.a, np.argsort(best.model.rows, kind="stable")
     rows = best.model.rows[order]
+    back = record.direction(RETRACT)
     flags, sizes = judgement(record, best)
     missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
     flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
@@ -637,7 +603,7 @@ def as_fit(
         settings=settings,
         flags=tuple(flags),
         sizes=sizes,
-        adhesion=_adhesion(record),
+        adhesion=None if back is None else known(back.adhesion),
         directions=_directions(record, best, settings),
         jkr=jkr,
     )
@@ -710,7 +676,6 @@ def _intervals(
     )  # fmt: skip
 
 
-@lru_cache(maxsize=REMEMBERED)
 def _quantity(name: str, rests: bool) -> Parameter:
     """Moduli by their logs, w as it may come out below 0, an advancing one before an edge ``rests`` by its signed
     root."""
@@ -809,12 +774,6 @@ def _directions(record: ForceCurve, best: ForceCurveFit, settings: Settings) -> 
     return f"{NAMES[kinds[0]]} alone{why}"
 
 
-def _adhesion(record: ForceCurve) -> float | None:
-    """The adhesion force of the retraction [N]."""
-    side = record.direction(RETRACT)
-    return None if side is None else known(side.adhesion)
-
-
 # When one modulus does not describe both directions, or the rows determine none.
 RECORD_PLACED_ROWS = 0.05  # choice: of the loads' relative scatter, that of positions which have none
 RECORD_APART = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
@@ -854,11 +813,11 @@ def fit_record(
 
     def result_of(body: FittedBody, best: ForceCurveFit, *ranged: Any) -> Fit:
         plain = replace(settings, confidence="covariance", uncertain={})
-        if settings == plain:
-            return as_fit(body, record, curve, settings, best, pool, *ranged)
         try:
             return as_fit(body, record, curve, settings, best, pool, *ranged)
         except Exception as error:
+            if settings == plain:
+                raise
             inputs = ["uncertain inputs"] * bool(settings.uncertain)
             what = " and ".join([f"intervals by {settings.confidence}", *inputs])
             return without(as_fit(body, record, curve, plain, best, pool, *ranged), what, error)
@@ -1012,10 +971,10 @@ def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
 def receding_rows(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     """The rows of a raw record's last direction on which the edge of the contact moves, less the base line and from the
     zero that fit best; a curve that is no raw record, or has no base line, as it is."""
-    record = as_raw_force_curve(curve, settings)
+    record = alone(raw_force_curve(curve, settings))
     if record is None or not any(usable(record, kind) for kind in requested(settings)):
         return curve
-    _, best = alone(_fitted(body, _model(body, record, settings, directions_of(record, settings)), settings))
+    best = whole_fit(body, record, settings)
     curve = _in_contact(best, curve, receding=True)
     return replace(curve, delta=curve.depth - curve.load / best.model.k)
 

@@ -891,12 +891,6 @@ def _by_motion(x: Array, y: Array, first: int, last: int) -> bool:
     return abs(float(y[last] - y[first])) <= 2 * max(slopes) * abs(float(x[last] - x[first]))
 
 
-@lru_cache(maxsize=REMEMBERED)
-def _along(rows: int) -> Array:
-    """Evenly spaced positions over a length of 1, about 0."""
-    return np.linspace(-0.5, 0.5, rows)
-
-
 def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Rows before and after which the load leaves a level tension inside of the only one of the ``falls``, which a
     tether or a second contact holds there, however little happens where the first one ends; none without one."""
@@ -906,7 +900,7 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     count = max(round(RECORD_TETHER * off.size), FEWEST_ROWS // 2)
     if inside.size < count:
         return []
-    tension, along = -float(inside[:count].mean()), _along(count)
+    tension, along = -float(inside[:count].mean()), np.linspace(-0.5, 0.5, count)
     left = inside[:count] + tension
     change = 12 * float(along @ left) / count
     left -= change * along

@@ -196,8 +196,7 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
     if not len(curve):
         raise InputError(
             f"{curve.where}: on the body of the solution the contact's edge moves on none of its rows: does the "
-            "modulus "
-            "belong to the force curve? jkr fit finds E* (--modulus-factor)"
+            "modulus belong to the force curve? jkr fit finds E* (--modulus-factor)"
         )
     raise InputError(
         f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(counts)}; are contact "

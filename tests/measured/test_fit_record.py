@@ -24,9 +24,10 @@ from jkrcli.measured.curve import Curve, Reading
 from jkrcli.measured.files import read
 from jkrcli.measured.forward_model import FittedBody
 from jkrcli.measured.least_squares import Intervals
+from jkrcli.measured.lockstep import alone
 from jkrcli.measured.parameters import ROOT, FittedValue, Parameter
 from jkrcli.measured.procedure import fit
-from jkrcli.measured.record import as_raw_force_curve
+from jkrcli.measured.record import raw_force_curve
 from jkrcli.measured.result import Fit
 from jkrcli.measured.rows import noise_from_third_differences
 from jkrcli.measured.settings import Settings, settings_of
@@ -121,8 +122,9 @@ def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
     curve, _, _ = made(np.random.default_rng(3))
     assert curve.delta is not None
     words = np.where(np.arange(len(curve)) <= int(np.argmax(curve.device)), "approach", "retract")
+    turned = replace(curve, delta=-curve.delta, segment=words, stiffness=None)
     with pytest.raises(InputError) as caught:
-        as_raw_force_curve(replace(curve, delta=-curve.delta, segment=words, stiffness=None), usual(contact="fitted"))
+        alone(raw_force_curve(turned, usual(contact="fitted")))
     assert caught.value.lines == (
         "made: the displacement of the retract has the opposite sign: indentation must be positive (--flip delta)",
     )
@@ -139,9 +141,9 @@ def test_of_a_displacement_turned_as_it_was_read_another_remedy_is_named(tmp_pat
     for flip in (frozenset[str](), frozenset({"delta"})):
         (held,) = read(tmp_path / "m.csv", Reading(stiffness=curve.stiffness, flip=flip))
         with pytest.raises(InputError, match=r"its sign was turned when it was read: --factor delta=-1\)$"):
-            as_raw_force_curve(held, usual(contact="fitted"))
+            alone(raw_force_curve(held, usual(contact="fitted")))
         reading = Reading(stiffness=curve.stiffness, flip=flip, factors={"delta": -1.0})
-        assert as_raw_force_curve(read(tmp_path / "m.csv", reading)[0], usual(contact="fitted")) is not None
+        assert alone(raw_force_curve(read(tmp_path / "m.csv", reading)[0], usual(contact="fitted"))) is not None
 
 
 @pytest.mark.slow
@@ -296,7 +298,7 @@ def test_a_drift_needs_both_directions_and_their_time() -> None:
     with pytest.raises(
         InputError, match=r"^drift is for raw force curves of displacement and load, with --contact fitted"
     ):
-        as_raw_force_curve(curve, usual(free=["drift"], contact="as-is"))
+        alone(raw_force_curve(curve, usual(free=["drift"], contact="as-is")))
 
 
 def test_an_approach_without_adhesion_has_an_upper_limit_of_its_own_w() -> None:

@@ -29,7 +29,7 @@ from jkrcli.measured.least_squares import Spectrum
 from jkrcli.measured.lockstep import alone
 from jkrcli.measured.model_changes import AMOUNT, LITTLE, BodyChange, Change, ChangedFamily, ChangedModel
 from jkrcli.measured.procedure import fit
-from jkrcli.measured.record import _fitted, _model, as_raw_force_curve, directions_of, half_space_modulus
+from jkrcli.measured.record import _fitted, _model, directions_of, half_space_modulus, raw_force_curve
 from jkrcli.measured.report import alternatives_table, fit_words, summary
 from jkrcli.measured.result import Fit
 from jkrcli.measured.score_tests import (
@@ -68,7 +68,7 @@ def still_record() -> FittedRecord:
 
 
 def of_record(made: Wrong, settings: Settings) -> FittedRecord:
-    held = as_raw_force_curve(curve(made), settings)
+    held = alone(raw_force_curve(curve(made), settings))
     assert held is not None
     model = _model(BODY, held, settings, directions_of(held, settings))
     return FittedRecord(*alone(_fitted(BODY, model, settings)))

@@ -236,6 +236,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **_verdict(item),
         **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
         **_grade(item),
+        **({"free_rows": list(item.held)} if item.held else {}),
         "warnings": list(item.warnings),
     }
 
@@ -276,10 +277,10 @@ def fit_words(item: Fit) -> list[str]:
         longest = show(min(left, item.settings.longest_range), "length", 2)
         moved = f"of adhesion up to {longest} would change w by {show(part, 'work', 2)}"
         range_words = [f"  {'range':<12} {moved}; if it is known to be shorter: --uncertain range=LENGTH"]
-    lines = [*verdict_words(item), *range_words]
+    held = [f"  {'' if i else 'free rows':<12} {words}" for i, words in enumerate(item.held)]
+    lines = [*verdict_words(item), *held, *range_words]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
-    lines += [f"  {'free rows':<12} {'; '.join(item.held)}"] * bool(item.held)
     lines += [f"  {'not included':<12} {item.not_included}"] * bool(item.not_included)
     lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
     correlation = item.correlated("modulus", "w")

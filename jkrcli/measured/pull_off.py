@@ -71,6 +71,18 @@ class MeasuredWork:
         """Half-width of w from all uncertain inputs [J/m^2]; the series' error without any."""
         return math.hypot(*self.parts.values()) if self.parts else self.series
 
+    @property
+    def series_words(self) -> str:
+        """The error of the series, and what large strains change, in words."""
+        series = self.series if isinstance(self.series, Unknown) else self.series / self.work.w
+        return tables.error_words(series, self.large_strains)
+
+    def words(self, digits: int = 4) -> str:
+        """w, with its half-width where inputs are uncertain."""
+        if isinstance(self.error, Unknown) or not self.parts:
+            return show(self.work.w, "work", digits)
+        return show_within(self.work.w, self.error, "work", digits)
+
 
 @dataclass(frozen=True, eq=False)
 class _Inverse:
@@ -358,15 +370,8 @@ class MeasuredByHistory(Result):
             if isinstance(one, Unknown):
                 lines.append(f"  {words}: none: {one}")
                 continue
-            if isinstance(one.error, Unknown) or not one.parts:
-                w = show(one.work.w, "work")
-            else:
-                w = show_within(one.work.w, one.error, "work")
-            series = one.series if isinstance(one.series, Unknown) else one.series / one.work.w
-            lines.append(
-                f"  {words}: w = {w}, {tables.format_state(one.work.point, 'a')}; "
-                f"{tables.error_words(series, one.large_strains)}"
-            )
+            state = tables.format_state(one.work.point, "a")
+            lines.append(f"  {words}: w = {one.words()}, {state}; {one.series_words}")
         if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
             lines.append(f"  {OF_INPUTS}")
         return lines + validity_lines(self.result)
@@ -411,24 +416,17 @@ class MeasuredPullOff(Result):
 
     def words(self) -> list[str]:
         means, work = self.means, self.means.work
-        change = means.large_strains
-        digits = tables.digits(work.w, change)
-        if isinstance(means.error, Unknown) or not means.parts:
-            w = show(work.w, "work", digits)
-        else:
-            w = show_within(work.w, means.error, "work", digits)
+        w = means.words(tables.digits(work.w, means.large_strains))
         lines = [
-            f"w = {w}: the pull-off force "
-            f"{show(work.load, 'load')} of {means.result.path} ({control(work.stiffness)}, "
-            f"{tables.format_state(work.point, 'a')})"
+            f"w = {w}: the pull-off force {show(work.load, 'load')} of {means.result.path} "
+            f"({control(work.stiffness)}, {tables.format_state(work.point, 'a')})"
         ]
         if means.parts:
             parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
             lines.append(f"  error at {tables.AT_LEVEL} from {', '.join(parts)}")
         else:
             lines.append(f"  {OF_INPUTS}")
-        series = means.series if isinstance(means.series, Unknown) else means.series / work.w
-        lines.append(f"  {tables.error_words(series, change)}")
+        lines.append(f"  {means.series_words}")
         if work.half_space is None:
             lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
         else:

@@ -39,21 +39,12 @@ from .free_rows import WAVE, Term
 from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, change_words, is_misfit, left_out, misfits
 from .hypotheses import OF_ALTERNATIVES, amount_of_range, finite_range, range_of
 from .least_squares import Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
-from .lockstep import Flow, alone, together
+from .lockstep import Flow, alone
 from .model_changes import AMOUNT
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit, JKRBeside, later, without
 from .rows import noise_from_third_differences
-from .score_tests import (
-    DETECTED,
-    SCORE_DIGITS,
-    SCORE_TIED,
-    UNDECIDED,
-    FittedAlternative,
-    RecordAlternatives,
-    Verdict,
-    relative_errors,
-)
+from .score_tests import SCORE_DIGITS, SCORE_TIED, FittedAlternative, RecordAlternatives, Verdict, relative_errors
 from .segmentation import PERMANENT_SET, Direction, ForceCurve, examined
 from .settings import AUTO, CALIBRATED, RANGES, Settings
 
@@ -224,8 +215,7 @@ def _with_size(sizes: Mapping[str, float], remarks: list[str], scores: RecordAlt
         return scores
     names = " or ".join(f"{one.name} (E* {one.change(one.E_star):+.2%})" for one in scores.named)
     remarks.append(f"the residuals favour {names}: of no size")
-    undecided = (replace(one, word=UNDECIDED) if one.word == DETECTED else one for one in scores.scores)
-    return replace(scores, scores=tuple(undecided), named=())
+    return scores.undecided()
 
 
 def replace_by_best_alternative(
@@ -582,31 +572,15 @@ def as_fit(
     missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
     flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
     result = Fit(
-        name=curve.name,
-        file="" if curve.origin is None else str(curve.origin),
-        where=curve.where,
-        estimates=estimates,
-        free=free,
-        covariance=intervals.covariance_of(free) if best.ended else None,
-        samples=intervals.sampled(free),
-        data={"delta": curve.depth[rows], "P": curve.load[rows]},
-        rows=rows,
-        left_out=_left_out(record, rows.size),
-        a=a[order],
-        residuals=best.off[order][None] / best.sigma,
-        scales={"P": best.sigma},
-        scatter=1.0,
-        dof=dof,
-        structure=structure(best.off[a > 0]),
-        line=_line(best),
-        evaluations=best.least.steps,
-        settings=settings,
-        flags=tuple(flags),
-        sizes=sizes,
-        adhesion=None if back is None else known(back.adhesion),
-        directions=_directions(record, best, settings),
+        name=curve.name, file="" if curve.origin is None else str(curve.origin), where=curve.where,
+        estimates=estimates, free=free, covariance=intervals.covariance_of(free) if best.ended else None,
+        samples=intervals.sampled(free), data={"delta": curve.depth[rows], "P": curve.load[rows]}, rows=rows,
+        left_out=_left_out(record, rows.size), a=a[order], residuals=best.off[order][None] / best.sigma,
+        scales={"P": best.sigma}, scatter=1.0, dof=dof, structure=structure(best.off[a > 0]), line=_line(best),
+        evaluations=best.least.steps, settings=settings, flags=tuple(flags), sizes=sizes,
+        adhesion=None if back is None else known(back.adhesion), directions=_directions(record, best, settings),
         jkr=jkr,
-    )
+    )  # fmt: skip
     at_bound = ["modulus"] * any(math.isclose(values["modulus"], end, rel_tol=SAME) for end in best.model.moduli)
     result = replace(result, warnings=tuple(f"{name}: {sentence}" for name, sentence in flags.items()))
 
@@ -622,29 +596,17 @@ def _carried(
 ) -> dict[str, dict[str, float]]:
     """Changes of the outcome by the standard deviation of each uncertain input."""
 
-    def refitted(name: str, value: float) -> Flow[dict[str, float]]:
+    def outcome(name: str, value: float) -> dict[str, float]:
         if name in CALIBRATED:
             moved, model = body, best.model.calibrated(value, name == "stiffness")
         else:
             moved = body.with_values({name: value})
             model = replace(best.model, family=moved.family)
         begin = best.at_loads(value if name in CALIBRATED else 1.0)
-        again = yield from fitting(model, begin, near=True, loss=settings.loss)
+        again = alone(fitting(model, begin, near=True, loss=settings.loss))
         return outcome_of(again, again.x, moved)
 
     centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}
-    ends = [
-        (name, value)
-        for name, sigma in settings.uncertain.items()
-        for value in (centres[name] - sigma, centres[name] + sigma)
-    ]
-    outcomes = dict(zip(ends, together([refitted(*end) for end in ends]), strict=True))
-
-    def outcome(name: str, value: float) -> dict[str, float]:
-        if isinstance(found := outcomes[name, value], Exception):
-            raise found
-        return found
-
     return {
         name: changes_by(name, centres[name], sigma, here, partial(outcome, name))
         for name, sigma in settings.uncertain.items()
@@ -922,10 +884,8 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     other = "fit both directions, or " if len(joint.model.stretches) == 1 else ""
     reason = f"the rows in contact do not separate it from w and the contact point: {other}fix w (--fix w=...)"
     if rigid > -RECORD_RIGID:
-        reason = (
-            f"compared with a cantilever of {show(model.k, 'stiffness')} the specimen is nearly rigid: check "
-            "--stiffness and units"
-        )
+        beside_it = f"compared with a cantilever of {show(model.k, 'stiffness')}"
+        reason = f"{beside_it} the specimen is nearly rigid: check --stiffness and units"
     times = "" if error <= RECORD_UNDETERMINED else f"{error:.2g}" if error < 1000 else "more than 1000"
     times = f", its standard error is {times} times its value" if times else ""
     raise InputError(f"{curve.where}: E* is not determined{times}: {reason}")
@@ -1008,8 +968,7 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
     delta = curve.depth - (1 / best.model.k - stiff) * curve.load + shift["delta0"]
     note = (
         "only rows in contact are fitted; base lines and contact point are from the whole force curve, "
-        "delta0 = "
-        f"{show(outcome['delta0'], 'length', 5)} and P0 = {show(outcome['P0'], 'load', 5)}"
+        f"delta0 = {show(outcome['delta0'], 'length', 5)} and P0 = {show(outcome['P0'], 'load', 5)}"
     )
     placed = RECORD_PLACED_ROWS * best.sigma * float(np.ptp(delta) / np.ptp(curve.load))
     placed = max(placed, best.sigma * (1 / best.model.k - stiff))

@@ -38,7 +38,7 @@ from .parameters import FittedValue
 from .procedure import Failure
 from .result import Fit, JKRBeside
 from .score_tests import FittedAlternative, RecordAlternatives
-from .segmentation import Direction, ForceCurve, saturation_words, segment_force_curves
+from .segmentation import Direction, ForceCurve, saturation, saturation_words, segment_force_curves
 from .surface_tension import TensionFit
 from .work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
 
@@ -489,7 +489,7 @@ def joint_summary(joint: JointFit) -> dict[str, Any]:
         "status": DOUBTFUL if joint.flags else FITTED,
         "flags": list(joint.flags),
         "alone": [dict(values) for values in joint.alone],
-        "curves": summary(joint.fits, joint.body)["curves"],
+        "curves": [_summary(item) for item in joint.fits],
         "warnings": list(joint.warnings),
     }
 
@@ -706,7 +706,7 @@ def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
 def flags(item: WorkAlong) -> list[str]:
     """What a reader of the numbers should know about one curve."""
     size = len(item.curve)
-    lines = list(saturation_words(item.curve))
+    lines = list(saturation_words(item.curve, saturation(item.curve)))
     ends = {BELOW: "begin the solution at smaller radii", ABOVE: "increase [loading] radius"}
     for word, remedy in ends.items():
         if (count := int((item.state == word).sum())) > MANY * size:
@@ -920,16 +920,15 @@ def _direction_words(item: Direction) -> list[str]:
         where = "begins and the largest load" if approach else "ends and the adhesion force"
         return [f"no straight base line: where contact {where} are unknown"]
     touch = show_within(item.touch, item.touch_err, "length")
-    tension = (
-        f"unknown, {item.adhesion.reason}"
-        if isinstance(item.adhesion, Unknown)
-        else f"{show_within(item.adhesion, HALF_WIDTH * item.adhesion_err, 'load', 3, 2)} at "
-        f"{show(item.adhesion_at, 'length')}"
-    )
     count = len(item.jumps)
     if approach:
         jump = f"jump into contact by {show(-item.jumps[0].step, 'load', 3)}" if count else "no jump into contact"
         return [f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}", line]
+    if isinstance(item.adhesion, Unknown):
+        tension = f"unknown, {item.adhesion.reason}"
+    else:
+        force = show_within(item.adhesion, HALF_WIDTH * item.adhesion_err, "load", 3, 2)
+        tension = f"{force} at {show(item.adhesion_at, 'length')}"
     places = ", ".join(show(jump.position, "length") for jump in item.jumps)
     jumps = {0: "without a jump", 1: f"by one jump at {places}"}.get(count, f"by {count} jumps at {places}")
     return [f"adhesion force {tension}; out of contact from {touch} on, {jumps}", line]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from operator import itemgetter
 
@@ -115,6 +115,11 @@ class RecordAlternatives:
         moves = [(one.moved(getattr(one, quantity)), one.name) for one in self.named or self.scores]
         most, name = max(moves, key=itemgetter(0), default=(0.0, ""))
         return (name, most) if most > 0 else None
+
+    def undecided(self) -> RecordAlternatives:
+        """The same, none of them named."""
+        scores = (replace(one, word=UNDECIDED) if one.word == DETECTED else one for one in self.scores)
+        return replace(self, scores=tuple(scores), named=())
 
 
 @dataclass(frozen=True)

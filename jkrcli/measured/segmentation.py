@@ -45,12 +45,8 @@ def saturation(curve: Curve) -> dict[str, Array]:
     return found
 
 
-def saturation_words(curve: Curve) -> tuple[str, ...]:
-    """A sentence on each end of the loads at which they are saturated."""
-    return _words_on(curve, saturation(curve))
-
-
-def _words_on(curve: Curve, saturated: Mapping[str, Array]) -> tuple[str, ...]:
+def saturation_words(curve: Curve, saturated: Mapping[str, Array]) -> tuple[str, ...]:
+    """A sentence on each end of the loads at which they are ``saturated``."""
     return tuple(
         f"{np.count_nonzero(rows)} rows hold the same {name} load, {show(float(curve.load[rows][0]), 'load')}, as at "
         "the limit of a detector"
@@ -324,7 +320,7 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     flags += [*(dent or _on_base_lines(P, touched)), *_on_jumps(touched, limits), *_on_signs(z, P, directions)]
     second = sum(level.of_contact for level in held.levels) if held is not None else 0
     flags += [("several contacts", f"{second + 1} jumps under tension in the {RETRACT}")] * bool(second)
-    flags += [("saturated", f"{sentence}: they are left out") for sentence in _words_on(curve, saturated)]
+    flags += [("saturated", f"{sentence}: they are left out") for sentence in saturation_words(curve, saturated)]
     return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held)
 
 
@@ -1063,10 +1059,8 @@ def _on_signs(device: Array, P: Array, directions: Sequence[Direction]) -> Itera
             sentence = f"the displacement{which} has the opposite sign: indentation must be positive (--flip delta)"
             yield "wrong way", sentence
         elif len(directions) == 1 and presses_outward(z, load):
-            yield (
-                "wrong way",
-                ("the load rises while the displacement falls; indentation must be positive (--flip delta)"),
-            )
+            sentence = "the load rises while the displacement falls; indentation must be positive (--flip delta)"
+            yield "wrong way", sentence
         elif _pulls_deepest(z, load, item):
             sentence = f"the load of the {name} is least where the instrument presses deepest"
             yield "wrong sign", f"{sentence}: is compression negative (--flip P)?"
@@ -1154,9 +1148,8 @@ def with_zero_points(curve: Curve) -> Curve:
     touch, half = float(z[first - 1] + z[first]) / 2, abs(float(z[first] - z[first - 1])) / 2
     flag = (
         f"contact point and force offset estimated from {free} free rows: first touch at "
-        f"{show(touch, 'length')} (within "
-        f"{show(half, 'length')}), baseline {show(float(side.base(np.array(touch))), 'load')} with a tilt of "
-        f"{side.base.tilt:.3g} N/m"
+        f"{show(touch, 'length')} (within {show(half, 'length')}), "
+        f"baseline {show(float(side.base(np.array(touch))), 'load')} with a tilt of {side.base.tilt:.3g} N/m"
     )
     P = curve.load - side.base(curve.device)
     delta = curve.device - touch - (0.0 if curve.stiffness is None else P / curve.stiffness)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from jkrcli.base.errors import InputError
 from jkrcli.measured import files as measured
 from jkrcli.measured.curve import Curve, Reading
-from jkrcli.measured.segmentation import saturation_words, with_zero_points
+from jkrcli.measured.segmentation import saturation, saturation_words, with_zero_points
 
 MEND = ": correct it, or put # before it"
 A = np.array([1.0, 2.0, 3.0, 2.5]) * 1e-5
@@ -310,6 +310,7 @@ def test_zero_points_need_a_free_approach() -> None:
 def test_a_detector_at_its_limit_is_seen() -> None:
     raw = recorded()
     assert raw.P is not None
-    assert saturation_words(raw) == ()
-    (said,) = saturation_words(Curve("c", delta=raw.delta, P=np.minimum(raw.P, 3e-8)))
+    assert saturation_words(raw, saturation(raw)) == ()
+    held = Curve("c", delta=raw.delta, P=np.minimum(raw.P, 3e-8))
+    (said,) = saturation_words(held, saturation(held))
     assert "rows hold the same largest load, 30 nN" in said

@@ -269,10 +269,8 @@ def record_figure(records: Sequence[ForceCurve]) -> Figure:
     shown = [records[i] for i in every]
     columns = math.ceil(math.sqrt(len(shown)))
     rows = math.ceil(len(shown) / columns)
-    (x, length), (y, load) = (
-        unit_of(dimension, *(getattr(record.curve, name) for record in shown))
-        for name, dimension in (("device", "length"), ("P", "load"))
-    )
+    x, length = unit_of("length", *(record.curve.device for record in shown))
+    y, load = unit_of("load", *(record.curve.load for record in shown))
     with panelled(plots.WIDE, max(3.6, 2.2 * rows + 0.6), len(shown), columns, legend=4) as (figure, panels):
         for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
             _panel(panel, record, x, y, round(LETTERS / columns))
@@ -389,7 +387,8 @@ def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float,
         colour, marker = GROUPS[name]
         axes.loglog(np.abs(rows["speed"]) / speed, rows["w"] / w, marker, color=colour, ms=3, mfc="none")
     if law is not None:
-        v = np.geomspace(*law.speeds, 100)
+        slowest, fastest = law.speeds
+        v = np.geomspace(slowest, fastest, 100)
         middle, low, high = law.band(v)
         axes.fill_between(v / speed, low / w, high / w, color=plots.BLACK, alpha=0.2, lw=0)
         axes.loglog(v / speed, middle / w, color=plots.BLACK, label="power law")

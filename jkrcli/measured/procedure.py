@@ -356,14 +356,10 @@ def _completed(fitted: Fit, body: FittedBody, curve: Curve) -> Flow[Fit]:
     ]
     warnings = (*flags, *fitted.warnings)
     fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
-    steps: tuple[tuple[str, Callable[[Fit], Fit]], ...] = (
-        ("inputs that no error holds", lambda fit: with_inputs(fit, body, curve.stiffness)),
-        (OF_SHAPE, lambda fit: with_shape(fit, body)),
-        (OF_STRAINS, lambda fit: with_strains(fit, body)),
-    )
-    for what, step in steps:
-        fitted = yield from later(fitted, what, partial(step, fitted))
-    return fitted
+    inputs = partial(with_inputs, fitted, body, curve.stiffness)
+    fitted = yield from later(fitted, "inputs that no error holds", inputs)
+    fitted = yield from later(fitted, OF_SHAPE, partial(with_shape, fitted, body))
+    return (yield from later(fitted, OF_STRAINS, partial(with_strains, fitted, body)))
 
 
 def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
@@ -389,11 +385,8 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
             ratio = abs(float(along @ P[top] / (along @ along))) / stiffness
     if ratio is not None:
         of_error = f" (1 % changes E* by {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} %)"
-        missing += [
-            words
-            for name, words in (("stiffness", "spring constant"), ("sensitivity", f"sensitivity{of_error}"))
-            if name not in fitted.settings.uncertain
-        ]
+        of_device = {"stiffness": "spring constant", "sensitivity": f"sensitivity{of_error}"}
+        missing += [words for name, words in of_device.items() if name not in fitted.settings.uncertain]
     words = f"{', '.join(missing)}: --uncertain adds their errors" if missing else ""
     fitted = replace(fitted, not_included=words)
     modulus = next((item for item in fitted.estimates if item.name == "E_star"), None)
@@ -724,10 +717,9 @@ def friction_warnings(body: FittedBody, results: Sequence[Fit | Failure]) -> Ite
     fits = [item for item in results if isinstance(item, Fit) and item.a.size]
     if not fits:
         return
-    names = {estimate.name for estimate in fits[0].estimates}
-    factor = fits[0].value("modulus") if "modulus" in names else 1.0
-    works = [fits[0].value("w")] if "w" in names else []
-    problem = body.problem.scaled(factor)
+    values = {item.name: item.value for item in fits[0].estimates}
+    works = [values["w"]] if "w" in values else []
+    problem = body.problem.scaled(values.get("modulus", 1.0))
     effect = sticking_effect(problem, max(float(item.a.max()) for item in fits), works)
     for warning in sticking_warnings(problem, effect):
         yield f"{warning}; jkr fit --surface both fits either"

@@ -498,8 +498,9 @@ def joint_summary(joint: JointFit) -> dict[str, Any]:
 def joint_words(joint: JointFit) -> list[str]:
     """What is shared, then what each record says alone, and its own."""
     shared = [item for item in joint.shared if item.name != "modulus"]
+    doubts = f"; {DOUBTFUL}: {', '.join(joint.flags)}" if joint.flags else ""
     lines = [
-        brief(shared, joint.level) + (f"; {DOUBTFUL}: {', '.join(joint.flags)}" if joint.flags else ""),
+        brief(shared, joint.level) + doubts,
         f"  {len(joint.fits)} force curves together (p = {joint.chance:.2g} for differences as large as theirs)",
     ]
     lines += estimate_lines(shared, joint.level, {})
@@ -693,11 +694,9 @@ def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
         return None
     low, middle, high = (float(value) for value in np.quantile(item.w[rows], QUARTILES))
     spread: dict[str, Any] = {"rows": int(rows.sum()), "median_J_per_m2": middle, "quartiles_J_per_m2": [low, high]}
-    errors = {"err": item.w_err} | {f"err_by_{name}": share for name, share in item.shares.items()}
-    spread |= {
-        f"{name}_J_per_m2": None if values is None else float(np.median(values[rows]))
-        for name, values in errors.items()
-    }
+    errors = {"err": item.w_err, **{f"err_by_{name}": share for name, share in item.shares.items()}}
+    for name, values in errors.items():
+        spread[f"{name}_J_per_m2"] = None if values is None else float(np.median(values[rows]))
     if item.speed is not None and item.timed is not None and (timed := rows & item.timed).any():
         spread["speed_m_per_s"] = [float(value) for value in np.quantile(item.speed[timed], (0, 1))]
     return spread
@@ -707,8 +706,7 @@ def flags(item: WorkAlong) -> list[str]:
     """What a reader of the numbers should know about one curve."""
     size = len(item.curve)
     lines = list(saturation_words(item.curve, saturation(item.curve)))
-    ends = {BELOW: "begin the solution at smaller radii", ABOVE: "increase [loading] radius"}
-    for word, remedy in ends.items():
+    for word, remedy in ((BELOW, "begin the solution at smaller radii"), (ABOVE, "increase [loading] radius")):
         if (count := int((item.state == word).sum())) > MANY * size:
             lines.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
     if (count := int((item.state == NONE).sum())) > MANY * size:
@@ -798,9 +796,7 @@ class Look(Result):
             flagged = sum(bool(record.flags) for record in self.records)
             head = [f"{counted(count, 'curve')}, {flagged} of them with remarks: {self.path}"]
             lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
-        return lines + (
-            [f"  ... and {counted(count - SHOWN, 'more curve')} (all with --json)"] if count > SHOWN else []
-        )
+        return lines + [f"  ... and {counted(count - SHOWN, 'more curve')} (all with --json)"] * (count > SHOWN)
 
     @property
     def warnings(self) -> Sequence[str]:

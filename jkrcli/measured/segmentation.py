@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -376,11 +377,8 @@ def _named_segments(curve: Curve, delta: Array) -> list[Segment]:
     called; rows of one direction at a standstill by the turn are a dwell."""
     words, P = curve.segment, curve.load
     assert words is not None
-    ends = np.flatnonzero(words[1:] != words[:-1])
-    stretches = [
-        Segment(str(words[first]), int(first), int(last))
-        for first, last in zip([0, *(ends + 1)], [*ends, words.size - 1], strict=True)
-    ]
+    edges = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1).tolist(), words.size]
+    stretches = [Segment(str(words[first]), first, end - 1) for first, end in pairwise(edges)]
     parts: list[Segment] = []
     for part in stretches:
         inside = _segments_by_motion(delta[part.rows], P[part.rows])[0] if len(part) >= FEWEST_ROWS else []

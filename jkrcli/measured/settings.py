@@ -14,17 +14,7 @@ from ..base.units import Force, Length, Named, Ranged, Tension, texts_of
 from ..bodies.problem import RADIUS, checked_names
 from . import priors
 from .forward_model import FittedBody
-from .parameters import (
-    ALIAS,
-    DIMENSIONS,
-    OF_A_CYCLE,
-    OF_TRAVEL,
-    POSITIONS,
-    Level,
-    Parameter,
-    dimension_of,
-    read_value,
-)
+from .parameters import ALIAS, DIMENSIONS, OF_A_CYCLE, OF_TRAVEL, POSITIONS, Level, Parameter, dimension_of, read_value
 
 BranchName = Literal["all", "compressive"]
 SegmentName = Literal["approach", "retract", "both"]

@@ -29,7 +29,7 @@ from ..base.numerics import MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SET
 from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
 from .curve import APPROACH, RETRACT
 from .forward_model import Family, on_grid
-from .free_rows import LAWS, LOADS, RANGE, FreeRows, Place, Term
+from .free_rows import LOADS, RANGE, FreeRows, Place, Term
 from .least_squares import (
     TURNS,
     Least,
@@ -579,15 +579,10 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
     if part.place is not None and part.held is not None:
         line = line - part.held.taken[part.rows]
         for term in part.terms:
-            own, place, by_size = [values[name] for name in term.names], part.place, 0.0
-            if term.law in LAWS:
-                at, by_size = term.contact(values["z0"], own, place.stiffness)
-                place = place.about(at)
-                by["z0"] = by.get("z0", 0.0) + term.by_contact(place, own)
-            load, columns = term.at(place, own)
+            own = [values[name] for name in term.names]
+            load, columns, by_zero = term.beside_contact(part.place, own, values["z0"])
             line += load
-            if by_size:
-                columns[0] = columns[0] + by_size * term.by_contact(place, own)
+            by["z0"] = by.get("z0", 0.0) + by_zero
             by |= dict(zip(term.names, columns, strict=True))
     return line, by
 

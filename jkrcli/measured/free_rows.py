@@ -117,15 +117,9 @@ class Place:
 
     def limits(self, law: str) -> tuple[float, float]:
         """The least and the largest log of the range of a term by a ``law``."""
-        ends = {DECAY: float(self.rows.max()) * FREE_DECAYS, WAVE: self.way * FREE_PERIODS}.get(
-            law, self.way * FREE_RANGES
-        )
-        low, high = np.log(ends).tolist()
+        whole = float(self.rows.max()) if law == DECAY else self.way
+        low, high = np.log(whole * {DECAY: FREE_DECAYS, WAVE: FREE_PERIODS}.get(law, FREE_RANGES)).tolist()
         return low, high
-
-    def about(self, at: float) -> Place:
-        """The same of another place of contact."""
-        return replace(self, at=at)
 
     def some(self, rows: Array) -> Place:
         """The same of some of the rows."""
@@ -198,8 +192,7 @@ class Term:
     def at(self, place: Place, values: Sequence[float]) -> tuple[Array, list[Array]]:
         """The load [N] at rows, and its derivatives by the ``values``."""
         A, x = values[0], place.x
-        mine = 1.0 if not self.side else ((place.free == self.side) | (place.inside == self.side)).astype(float)
-        free, inside = mine * (place.free > 0), mine * (place.inside > 0)
+        free, inside = self._rows(place)
         if self.law == VIRTUAL:
             bend = ((x - place.at) / place.way) ** 2 * (free + inside)
             return A * bend, [bend]
@@ -219,40 +212,37 @@ class Term:
             load, columns = (A + values[1] * along) * on, [on, along * on]
             return self._stretched(place, values, inside, load, columns) if self.stays else (load, columns)
 
-        f, slope = LAWS[self.law]
-        reach, k, gap = math.exp(values[1]), place.stiffness, self._gap(place, values)
-        shape, fall = f(gap / reach), slope(gap / reach) / reach * (gap > 0)
-        rate = 1 / np.maximum(1 - A * fall / k, FREE_STEEPEST)  # of the gap, by what opens it
-        bend = shape * free + self.stays * inside
-        by_size = bend + A * fall * (shape - 1) / k * rate * free
-        return A * bend, [by_size, -A * fall * gap * rate * free]
+        return self._attraction(place, values)[:2]
 
-    def contact(self, zero: float, values: Sequence[float], stiffness: float) -> tuple[float, float]:
-        """Where the device is [m] when the gap of an attraction closes at a ``zero`` of the depth in contact, where
-        what stays in contact is taken off, and the derivative of that by the size."""
-        return zero + (self.size if self.stays else values[0]) / stiffness, 0.0 if self.stays else 1 / stiffness
+    def _rows(self, place: Place) -> tuple[Array, Array]:
+        """Which rows are free, and which in contact, of those that it is of, as 1."""
+        own = (kinds == self.side if self.side else kinds > 0 for kinds in (place.free, place.inside))
+        free, inside = (rows.astype(float) for rows in own)
+        return free, inside
 
-    def by_contact(self, place: Place, values: Sequence[float]) -> Array:
-        """The derivative of an attraction before contact by the place of contact [N/m]."""
-        A, reach, slope = values[0], math.exp(values[1]), LAWS[self.law][1]
-        gap = self._gap(place, values)
-        fall = slope(gap / reach) / reach * (gap > 0)
-        on = (place.free > 0) if not self.side else place.free == self.side
-        change: Array = A * fall / np.maximum(1 - A * fall / place.stiffness, FREE_STEEPEST) * on
-        return change
+    def beside_contact(self, place: Place, values: Sequence[float], zero: float) -> tuple[Array, list[Array], Array]:
+        """The same, and the derivative by the ``zero`` of the depth in contact [N/m]: where the gap of an attraction
+        closes, by what is taken off in contact, which is what stays."""
+        if self.law not in LAWS:
+            return *self.at(place, values), np.zeros(place.x.size)
+        place = replace(place, at=zero + (self.size if self.stays else values[0]) / place.stiffness)
+        load, columns, by_at = self._attraction(place, values)
+        columns[0] = columns[0] + by_at * (not self.stays) / place.stiffness
+        return load, columns, by_at
 
-    def _gap(self, place: Place, values: Sequence[float]) -> Array:
-        """The gap before a device that the attraction deflects, at - z + A (f(gap/range) - 1)/k, by Newton's steps."""
-        (A, log), k, (f, slope) = values, place.stiffness, LAWS[self.law]
-        reach = math.exp(log)
-        gap = np.maximum(place.at - place.x, 0.0)
+    def _attraction(self, place: Place, values: Sequence[float]) -> tuple[Array, list[Array], Array]:
+        """``at`` of an attraction, and its derivative by the place of contact [N/m]. The gap before a device that it
+        deflects, at - z + A (f(gap/range) - 1)/k, is by Newton's steps."""
+        (A, log), k, (f, slope), (free, inside) = values, place.stiffness, LAWS[self.law], self._rows(place)
+        reach, gap = math.exp(log), np.maximum(place.at - place.x, 0.0)
         for _ in range(FREE_ROUNDS if math.isfinite(k) else 0):
-            off, rate = (
-                gap - place.at + place.x - A * (f(gap / reach) - 1) / k,
-                1 - A * slope(gap / reach) / (reach * k),
-            )
+            off = gap - place.at + place.x - A * (f(gap / reach) - 1) / k
+            rate = 1 - A * slope(gap / reach) / (reach * k)
             gap = np.maximum(gap - off / np.maximum(rate, FREE_STEEPEST), 0.0)
-        return gap
+        shape, fall = f(gap / reach), A * slope(gap / reach) / reach * (gap > 0)
+        by_at = fall / np.maximum(1 - fall / k, FREE_STEEPEST) * free
+        bend = shape * free + self.stays * inside
+        return A * bend, [bend + by_at * (shape - 1) / k, -by_at * gap], by_at
 
     def _stretched(
         self, place: Place, values: Sequence[float], inside: Array, load: Array, columns: list[Array]
@@ -270,23 +260,21 @@ class Term:
 
     @property
     def words(self) -> str:
-        size = f"{show(abs(self.size), 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)}"
+        error = f" ± {show(HALF_WIDTH * self.error, 'length' if self.law == RELAXED else 'load', 2)}"
         if self.law == LEVEL:
             change, sloped = self.values[1], abs(self.values[1]) > FREE_SLOPED * self.errors[1]
-            level = f"{show(self.size, 'load', 3)} ± {show(HALF_WIDTH * self.error, 'load', 2)}"
             end = f" to {show(self.size + change, 'load', 3)}" * sloped
-            return (
-                f"a level of {level}{end} between {show(self.far, 'length', 4)} and {show(self.near, 'length', 4)} "
-                f"after contact is lost: {'' if self.of_contact else 'a tether or '}a second contact"
-                f"{', stretched in contact too' * self.stays}"
-            )
+            ends, what = f"{show(self.far, 'length', 4)} and {show(self.near, 'length', 4)}", "a second contact"
+            what = (what if self.of_contact else f"a tether or {what}") + ", stretched in contact too" * self.stays
+            return f"a level of {show(self.size, 'load', 3)}{error}{end} between {ends} after contact is lost: {what}"
+        if self.law == RELAXED:
+            sunk = f"{show(self.size, 'length', 3)}{error}"
+            return f"{RELAXED}, by which the surface has sunk by {sunk} before the retraction"
+        size = f"{show(abs(self.size), 'load', 3)}{error}"
         if self.law == VIRTUAL:
             return f"a {VIRTUAL} that bends the base line by {size} over the free way"
         if self.law == DECAY:
             return f"a {DECAY} of the load, {size} at first, by a factor e over {self.range:.3g} rows"
-        if self.law == RELAXED:
-            sunk = f"{show(self.size, 'length', 3)} ± {show(HALF_WIDTH * self.error, 'length', 2)}"
-            return f"{RELAXED}, by which the surface has sunk by {sunk} before the retraction"
         if self.law == WAVE:
             return f"a wave of {size} and a period of {show(self.range, 'length', 4)}: {WAVE}"
         what = "an attraction" if self.size < 0 else "a repulsion"
@@ -354,9 +342,8 @@ class FreeRows:
     @property
     def brief(self) -> str:
         """What bends the base line, in a word or two."""
-        springs = [
-            f"{LEVEL} stretched in contact" if term.law == LEVEL else RELAXED for term in self.terms if term.moves
-        ]
+        stretched = f"{LEVEL} stretched in contact"
+        springs = [stretched if term.law == LEVEL else RELAXED for term in self.terms if term.moves]
         return " and ".join([*(term.brief for term in self.bends), *springs]) or "a straight base line"
 
     def of(self, *terms: Term) -> FreeRows:
@@ -382,9 +369,8 @@ class FreeRows:
         if levels and levels[-1].values[1] > FREE_SLOPED * levels[-1].errors[1]:
             spring = replace(levels[-1], stays=True)
             found.append(self.of(*(spring if term is levels[-1] else term for term in self.terms)))
-        return (
-            found if self.sunk is None else [one.of(*one.terms, *more) for one in found for more in ((self.sunk,), ())]
-        )
+        sinks = [()] if self.sunk is None else [(self.sunk,), ()]
+        return [one.of(*one.terms, *sunk) for one in found for sunk in sinks]
 
 
 def free_rows(sides: Sequence[Side], size: int, stiffness: float, sunk: float = 0.0) -> Flow[FreeRows | None]:
@@ -402,13 +388,8 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float, sunk: float = 
     spoilt = [np.zeros(0, dtype=int), *(side.rows[max(edge - 1, 0) : edge + 2] for side, edge, _ in found)]
     terms = yield from _bends(sides, place, [term for _, _, term in found])
     # Rows that rest on one level of a converter, with noise below it, know their load to its share of a level only.
-    rest = [
-        side
-        for side in sides
-        if side.code
-        and side.y.size >= FREE_FEWEST
-        and np.mean(np.abs(np.diff(side.y)) < FREE_EVEN_LEVEL * side.code) > FREE_RESTS
-    ]
+    coded = [side for side in sides if side.code and side.y.size >= FREE_FEWEST]
+    rest = [side for side in coded if np.mean(np.abs(np.diff(side.y)) < FREE_EVEN_LEVEL * side.code) > FREE_RESTS]
     rounding, raised = max((side.code for side in rest), default=0.0) / math.sqrt(12), list[Array]()
     for power in (0, 1) if rounding else ():  # of the offset, and of the tilt over the free way
         own = np.zeros(size)
@@ -464,17 +445,13 @@ def _levels(side: Side) -> tuple[list[tuple[int, Term]], int]:
         steps = {edge: _step(side, before, edge, after) for before, edge, after in around}
     edges = [edge for edge in edges if abs(steps[edge][0]) > FREE_SIGMAS * steps[edge][1]]
     tensions = np.cumsum([steps[edge][0] for edge in edges])
-    tethers = (
-        all(steps[edge][0] < -FREE_CODES * side.code for edge in edges)
-        and edges
-        and tensions.min() > FREE_LEVEL * side.jump
-    )
+    falls = all(steps[edge][0] < -FREE_CODES * side.code for edge in edges)
+    tethers = falls and edges and tensions.min() > FREE_LEVEL * side.jump
     if not tethers or any(steps[edge][2] > FREE_EVEN * side.noise for edge in edges):
         return [], edges[0] if tethers and len(edges) > 1 else rows
     found = list[tuple[int, Term]]()
-    for edge, end, tension in zip(
-        edges, (end - 1 for end in (*edges[1:], side.y.size)), tensions.tolist(), strict=True
-    ):
+    ends = [end - 1 for end in (*edges[1:], side.y.size)]
+    for edge, end, tension in zip(edges, ends, tensions.tolist(), strict=True):
         if end > edge:
             (first, last), (far, near) = sorted(side.rows[[edge, end]].tolist()), side.x[[edge, end]].tolist()
             second = steps[edge][0] < FREE_TETHER * side.jump
@@ -550,10 +527,8 @@ class _Blocks:
         for side in sides:
             size, own = max(1, side.y.size // FREE_BLOCKS), place.some(side.rows)
             of_levels = [column for term in levels for column in term.at(own, term.values)[1]]
-            rows, x, y, *of_levels = (
-                np.einsum("ij->i", v[v.size % size :].reshape(-1, size)) / size
-                for v in (side.rows.astype(float), side.x, side.y, *of_levels)
-            )
+            each = (v[v.size % size :].reshape(-1, size) for v in (side.rows.astype(float), side.x, side.y, *of_levels))
+            rows, x, y, *of_levels = (np.einsum("ij->i", v) / size for v in each)
             rounding = side.code / math.sqrt(12) * side.rounds  # which means do not lessen
             noise = max(row_noise(y), side.noise / math.sqrt(size), rounding)
             means.append(np.vstack([rows, x, y, np.full((2, y.size), [[1 + (side.kind != "approach")], [noise]])]))
@@ -570,16 +545,16 @@ class _Blocks:
 
     def with_levels(self, terms: Sequence[Term]) -> tuple[Term, ...]:
         """The levels as they are beside ``terms``, and these."""
-        off = (self.y - sum(term.at(self.place, term.values)[0] for term in terms)) / self.noise
+        off = self.less(terms).y / self.noise
         values = (self._inverse @ off)[-2 * len(self.levels) :].reshape(-1, 2).tolist() if self.levels else []
         errors = np.linalg.norm(self._inverse, axis=1)[-2 * len(self.levels) :].reshape(-1, 2).tolist()
         levels = (replace(level, values=tuple(value), errors=tuple(error))
                   for level, value, error in zip(self.levels, values, errors, strict=False))  # fmt: skip
         return (*levels, *terms)
 
-    def less(self, bent: _Bent) -> _Blocks:
-        """The same less what terms make of their loads."""
-        return replace(self, y=self.y - sum(term.at(self.place, term.values)[0] for term in bent.terms))
+    def less(self, terms: Sequence[Term]) -> _Blocks:
+        """The same less what ``terms`` make of their loads."""
+        return replace(self, y=self.y - sum(term.at(self.place, term.values)[0] for term in terms))
 
     @property
     def dof(self) -> int:
@@ -588,7 +563,8 @@ class _Blocks:
     @cached_property
     def straight(self) -> float:
         """The chi^2 that lines leave."""
-        return self._left(self.y / self.noise)
+        off = self._beside_lines(self.y)
+        return float(off @ off)
 
     def _beside_lines(self, columns: Array) -> Array:
         """What lines leave of columns (blocks, n), over the noise."""
@@ -599,10 +575,6 @@ class _Blocks:
     @cached_property
     def _inverse(self) -> Array:
         return np.linalg.pinv(self.lines)
-
-    def _left(self, scaled: Array) -> float:
-        off = scaled - self.lines @ (self._inverse @ scaled)
-        return float(off @ off)
 
     def fitted(self, terms: Sequence[Term]) -> _Bent:
         """The ``terms`` as they leave least beside lines, by Gauss and Newton's steps from where they are."""
@@ -645,7 +617,7 @@ class _Blocks:
 
     def with_another(self, bent: _Bent, law: str) -> _Bent:
         """Terms and one by a ``law`` that begins from what they leave."""
-        return self.fitted([*bent.terms, self.less(bent).begun(law)])
+        return self.fitted([*bent.terms, self.less(bent.terms).begun(law)])
 
     def begun(self, law: str, side: int = 0) -> Term:
         """A term by a ``law``, of the range tried that leaves least where nothing is deflected."""
@@ -691,10 +663,7 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
     blocks = _Blocks.of(usable, place, levels)
     straight = [blocks.with_levels(())] if levels else []
     at, way, noise = place.at, place.way, max(side.noise for side in usable)
-    numbers, y = (
-        blocks.place.free,
-        blocks.y - sum(term.at(blocks.place, term.values)[0] for term in blocks.with_levels(())),
-    )
+    numbers, y = blocks.place.free, blocks.less(blocks.with_levels(())).y
     each = [(blocks.place.x[mine], y[mine], float(blocks.noise[mine][0]))
             for mine in (numbers == number for number in np.unique(numbers))]  # fmt: skip
     near, far = yield from ask(_falls, (each, at, way))
@@ -703,9 +672,8 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
     # Rows next to contact may belong to it, or to a slow jump: what bends is seen without them, too.
     beyond = [(x < at - FREE_RANGES[0] * way, x, y, noise) for x, y, noise in each]
     apart = [(x[some], y[some], noise) for some, x, y, noise in beyond if some.any()]
-    if not apart or (
-        max((yield from ask(_falls, (apart, at, way)))) < FREE_BENDS and blocks.straight < blocks.dof + FREE_BENDS
-    ):
+    seen = max((yield from ask(_falls, (apart, at, way)))) >= FREE_BENDS if apart else False
+    if not apart or not (seen or blocks.straight >= blocks.dof + FREE_BENDS):
         return straight
 
     laws = [*LAWS] if near >= FREE_BENDS else []
@@ -758,10 +726,8 @@ def _falls(asked: Sequence[tuple[Sequence[tuple[Array, Array, float]], float, fl
     counts = np.array([x.size for x, *_ in sides])
     starts = np.cumsum(counts) - counts
     records = starts[np.cumsum([0, *(len(blocks) for blocks, _, _ in asked[:-1])])]
-    noise, at, way = (
-        np.repeat(values, counts)
-        for values in zip(*((max(noise, 1e-300), at, way) for _, _, noise, at, way in sides), strict=True)
-    )
+    numbers = zip(*((max(noise, 1e-300), at, way) for _, _, noise, at, way in sides), strict=True)
+    noise, at, way = (np.repeat(values, counts) for values in numbers)
     x, y = (np.concatenate([side[column] for side in sides]) for column in (0, 1))
 
     def of_side(values: Array) -> Array:

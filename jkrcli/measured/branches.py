@@ -31,16 +31,10 @@ DEVICE_PATH_POLISHED = 4  # theory: steps of Newton's method, which square the e
 DEVICE_PATH_NEAR = 1e-6  # theory: of log a, whose third power is round-off
 DEVICE_PATH_STEP = 0.5  # choice: of log a, the longest step to where the edge rests
 # theory: the quintic through values and two derivatives at 0 and 1, by powers of the place: of each what it counts
-DEVICE_PATH_QUINTIC = np.array(
-    [
-        [1.0, 0.0, 0.0, -10.0, 15.0, -6.0],
-        [0.0, 1.0, 0.0, -6.0, 8.0, -3.0],
-        [0.0, 0.0, 0.5, -1.5, 1.5, -0.5],
-        [0.0, 0.0, 0.0, 10.0, -15.0, 6.0],
-        [0.0, 0.0, 0.0, -4.0, 7.0, -3.0],
-        [0.0, 0.0, 0.0, 0.5, -1.0, 0.5],
-    ]
-).T
+DEVICE_PATH_QUINTIC = np.array([
+    [1.0, 0.0, 0.0, -10.0, 15.0, -6.0], [0.0, 1.0, 0.0, -6.0, 8.0, -3.0], [0.0, 0.0, 0.5, -1.5, 1.5, -0.5],
+    [0.0, 0.0, 0.0, 10.0, -15.0, 6.0], [0.0, 0.0, 0.0, -4.0, 7.0, -3.0], [0.0, 0.0, 0.0, 0.5, -1.0, 0.5],
+]).T  # fmt: skip
 _RISING = np.diag(np.arange(1.0, 6.0), 1)  # the derivatives of 1, x, ..., x^5 by these powers
 # what each counts in the value, the derivative and the second one, side by side
 DEVICE_PATH_QUINTICS = np.hstack([np.linalg.matrix_power(_RISING, n) @ DEVICE_PATH_QUINTIC for n in range(3)])

@@ -278,15 +278,11 @@ class ForceCurveModel:
         names = ["ln_s", "z0", *self.positions]
         for stretch in self.stretches:
             names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"]
-            names += [self.adhesion_of(stretch)] * (stretch.kind not in self.works)
+            rests = stretch is not self.stretches[-1] and self.stretches[-1].tension > 0
+            names += [f"{'r' if rests else 'q'}:{stretch.kind}"] * (stretch.kind not in self.works)
             names += ["turn"] * (len(self.stretches) == 1 and stretch.kind != APPROACH and stretch.tension > 0)
         names += [name for term in self.stretches[0].terms for name in term.names]
         return tuple(name for name in names if name not in self.known)
-
-    def adhesion_of(self, stretch: DirectionReadings) -> str:
-        """The name of the unknown that w of a stretch comes from."""
-        rests = stretch is not self.stretches[-1] and self.stretches[-1].tension > 0
-        return f"r:{stretch.kind}" if rests else f"q:{stretch.kind}"
 
     @cached_property
     def most(self) -> float:
@@ -410,7 +406,8 @@ class ForceCurveModel:
         return [column[: round(FORCE_CURVE_SURELY * part.line.rows)] for part, column in parts]
 
     @cached_property
-    def _residuals(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
+    def remembered(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
+        """The ``residuals`` at the last unknowns, by these and ``blunt``."""
         return {}
 
     def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
@@ -418,25 +415,7 @@ class ForceCurveModel:
 
         ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
         """
-        if self.remembers(x, blunt):
-            return self.remember(x, blunt, None)
-        (answer,) = residuals_of([(self, x, blunt)])
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
-
-    def remembers(self, x: Array, blunt: float) -> bool:
-        """Whether the residuals at these unknowns are known."""
-        return (x.tobytes(), blunt) in self._residuals
-
-    def remember(self, x: Array, blunt: float, answer: tuple[Array, Array] | None) -> tuple[Array, Array]:
-        """The residuals, which are kept; None: those that are known."""
-        cache, key = self._residuals, (x.tobytes(), blunt)
-        if answer is not None:
-            if len(cache) >= FORCE_CURVE_REMEMBERED:
-                del cache[next(iter(cache))]
-            cache[key] = answer
-        return cache[key]
+        return alone(ask(residuals_of, (self, x, blunt)))
 
     def assembled(self, values: Mapping[str, float], on_path: Sequence[OnPath]) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows and its derivatives (unknowns, rows), from the loads of the contact in
@@ -472,10 +451,7 @@ class ForceCurveModel:
 
     def off(self, x: Array, blunt: float) -> Array:
         """Model minus reading [N] of all rows."""
-        (answer,) = offs([(self, x, blunt)])
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
+        return alone(ask(offs, (self, x, blunt)))
 
     def by_position(self, x: Array) -> Array:
         """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
@@ -509,9 +485,7 @@ class ForceCurveModel:
         """``by_position``, and the branch and the resting edge of each stretch, None where its loads are not those of
         the path: of the last evaluation or of one more."""
         if (key := x.tobytes()) not in self._paths:
-            (answer,) = evaluated([(self, x, 0.0)])
-            if isinstance(answer, Exception):
-                raise answer
+            alone(ask(evaluated, (self, x, 0.0)))
         return self._paths[key]
 
     def remember_path(self, x: Array, on_path: Sequence[OnPath]) -> None:
@@ -629,11 +603,8 @@ def contact_loads(
         lost = lost.copy()
         lost[resting], end[resting] = edge.until(moving.u[resting, moving.first[resting]], lost[resting])
     # Rows in contact, in order of the curves, and the curve of each.
-    models = [asked[place][0] for place in places]
-    touching = [
-        model.touching(part, depth, fold)
-        for model, part, depth, fold in zip(models, parts, depths, lost.tolist(), strict=True)
-    ]
+    stretches = zip((asked[place][0] for place in places), parts, depths, lost.tolist(), strict=True)
+    touching = [model.touching(part, depth, fold) for model, part, depth, fold in stretches]
     depth, rows = np.concatenate(depths), np.concatenate(touching).nonzero()[0]
     ends = list(itertools.accumulate((one.size for one in depths), initial=0))
     own, z = np.repeat(np.arange(len(each)), np.diff(ends))[rows], depth[rows]
@@ -706,15 +677,15 @@ def evaluated(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Excepti
 
 def residuals_of(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exception]:
     """The ``residuals`` of some models, each remembered by its model."""
-    new = {place: one for place, one in enumerate(asked) if not one[0].remembers(*one[1:])}
-    found = dict(zip(new, evaluated(list(new.values())), strict=True))
-    answers: list[tuple[Array, Array] | Exception] = []
-    for place, (model, x, blunt) in enumerate(asked):
-        answer = found.get(place)
-        if isinstance(answer, Exception):
-            answers.append(answer)
-        else:
-            answers.append(model.remember(x, blunt, answer))
+    keys = [(x.tobytes(), blunt) for _, x, blunt in asked]
+    known = [model.remembered.get(key) for (model, _, _), key in zip(asked, keys, strict=True)]
+    found = iter(evaluated([one for one, answer in zip(asked, known, strict=True) if answer is None]))
+    answers = [next(found) if answer is None else answer for answer in known]
+    for (model, _, _), key, answer in zip(asked, keys, answers, strict=True):
+        if not isinstance(answer, Exception):
+            if key not in model.remembered and len(model.remembered) >= FORCE_CURVE_REMEMBERED:
+                del model.remembered[next(iter(model.remembered))]
+            model.remembered[key] = answer
     return answers
 
 
@@ -744,18 +715,12 @@ def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: 
     """Unknowns to begin with, as a ``share`` of the way in contact of one stretch suggests: shapes w/s and contact
     points are tried; for each of them the rest is linear."""
     s, zero, r = _tried(model, part, share)
-    values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0)}
-    values |= by_base_lines(model) | model.by_terms
+    values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0), **model.by_terms}
     for other in model.stretches:
         q = r**2 if other is part else _of_tension(model, s, other.tension)
-        values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q)}
+        values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q), f"tilt:{other.kind}": other.line.tilt}
+        values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
     return model.unknowns(values)
-
-
-def by_base_lines(model: ForceCurveModel) -> dict[str, float]:
-    """Offsets and tilts as the free rows have them."""
-    offsets = {f"offset:{part.kind}": float(part.line(part.z[0])) for part in model.stretches}
-    return offsets | {f"tilt:{part.kind}": part.line.tilt for part in model.stretches}
 
 
 def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
@@ -798,11 +763,8 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
 @lru_cache(maxsize=REMEMBERED)
 def _moving_curves(family: Family) -> list[tuple[float, Array, Array]]:
     """Ratios sqrt(w/s) with the displacement and the load of each from the fold on, at s = 1 without a device."""
-    curves = []
-    for r, path, load in zip(*_shapes(family), strict=True):
-        fold = int(np.argmin(path))
-        curves.append((float(r), path[fold:], load[fold:]))
-    return curves
+    each = [(*shape, int(np.argmin(shape[1]))) for shape in zip(*_shapes(family), strict=True)]
+    return [(float(r), path[fold:], load[fold:]) for r, path, load, fold in each]
 
 
 def _some_rows(part: DirectionReadings) -> Array:
@@ -932,10 +894,7 @@ class Weighted:
     blunt: float
 
     def __call__(self, x: Array) -> State:
-        (answer,) = self.many([(self, x)])
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
+        return alone(ask(self.many, (self, x)))
 
     @staticmethod
     def many(asked: Sequence[tuple[Weighted, Array]]) -> list[State | Exception]:
@@ -947,9 +906,8 @@ class Weighted:
                 answers.append(answer)
             else:
                 off, rates = answer
-                answers.append(
-                    State(one.model.whitened(off, one.weight), partial(one.model.whitened, rates, one.weight))
-                )
+                rated = partial(one.model.whitened, rates, one.weight)
+                answers.append(State(one.model.whitened(off, one.weight), rated))
         return answers
 
 
@@ -1204,7 +1162,9 @@ def nearest(
                 if loss != "linear" or misfit <= FIT_ENOUGH * model.noise:
                     fitted = yield from _finished(model, least, loss)
                     misfit, ended = fitted.sigma, fitted.ended
-                    if "turn" not in model.names and _explains(fitted, model, FIT_ENOUGH):
+                    # with all unknowns: an edge that rests throughout may be a valley beside that of one that recedes
+                    explains = misfit <= FIT_ENOUGH * model.noise and fitted.names == model.names
+                    if "turn" not in model.names and explains:
                         return fitted
             except SolveError as error:
                 wrong = error
@@ -1214,12 +1174,6 @@ def nearest(
     if best is None:
         raise wrong
     return best[2] or (yield from _finished(model, best[1], loss))
-
-
-def _explains(fitted: ForceCurveFit, model: ForceCurveModel, enough: float) -> bool:
-    """Whether a fit leaves no more than ``enough`` of the noise, with all unknowns of a ``model``: an edge that rests
-    throughout may be a valley beside that of one that recedes."""
-    return fitted.sigma <= enough * model.noise and fitted.names == model.names
 
 
 def _of_each(model: ForceCurveModel, loss: Loss, found: dict[str, ForceCurveFit]) -> Flow[list[Array]]:
@@ -1262,12 +1216,8 @@ def receding(
     """Positions of the device [m], increasing, and loads [N] of the edge (2, n), for moduli times ``s``, w0 = ``q`` s
     and the ``law`` (b, n); from the end of its ``resting``, where G is w0, or from the ``turn`` [m]."""
     start = math.exp(resting.u)
-    x = np.concatenate(
-        [
-            np.geomspace(SLOW_EDGE_FIRST, SLOW_EDGE_EVEN, SLOW_EDGE_RADII, endpoint=False),
-            np.linspace(SLOW_EDGE_EVEN, 1 - SLOW_EDGE_EVEN, SLOW_EDGE_RADII),
-        ]
-    )
+    x = np.geomspace(SLOW_EDGE_FIRST, SLOW_EDGE_EVEN, SLOW_EDGE_RADII, endpoint=False)
+    x = np.append(x, np.linspace(SLOW_EDGE_EVEN, 1 - SLOW_EDGE_EVEN, SLOW_EDGE_RADII))
     D, T, H, V = family.at(np.log(start * (1 - x)))[0]
     r, steps = math.sqrt(q), np.diff(start * x, prepend=0.0)
     free, pulled = D + s * H / k, r * (T + s * V / k)

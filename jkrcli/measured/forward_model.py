@@ -237,9 +237,8 @@ class RestingMember:
     def rates(self, u: Array) -> Mapping[str, Array]:
         here, by_turn = self.functions
         changes = {name: here * rate for name, rate in self.family.own_rates(np.log([self.turn])).items()}
-        rates = {
-            name: states(0.0, by, self.s, self.unit * u) for name, by in (changes | {"modulus": here * LOADS}).items()
-        }
+        changes["modulus"] = here * LOADS
+        rates = {name: states(0.0, by, self.s, self.unit * u) for name, by in changes.items()}
         return rates | {"a_turn": states(self.turn, by_turn, self.s, self.unit * u)}
 
 
@@ -432,17 +431,13 @@ class States:
         """Derivatives of (a, delta, P) at equal u by the logs of tension and range, (3, n) each."""
         touching, _, free, v = self._places(u)
         first = self.along(u)[1]
-        columns, at_touch = (
-            np.moveaxis(self._rates(v), -1, 0),
-            self._rates(np.array(self.ends[:1])) / np.cosh(v)[:, None] ** 2,
-        )
+        columns, at_touch = np.moveaxis(self._rates(v), -1, 0), self._rates(np.array(self.ends[:1]))
+        at_touch = at_touch / np.cosh(v)[:, None] ** 2
         pulled = np.zeros_like(u) if self.apart is None else self.apart(free)[..., 1]
         zero, P = np.zeros_like(u), -self.pull * np.exp(2 * free)
         outside = np.stack([zero, pulled, P]), np.stack([zero, np.full_like(u, -self.gap), zero])
-        inside = (
-            np.stack([zero, delta, load]) - first * moved  # of u at equal a: log c0 moves
-            for moved, (_, delta, load) in ((at_touch[:, 0], columns[:3]), (at_touch[:, 3], columns[3:]))
-        )
+        each = (at_touch[:, 0], columns[:3]), (at_touch[:, 3], columns[3:])  # of u at equal a: log c0 moves
+        inside = (np.stack([zero, delta, load]) - first * moved for moved, (_, delta, load) in each)
         by_tension, by_range = (np.where(touching, a, b) for a, b in zip(inside, outside, strict=True))
         return by_tension, by_range
 
@@ -521,12 +516,7 @@ DEVICE_PATH_BEYOND = 0.5  # choice: of log a above the series, tried while start
 
 def grid(family: Family) -> Array:
     """Logs of contact radii at which paths are tabulated; loads between them are good to 1e-7 of the largest."""
-    return _between(family.low, family.high)
-
-
-@lru_cache(maxsize=REMEMBERED)
-def _between(low: float, high: float) -> Array:
-    return np.linspace(low - DEVICE_PATH_BELOW, high + DEVICE_PATH_BEYOND, LOOKED_AT)
+    return np.linspace(family.low - DEVICE_PATH_BELOW, family.high + DEVICE_PATH_BEYOND, LOOKED_AT)
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -6,11 +6,11 @@ import math
 import re
 import struct
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -41,6 +41,7 @@ DEFLECTION, SENSOR = "DeflectionError", "ZSensor"
 NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 
 Section = Mapping[str, str]
+Item = TypeVar("Item")
 
 
 def knows(path: Path) -> bool:
@@ -59,13 +60,24 @@ def nanoscope_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     file = File(path, content)
     check_size(path, len(content) + process.PART * file.count)
     stiffness, sensitivity, flags = file.calibration(reading)
-    for number in range(file.count):
-        name = path.stem if file.count == 1 else str(number)
+    per_volt = stiffness * sensitivity
+    yield from _wanted(
+        path, reading, range(file.count), lambda name, number: (file.curve(name, number, per_volt, flags), stiffness)
+    )
+
+
+def _wanted(
+    path: Path, reading: Reading, items: Sequence[Item], read: Callable[[str, Item], tuple[Curve, float]]
+) -> Iterator[AsRead]:
+    """What is ``read`` of each curve of a file by its name, the file's where it is alone, if it is wanted."""
+    for number, item in enumerate(items):
+        name = path.stem if len(items) == 1 else str(number)
         if not reading.wants(name):
             yield name, None
             continue
         try:
-            yield file.curve(name, number, stiffness * sensitivity, flags).multiplied(reading.factors), stiffness
+            curve, stiffness = read(name, item)
+            yield curve.multiplied(reading.factors), stiffness
         except InputError as error:
             yield error, None
 
@@ -133,11 +145,8 @@ class File:
             return lines, samples
         # curves are fewer than the pixels of the image, in as many lines as its aspect leaves, or in a square
         shapes = [(max(round(lines * columns / samples), 1), columns), (columns, columns), (lines, samples)]
-        sizes = [
-            int(self._number(section, "data length"))
-            for title, section in self.sections
-            if title == CHANNEL and _name(section) == DEFLECTION
-        ]
+        channels = (section for title, section in self.sections if title == CHANNEL and _name(section) == DEFLECTION)
+        sizes = [int(self._number(section, "data length")) for section in channels]
         of_counts = [{bytes_each * 2 * self.samples[0] * math.prod(shape) for bytes_each in (2, 4)} for shape in shapes]
         fitting = [shape for shape, known in zip(shapes, of_counts, strict=True) if known & set(sizes)]
         return fitting[0] if fitting else shapes[0]
@@ -151,10 +160,8 @@ class File:
         """Spring constant [N/m] and sensitivity [m/V] of the user, else of the file, and flags on their origin."""
         section, _ = self.channels[DEFLECTION]
         spring = re.match(NUMBER, section.get("spring constant", ""))
-        of_file = {
-            "stiffness": float(spring[0]) if spring else 0.0,
-            "sensitivity": self._per_volt(section.get("z scale", "")),
-        }
+        per_volt = self._per_volt(section.get("z scale", ""))
+        of_file = {"stiffness": float(spring[0]) if spring else 0.0, "sensitivity": per_volt}
         (stiffness, sensitivity), flags = _calibrated(self.path, reading, of_file)
         return stiffness, sensitivity, flags
 
@@ -185,9 +192,7 @@ class File:
             length, unit = _last(ramp)
             size = length * self._per_volt(ramp) if unit == "V" else _metres(length, unit)
             if not _is_size(size):
-                raise InputError(
-                    f"{self.path}: names no ramp size, and no height sensor was recorded: export it as text"
-                )
+                raise InputError(f"{self.path}: names no ramp size, and no height sensor was recorded: {SURF_AGAIN}")
             steps = size / counts.shape[2] * np.arange(counts.shape[2])
             z, what = self._in_order(-np.stack([steps, steps])), "ramp of the piezo"
         return z, self._times(), self.samples[1][0], what
@@ -212,10 +217,8 @@ class File:
     def _times(self) -> Array | None:
         """Times [s] from the speed of the piezo, without pauses; None where the file names no speed."""
         force, (section, counts) = self._of("Ciao force list"), self.channels[DEFLECTION]
-        ramp, *speeds = (
-            _last(entry)[0]
-            for entry in (section.get("ramp size", ""), force.get("forward vel.", ""), force.get("reverse vel.", ""))
-        )
+        entries = section.get("ramp size", ""), force.get("forward vel.", ""), force.get("reverse vel.", "")
+        ramp, *speeds = (_last(entry)[0] for entry in entries)
         if not all(map(_is_size, (ramp, *speeds))):
             return None
         steps = np.repeat([ramp / speed / counts.shape[2] for speed in speeds], self.samples[1])
@@ -235,10 +238,8 @@ class File:
         count = math.prod(self.shape)
         each = 2 * stride * count
         if each == 0 or size not in (2 * each, 4 * each):
-            raise InputError(
-                f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for "
-                f"{counted(count, 'curve')} of 2 x {stride:,} rows, 2 or 4 bytes each: export it as text"
-            )
+            rows = f"{counted(count, 'curve')} of 2 x {stride:,} rows, 2 or 4 bytes each: {SURF_AGAIN}"
+            raise InputError(f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for {rows}")
         return np.frombuffer(self.content, f"<i{size // each}", each, at).reshape(-1, 2, stride)
 
     def _volts(self, channel: str, number: int) -> tuple[Array, tuple[str, ...]]:
@@ -290,8 +291,7 @@ class File:
 
 def _calibrated(path: Path, reading: Reading, of_file: Mapping[str, float]) -> tuple[list[float], tuple[str, ...]]:
     """Stiffness [N/m] and sensitivity [m/V] of the user, else those ``of_file``, and flags on their origin."""
-    if reading.stiffness == math.inf:
-        raise InputError(f"{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid")
+    _refuse_rigid(path, reading)
     values, flags = [], []
     for key, told in of_file.items():
         size, unit = {"stiffness": (1.0, "N/m"), "sensitivity": (1e-9, "nm/V")}[key]
@@ -307,6 +307,11 @@ def _calibrated(path: Path, reading: Reading, of_file: Mapping[str, float]) -> t
         values.append(value)
         flags.append(flag)
     return values, tuple(flags)
+
+
+def _refuse_rigid(path: Path, reading: Reading) -> None:
+    if reading.stiffness == math.inf:
+        raise InputError(f"{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid")
 
 
 def _name(section: Section) -> str:
@@ -387,16 +392,7 @@ def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
                 curves += [(told, segments, number) for number in range(segments[0][2].size - 1)]
         if not curves:
             raise InputError(f"{path}: is a Nanosurf file without force curves (it holds images)")
-        for at, one in enumerate(curves):
-            name = path.stem if len(curves) == 1 else str(at)
-            if not reading.wants(name):
-                yield name, None
-                continue
-            try:
-                curve, stiffness = _nanosurf_curve(path, name, *one, reading)
-                yield curve.multiplied(reading.factors), stiffness
-            except InputError as error:
-                yield error, None
+        yield from _wanted(path, reading, curves, lambda name, one: _nanosurf_curve(path, name, *one, reading))
 
 
 def _segments(path: Path, group: Any, members: hdf5.Members) -> Iterator[Segment]:
@@ -525,18 +521,15 @@ def _export(path: Path, content: bytes) -> None:
     cells = {n: line.count(b"\t") + 1 for n, line in enumerate(lines, start=1) if line.strip() and line[:1] != b"#"}
     wanted = next(iter(cells.values()), 1)
     if short := [n for n, count in cells.items() if count != wanted]:
-        raise InputError(
-            f"{path}: line {short[0]} holds {cells[short[0]]} cells, not {wanted} as the first: {INTACT_AGAIN}"
-        )
+        line = f"line {short[0]} holds {cells[short[0]]} cells"
+        raise InputError(f"{path}: {line}, not {wanted} as the first: {INTACT_AGAIN}")
     if wanted > 1 and lines[-1]:
         raise InputError(f"{path}: is cut off, its last line does not end: {INTACT_AGAIN}")
 
 
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
-WITHOUT_STIFFNESS = (
-    "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
-)
+LACKS_STIFFNESS = "the file lacks its spring constant: the deflection is not subtracted from the height"
 LACKING = "No data found"  # how afmformats begins to say that a column is not there
 BASE = ".base-calibration-slot"  # of a JPK file: how a property ends that names the scale which another is based on
 OWN_SENSITIVITY = "names its own sensitivity, or needs none: leave --sensitivity out"
@@ -558,10 +551,7 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     hold the position of the tip itself it is minus that, and None stands for the spring constant.
     """
     with _opened_sets(path, reading) as (data_sets, lacks):
-        if reading.stiffness == math.inf:
-            raise InputError(
-                f"{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid"
-            )
+        _refuse_rigid(path, reading)
         reading.check_known_columns(path)
         is_alone = len(data_sets) == 1
         data_sets.reverse()
@@ -580,7 +570,7 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
                     missing = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
                     curve = replace(curve, flags=(*curve.flags, f"the file lacks {lacks}: {ARBITRARY} {missing}"))
                 elif stiffness is None and reading.incomplete and not of_tip:
-                    curve = replace(curve, flags=(*curve.flags, WITHOUT_STIFFNESS))
+                    curve = replace(curve, flags=(*curve.flags, f"{LACKS_STIFFNESS}; give --stiffness"))
                 yield curve, stiffness
             except InputError as error:
                 yield error, None

@@ -25,7 +25,7 @@ from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .hypotheses import ADHESION_ENDLESS, ALTERNATIVES, amount_of_range, amount_of_tension
 from .least_squares import STATISTICS_IMPROBABLE, in_time
-from .lockstep import Flow, alone, ask, beside, quiet, together
+from .lockstep import Flow, alone, ask, beside, quiet
 from .model_changes import (
     AMOUNT,
     ANY,
@@ -438,12 +438,7 @@ def _valleys(record: FittedRecord, model: ChangedModel, starts: Iterable[tuple[f
     """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
     more than the ones next to them."""
     near, starts = _about(record), sorted(starts)
-    flows = [_followed(near, model.change, start[0]) for start in starts]
-    ends = []
-    for end in together(flows):
-        if isinstance(end, Exception):
-            raise end
-        ends.append(end)
+    ends = alone(beside([_followed(near, model.change, start[0]) for start in starts]))
     left = np.array([math.inf, *(math.inf if end is None else end[0] for end in ends), math.inf])
     lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
     for start, end, low in zip(starts, ends, lowest, strict=True):
@@ -517,10 +512,8 @@ def with_free_range(
             best, fall = one, falls[one]
     if best is not None:
         return best, [one for one in falls if one is not best and falls[one] > fall - RANGE_LOWER]
-    raise SolveError(
-        "the fit with a range of adhesion does not converge: none leaves as little as JKR, which it contains; leave "
-        "the range out, or fix it"
-    )
+    raise SolveError("the fit with a range of adhesion does not converge: none leaves as little as JKR, which it "
+                     "contains; leave the range out, or fix it")  # fmt: skip
 
 
 def reconverge(full: ForceCurveFit) -> ForceCurveFit:

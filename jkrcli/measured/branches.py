@@ -186,10 +186,9 @@ class Branches:
 
     def unstable(self, one: int) -> SolveError:
         """Why a curve has no branch."""
-        return SolveError(
-            f"no contact is stable at this w up to a = {show(math.exp(self.u[one, -1]), 'length')}: take a smaller w, "
-            "or check the radius and the units"
-        )
+        most = show(math.exp(self.u[one, -1]), "length")
+        return SolveError(f"no contact is stable at this w up to a = {most}: take a smaller w, or check the radius and "
+                          "the units")  # fmt: skip
 
     @cached_property
     def cells(self) -> Array:

@@ -269,11 +269,8 @@ def _write(
         raise InputError(some(reasons))
     targets, output, summary = request.targets, request.output, result.summary()
     scan = archive.map_of(result.outcomes) if output.plots else None
-    alone = scan is None and (
-        len(result.outcomes) < archive.LEAST_CURVES
-        or not result.fits
-        or len({item.surface for item in result.fits}) > 1
-    )
+    one_surface = len({item.surface for item in result.fits}) == 1
+    alone = scan is None and (len(result.outcomes) < archive.LEAST_CURVES or not one_surface)
     of_map = None if alone or not output.plots else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
     several = output.plots and len(result.outcomes) > 1
     of_curves = output.files(Path(f"{targets.stem}-curves"), (".html",) if several else (), request.inputs)
@@ -363,25 +360,14 @@ class NamesType(options.ParsedType):
 # Of laws over time, where a wing fits them.
 RATE_LAWS = offered("laws of w over speed") or ()
 OVER_TIME = (
-    (
-        click.option(
-            "--law",
-            type=click.Choice(list(RATE_LAWS)),
-            help="w depends on the speed of the contact line: w0 and the law's v0, n (or v0, b) are free too, all "
-            "force curves are fitted together; needs t, delta, P.",
-        ),
-        click.option(
-            "--relaxation",
-            type=click.Choice(list(RELAXATIONS)),
-            help="Viscoelastic specimen: modulus, "
-            "law and contact point from t, delta, P of indentation, dwell and retraction; with --free w and "
-            "--fix stress=... or range=... of adhesive cycles.",
-        ),
-        click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
-    )
-    if RATE_LAWS
-    else ()
-)
+    click.option("--law", type=click.Choice(list(RATE_LAWS)),
+                 help="w depends on the speed of the contact line: w0 and the law's v0, n (or v0, b) are free too, all "
+                 "force curves are fitted together; needs t, delta, P."),
+    click.option("--relaxation", type=click.Choice(list(RELAXATIONS)),
+                 help="Viscoelastic specimen: modulus, law and contact point from t, delta, P of indentation, dwell "
+                 "and retraction; with --free w and --fix stress=... or range=... of adhesive cycles."),
+    click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
+) if RATE_LAWS else ()  # fmt: skip
 
 # Of the fit.
 ASKED = as_one(

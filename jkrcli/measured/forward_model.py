@@ -351,11 +351,9 @@ class DugdaleModel:
         if count > 1 and leaps_of(rims.a[:count], c).any():  # the curve begins beyond, from where on c rises
             first = 1 + int(np.max(np.flatnonzero(np.diff(c) <= 0), initial=-1))
         if count - first < 2 * (FAMILY_DEGREE + 1):  # twice as many points as a spline needs
-            raise SolveError(
-                f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
-                f"beyond {show(attraction.reach, 'length')}, where the profile or the specimen ends, or jump together: "
-                "bound the range"
-            )
+            beyond = f"beyond {show(attraction.reach, 'length')}, where the profile or the specimen ends"
+            raise SolveError(f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract "
+                             f"each other {beyond}, or jump together: bound the range")  # fmt: skip
         rows, c0 = slice(first, count), float(rims.c[first])
         v = np.arcsinh(rims.a[rows] / c0)
         near = np.abs(rims.a[rows][1:-1, None] / np.array(self.problem.indenter.bends) - 1) < ROUNDED
@@ -475,11 +473,10 @@ class DugdaleCurve:
     def refuse_beyond(self, a: float) -> None:
         """Refusal where the curve ends before the contact radius ``a`` [m]: beyond it attraction leaves the body."""
         if a > float(self.states.touching(np.array(self.states.ends[1:]))[0, 0]) * (1 + SAME):
-            raise Refusal(
-                f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract each "
-                f"other beyond {show(self.family.body.limit, 'length')}, where the profile or the specimen ends, at a "
-                f"range of {show(self.length, 'length')}: bound the range, or leave out the largest loads"
-            )
+            beyond = f"beyond {show(self.family.body.limit, 'length')}, where the profile or the specimen ends"
+            raise Refusal(f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract "
+                          f"each other {beyond}, at a range of {show(self.length, 'length')}: bound the range, or "
+                          "leave out the largest loads")  # fmt: skip
 
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
         start, (first, last) = math.log(self.states.c0), (math.log(math.cosh(v)) for v in self.states.ends)
@@ -579,10 +576,8 @@ class FittedBody:
     def attracted(self) -> DugdaleModel:
         """The adhesive curves of finite range; Refusal where the body has none."""
         if self.problem.sticks:
-            raise Refusal(
-                "fit: adhesion of finite range is for frictionless contact only: give --surface sliding, or leave "
-                "range and stress out"
-            )
+            raise Refusal("fit: adhesion of finite range is for frictionless contact only: give --surface sliding, or "
+                          "leave range and stress out")  # fmt: skip
         if self.no_range:
             raise Refusal(self.no_range)
         return DugdaleModel.of(self.problem, self.family, self.resolution)
@@ -648,20 +643,17 @@ class FittedBody:
         if surface == self.problem.surface:
             return self
         if self.problem.specimen.radius is not None:
-            raise InputError(
-                "fit: --surface: a finite cylinder is not solved anew: give the solution of a case with the other "
-                "specimen.surface"
-            )
+            raise InputError("fit: --surface: a finite cylinder is not solved anew: give the solution of a case with "
+                             "the other specimen.surface")  # fmt: skip
         other = self._reaching(float(self.series.a[-1]), sticks=surface == "sticking")
         return replace(other, extensible=self.extensible)
 
     def to_radius(self, a: float) -> FittedBody:
         """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
         if a >= (end := self.problem.indenter.r_max):
-            raise InputError(
-                f"the data need a contact radius of {show(a, 'length')}, beyond the indenter, which ends at "
-                f"{show(end, 'length')}: check the units of displacement and load, and the size of the indenter"
-            )
+            raise InputError(f"the data need a contact radius of {show(a, 'length')}, beyond the indenter, which ends "
+                             f"at {show(end, 'length')}: check the units of displacement and load, and the size of the "
+                             "indenter")  # fmt: skip
         rounded = 10 ** (math.ceil(math.log10(a) * RESOLVING_PER_DECADE) / RESOLVING_PER_DECADE)
         return self._reaching(rounded if rounded < end else a)
 

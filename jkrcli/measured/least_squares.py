@@ -541,9 +541,8 @@ class Intervals:
         sigma = np.ones(x.size) if self.covariance is None else np.sqrt(np.diag(self.covariance))
         steps = INTERVAL_STEP * np.maximum(np.abs(x), np.minimum(sigma, 1.0))
         ends = [(self.meaning(x + step), self.meaning(x - step), 2 * float(step.sum())) for step in np.diag(steps)]
-        return rates | {
-            name: np.array([(high[name] - low[name]) / width for high, low, width in ends]) for name in others
-        }
+        differences = {name: [(high[name] - low[name]) / width for high, low, width in ends] for name in others}
+        return rates | {name: np.array(each) for name, each in differences.items()}
 
     @cached_property
     def drawn(self) -> list[Mapping[str, float]]:

@@ -153,9 +153,8 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
 
     def of(other: ForceCurve, begin: ForceCurveFit | None) -> Flow[tuple[Outcome, Whole]]:
         whole, best = yield from fitted_whole(body, other, settings, begin)
-        if (
-            begin is not None and best.sigma > FIT_ENOUGH * begin.sigma > FIT_ENOUGH**2 * best.model.noise
-        ):  # none is near
+        least = math.inf if begin is None else FIT_ENOUGH * begin.sigma
+        if best.sigma > least > FIT_ENOUGH**2 * best.model.noise:  # none is near
             whole, best = yield from fitted_whole(body, other, settings)
         return outcome_of(best, best.x, body), (whole, best)
 
@@ -222,10 +221,8 @@ def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str,
     return {name: there[name] - value for name, value in here.items() if name in there}
 
 
-def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:
+def with_nuisance(fitted: Fit, nuisance: Nuisance) -> Fit:
     """The fit of a settled record with what is not known of its free rows in the errors."""
-    if nuisance is None:
-        return fitted
     t = t_quantile(fitted.settings.level, fitted.dof)
     estimates = []
     for item in fitted.estimates:

@@ -392,12 +392,10 @@ def implausible_work(w: float, E_star: float) -> str:
     surfaces hardly have; empty where many have it."""
     check = "check units of the data and the radius of the indenter"
     if w > LARGE_WORK:
-        return (
-            f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}: {check}"
-        )
+        usual = f"surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}"
+        return f"w = {show(w, 'work')} is implausible, {usual}: {check}"
     if w < SMALL_WORK and E_star >= FIRM:
-        return (
-            f"w = {show(w, 'work')} is implausibly small for E* = {show(E_star, 'modulus')}: solids so stiff have a "
-            f"few mJ/m^2 in air and hardly less than {show(SMALL_WORK, 'work')} in liquids: {check}"
-        )
+        least = f"a few mJ/m^2 in air and hardly less than {show(SMALL_WORK, 'work')} in liquids"
+        small = f"w = {show(w, 'work')} is implausibly small for E* = {show(E_star, 'modulus')}"
+        return f"{small}: solids so stiff have {least}: {check}"
     return ""

@@ -53,10 +53,8 @@ class RangeAlternative:
     def warnings(self) -> Iterator[str]:
         """A sentence where a range is significant."""
         if self.best > 0 and self.chance < RANGE_CHANCE:
-            yield (
-                f"model rejected, p = {self.chance:.1g}, in favour of adhesion with a range of "
-                f"about {show(self.best, 'length', 2)}: fit with --free range"
-            )
+            words = f"adhesion with a range of about {show(self.best, 'length', 2)}: fit with --free range"
+            yield f"model rejected, p = {self.chance:.1g}, in favour of {words}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +90,8 @@ def range_alternative_of(
     neck = math.exp(RANGE_ROUNDED * round(neck / RANGE_ROUNDED))
     lengths = [part * neck for part in RANGE_RANGES if part * neck < settings.range_at_most]
     lengths += [settings.range_at_most] * (len(lengths) < len(RANGE_RANGES))
-    rungs = _climbed(
-        lengths, partial(_rung, minimum, variance=variance, limit=limit, loss=settings.loss), values, limit
-    )
+    rung = partial(_rung, minimum, variance=variance, limit=limit, loss=settings.loss)
+    rungs = _climbed(lengths, rung, values, limit)
     return _judged(rungs, minimum, limit, settings.longest_range)
 
 
@@ -256,26 +253,22 @@ class TableAlternatives:
     @property
     def sensitivity(self) -> str:
         """What a change along the record would move, where it is not counted; empty where it is."""
-        names = {"w": "w", "modulus": "E*"}
-        parts = [
-            f"of {names[one.name]} moves " + " and ".join(
-                f"{names[key]} by {one.moves[key] / self.values[key]:.1%}" for key in names if one.moves.get(key)
-            )
-            for one in self.members
-        ]  # fmt: skip
-        return (
-            f"a change by {ALTERNATIVE_UNIT:.0%} along the curve {', '.join(parts)}" if self.untested and parts else ""
-        )
+        if not (self.untested and self.members):
+            return ""
+        names, parts = {"w": "w", "modulus": "E*"}, []
+        for one in self.members:
+            moves = {name: one.moves[key] / self.values[key] for key, name in names.items() if one.moves.get(key)}
+            words = " and ".join(f"{name} by {move:.1%}" for name, move in moves.items())
+            parts.append(f"of {names[one.name]} moves {words}")
+        return f"a change by {ALTERNATIVE_UNIT:.0%} along the curve {', '.join(parts)}"
 
     def warnings(self) -> Iterator[str]:
         """A sentence where an alternative is significant."""
         if self.chance < ALTERNATIVE_CHANCE:
             parts = " or ".join(alternative.words for alternative in self.members)
-            yield (
-                f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact "
-                "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "
-                "statistical intervals do not hold it"
-            )
+            yield (f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact radius: other bodies "
+                   "(a layer, a base), or adhesion that depends on speed or has a range; the statistical intervals "
+                   "do not hold it")  # fmt: skip
         if self.range is not None:
             yield from self.range.warnings()
 
@@ -346,9 +339,8 @@ def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: floa
     before, a = minimum.values, minimum.distances.a
     moves = dict.fromkeys(minimum.objective.unknowns.names, 0.0)
     for change in changes:
-        drift = Drift(
-            name, float(np.clip(change, *ALTERNATIVE_CHANGES)), ALTERNATIVES[name][1], float(a.min()), float(a.max())
-        )
+        clipped = float(np.clip(change, *ALTERNATIVE_CHANGES))
+        drift = Drift(name, clipped, ALTERNATIVES[name][1], float(a.min()), float(a.max()))
         after = _followed(minimum, drift, close)
         moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
     return moves

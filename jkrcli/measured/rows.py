@@ -86,9 +86,8 @@ class Points:
     def at(self, chosen: Array) -> Points:
         """The ``chosen`` rows, a mask or numbers."""
         values = {name: column[chosen] for name, column in self.values.items()}
-        return replace(
-            self, values=values, rows=self.rows[chosen], edges=None if self.edges is None else self.edges[chosen]
-        )
+        edges = None if self.edges is None else self.edges[chosen]
+        return replace(self, values=values, rows=self.rows[chosen], edges=edges)
 
 
 def points_of(
@@ -110,10 +109,9 @@ def points_of(
     for one, two in itertools.combinations(points.values, 2):
         together = float(np.corrcoef(points.values[one], points.values[two])[0, 1])
         if together < ROWS_OPPOSITE:
-            raise InputError(
-                f"{curve.where}: {two} falls as {one} rises (correlation {together:.2f}): one of them has the wrong "
-                "sign; displacement into the specimen and compression are positive (--flip delta, --flip P)"
-            )
+            raise InputError(f"{curve.where}: {two} falls as {one} rises (correlation {together:.2f}): one of them has "
+                             "the wrong sign; displacement into the specimen and compression are positive (--flip "
+                             "delta, --flip P)")  # fmt: skip
     return points
 
 
@@ -182,9 +180,10 @@ def orient(curve: Curve) -> Curve:
         return curve
     turn, sure = int(np.argmax(driven)), driven if curve.a is None or curve.delta is not None else curve.a
     if (words := _alternating(sure, driven)) is not None:
-        ways = 1 + np.count_nonzero(words[1:] != words[:-1])
-        note = f"{ways} branches by the order of rows, loading and unloading in turn; if they are others, name them in "
-        note += "a column branch"
+        note = (
+            f"{1 + np.count_nonzero(words[1:] != words[:-1])} branches by the order of rows, loading and unloading in "
+        )
+        note += "turn; if they are others, name them in a column branch"
         return replace(curve, segment=words, flags=(*curve.flags, note))
     parts = sure[: turn + 1], -sure[turn:]
     if min(part.size for part in parts) <= ROWS_LEAST or min(map(_rising, parts)) < ROWS_ORDERED:
@@ -365,11 +364,8 @@ class Readings:
         rates = {name: self._read(by) for name, by in self.member.rates(u).items()}
         if self.edge == ADVANCING:
             rates["w_approach"] = rates.pop("w")
-        rates |= {
-            "delta0": self._scaled(zero, one, zero),
-            "P0": self._scaled(zero, zero, one),
-            "compliance": self._scaled(zero, self.member.along(u)[0][2], zero),
-        }
+        rates |= {"delta0": self._scaled(zero, one, zero), "P0": self._scaled(zero, zero, one)}
+        rates["compliance"] = self._scaled(zero, self.member.along(u)[0][2], zero)
         none = self._scaled(zero, zero, zero)
         return np.stack([rates.get(name, none) for name in names])
 
@@ -851,9 +847,8 @@ def search(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     if points.edges is None:
         return _of_a_branch(body, points, settings)
     ranges = {name: float(np.ptp(column)) for name, column in points.values.items()}
-    settings = replace(
-        settings, noise=noise_estimate(points.values, ranges) | dict(settings.noise)
-    )  # in order of recording
+    noise = noise_estimate(points.values, ranges) | dict(settings.noise)  # in order of recording
+    settings = replace(settings, noise=noise)
     edges = set(points.edges)
     if RECEDING not in edges:
         return _of_a_branch(body, replace(points, edges=None), settings)
@@ -1008,10 +1003,9 @@ def _check_reach(body: FittedBody, least: float, reach: float) -> None:
     if low / SEARCH_PAST_END <= least and not above:
         return
     end, remedy = (high, "increase [loading] radius") if above else (low, "begin at smaller radii")
-    raise InputError(
-        f"the data reach contact radii of {show(least, 'length')} to {show(reach, 'length')}, the solution ends at "
-        f"{show(end, 'length')}: {remedy}, or fit with the case file; or units or signs are wrong"
-    )
+    radii, end = f"{show(least, 'length')} to {show(reach, 'length')}", show(end, "length")
+    raise InputError(f"the data reach contact radii of {radii}, the solution ends at {end}: {remedy}, or fit with the "
+                     "case file; or units or signs are wrong")  # fmt: skip
 
 
 def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[Start]:
@@ -1088,10 +1082,8 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     minimum = min(minima, key=lambda item: item.cost)
     distance = far * robust_scale(minimum.distances.residuals)
     if distance > SEARCH_ALIEN:
-        raise InputError(
-            f"the best fit leaves {distance:.0%} of the signal unexplained: "
-            "check units, signs, contact point, the indenter and the layers"
-        )
+        raise InputError(f"the best fit leaves {distance:.0%} of the signal unexplained: check units, signs, contact "
+                         "point, the indenter and the layers")  # fmt: skip
     return minimum
 
 
@@ -1121,11 +1113,8 @@ def _cost(objective: Objective, x: Mapping[str, float]) -> float:
 def _sizes(readings: Readings, points: Points) -> dict[str, float]:
     """The size of a start's curve on each axis: its pull-off, or a part of the data's range where that is larger."""
     offsets = {"delta": readings.values["delta0"], "P": readings.values["P0"]}
-    curve = readings.along(arc(readings))[0]
-    ranges = {name: float(np.ptp(points.values[name])) for name in points.columns}
-    return {  # a radius has no zero of its own: its size is its range
-        name: max(offsets[name] - float(np.min(row)), SEARCH_LEAST_SIZE * ranges[name])
-        if name in offsets
-        else ranges[name]
-        for name, row in zip(points.columns, curve, strict=True)
-    }
+    sizes = {name: float(np.ptp(points.values[name])) for name in points.columns}
+    for name, row in zip(points.columns, readings.along(arc(readings))[0], strict=True):
+        if name in offsets:  # a radius has no zero of its own: its size is its range
+            sizes[name] = max(offsets[name] - float(np.min(row)), SEARCH_LEAST_SIZE * sizes[name])
+    return sizes

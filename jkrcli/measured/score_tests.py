@@ -254,10 +254,8 @@ def _scores(linear: Linearised, left: Array | None) -> list[Score]:
     words = np.where(detected, DETECTED, np.where(excluded, EXCLUDED, UNDECIDED))
     numbers = (amounts, errors, chances, taken, taken / np.maximum(linear.left, taken), *rates.T,
                np.maximum(low, -most), most, words, np.full(sizes.size, record.known.quantile))  # fmt: skip
-    return [
-        Score(one.name, one.family, one.amount, one.of_directions, *own)
-        for one, *own in zip(alternatives, *(column.tolist() for column in numbers), strict=True)
-    ]
+    each = zip(alternatives, *(column.tolist() for column in numbers), strict=True)
+    return [Score(one.name, one.family, one.amount, one.of_directions, *own) for one, *own in each]
 
 
 def _noise_dofs(fit: ForceCurveFit, left: Array | None, sizes: Array) -> Array:

@@ -285,20 +285,16 @@ def _ends(body: FittedBody, name: str, text: str) -> tuple[float, float]:
     low, mark, high = text.partition(BETWEEN)
     if not mark:
         raise InputError(f'fit: the bounds of {name} must be LOW{BETWEEN}HIGH, one may be left out, got "{text}"')
-    return (
-        _value(body, name, low.strip()) if low.strip() else -math.inf,
-        _value(body, name, high.strip()) if high.strip() else math.inf,
-    )
+    least = _value(body, name, low.strip()) if low.strip() else -math.inf
+    return least, _value(body, name, high.strip()) if high.strip() else math.inf
 
 
 def _largest_tension(body: FittedBody, text: str) -> float:
     """The upper bound [N/m] of a surface tension that is left out."""
     specimen = body.problem.specimen
     if body.problem.layers or specimen.radius is not None or specimen.surface_tension:
-        raise InputError(
-            "fit: surface_tension: a bound is for half-spaces without one: set specimen.surface_tension, or give "
-            "--free surface_tension and --tip-radius"
-        )
+        raise InputError("fit: surface_tension: a bound is for half-spaces without one: set specimen.surface_tension, "
+                         "or give --free surface_tension and --tip-radius")  # fmt: skip
     low, mark, high = text.partition(BETWEEN)
     if low.strip() or not mark:
         raise InputError(f'fit: the bound of surface_tension must be {BETWEEN}HIGH, got "{text}"')

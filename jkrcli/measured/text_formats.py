@@ -101,10 +101,8 @@ def _refuse_halves(table: TextTable, directed: Sets, quantity: QuantityOf) -> No
             remedy = " ".join(f"--column {key}={i + 1}" for key, i in wanted.items() if key in DEFINING)
             own = [(one, title) for title in ins if title not in outs]
             owner, title = [*own, *((other, title) for title in outs if title not in ins)][0]
-            raise InputError(
-                f"{table.path}: the columns of approach and retraction differ, only the {owner} has a column "
-                f'"{title}": {remedy} takes the {word} alone ({table.choice})'
-            )
+            raise InputError(f"{table.path}: the columns of approach and retraction differ, only the {owner} has a "
+                             f'column "{title}": {remedy} takes the {word} alone ({table.choice})')  # fmt: skip
 
 
 def _repeated(table: TextTable) -> Sets | None:
@@ -223,10 +221,8 @@ def _in_order_of_time(table: TextTable, quantity: QuantityOf, flags: list[str]) 
     values = table.values[order]
     values[:, times] = table.values[:, times]
     name = "approach" if words[moved][0] == APPROACH else "retraction"
-    return replace(table.rows(order), values=values), [
-        *flags,
-        f"the rows of the {name} turned: they stand in the order of the position",
-    ]
+    told = f"the rows of the {name} turned: they stand in the order of the position"
+    return replace(table.rows(order), values=values), [*flags, told]
 
 
 def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:
@@ -484,9 +480,8 @@ class Columns:
             load = f"its load is {self.table.titled(self.chosen['P'])}" if "P" in self.chosen else "it holds no load"
             raise InputError(f"{self.table.path}: --sensitivity converts volts to a deflection, and this file holds no "
                              f"volts, {load}: leave it out, or give the unit: --unit P=V")  # fmt: skip
-        flags += [
-            flag for key, unit in self.reading.units.items() for flag in overruled(self.table, self.chosen[key], unit)
-        ]
+        for key, unit in self.reading.units.items():
+            flags += overruled(self.table, self.chosen[key], unit)
         return values, flags + self._on_stiffness()
 
     def _load(self, index: int) -> tuple[Array, list[str]]:
@@ -509,9 +504,8 @@ class Columns:
         if options and not self.reading.incomplete:
             raise InputError(f"{self.table.path}: {title} is {kind}, no force: give {options}")
         if known["stiffness"] == math.inf:
-            raise InputError(
-                f"{self.table.path}: {title} is {kind}, and a rigid instrument has none: give its stiffness"
-            )
+            none = "and a rigid instrument has none: give its stiffness"
+            raise InputError(f"{self.table.path}: {title} is {kind}, {none}")
         factor = math.prod(1.0 if value is None else value for value in known.values())
         if options:
             return factor, f"{title} is {kind}: loads in {ARBITRARY} {options}"
@@ -548,12 +542,11 @@ class Columns:
         reading, sign = self.reading, 1
         if self.position is not None:
             sign, reason = self.position.sign, f"{self.position.noun}, which grows away from the specimen"
+            P = None if curve.P is None else curve.P * (-1.0 if "P" in reading.flip else 1.0)
             if sign == 0:
-                P = None if curve.P is None else curve.P * (-1.0 if "P" in reading.flip else 1.0)
                 sign = 1 if P is None or instruments.toward(curve.delta, P) else -1
                 reason = f"{self.position.noun}, at whose lower end the load is largest"
-            elif sign < 0 and curve.P is not None:
-                P = curve.P * (-1.0 if "P" in reading.flip else 1.0)
+            elif sign < 0 and P is not None:
                 sign = 1 if instruments.presses_outward(-curve.delta, P) else -1
             turned = f"{TURNED}: {reason}" if sign < 0 else ", sign unchanged"
             if "delta" in reading.flip:
@@ -601,10 +594,11 @@ def _refuse_incomplete(table: TextTable, chosen: Mapping[str, int], reading: Rea
             raise InputError(f"{table.path}: {table.titled(chosen[key])} would hold words, but numbers stand above "
                              "its title: remove what comes before")  # fmt: skip
     if len(chosen.keys() & {*CONTACT, *SIZES}) < 2:
+        there = f"{table.listed(chosen) or 'none'}; say which columns they are, --column P=NAME ({table.choice})"
         question = (
             f"{table.path}: at least two of contact radius (or area), displacement and load are needed, recognised: "
-            f"{table.listed(chosen) or 'none'}; say which columns they are, --column P=NAME ({table.choice})"
         )
+        question += there
         if any(table.names):
             raise UnknownColumnsError(question)
         raise InputError(question + (BARE if len(table.names) == 3 else ""))  # afmformats takes any three for its own

@@ -406,7 +406,7 @@ class ForceCurveModel:
         return [column[: round(FORCE_CURVE_SURELY * part.line.rows)] for part, column in parts]
 
     @cached_property
-    def remembered(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
+    def known_residuals(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
         """The ``residuals`` at the last unknowns, by these and ``blunt``."""
         return {}
 
@@ -678,14 +678,14 @@ def evaluated(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Excepti
 def residuals_of(asked: Sequence[AtUnknowns]) -> list[tuple[Array, Array] | Exception]:
     """The ``residuals`` of some models, each remembered by its model."""
     keys = [(x.tobytes(), blunt) for _, x, blunt in asked]
-    known = [model.remembered.get(key) for (model, _, _), key in zip(asked, keys, strict=True)]
+    known = [model.known_residuals.get(key) for (model, _, _), key in zip(asked, keys, strict=True)]
     found = iter(evaluated([one for one, answer in zip(asked, known, strict=True) if answer is None]))
     answers = [next(found) if answer is None else answer for answer in known]
     for (model, _, _), key, answer in zip(asked, keys, answers, strict=True):
         if not isinstance(answer, Exception):
-            if key not in model.remembered and len(model.remembered) >= FORCE_CURVE_REMEMBERED:
-                del model.remembered[next(iter(model.remembered))]
-            model.remembered[key] = answer
+            if key not in model.known_residuals and len(model.known_residuals) >= FORCE_CURVE_REMEMBERED:
+                del model.known_residuals[next(iter(model.known_residuals))]
+            model.known_residuals[key] = answer
     return answers
 
 

@@ -1003,8 +1003,8 @@ def _check_reach(body: FittedBody, least: float, reach: float) -> None:
     if low / SEARCH_PAST_END <= least and not above:
         return
     end, remedy = (high, "increase [loading] radius") if above else (low, "begin at smaller radii")
-    radii, end = f"{show(least, 'length')} to {show(reach, 'length')}", show(end, "length")
-    raise InputError(f"the data reach contact radii of {radii}, the solution ends at {end}: {remedy}, or fit with the "
+    radii, last = f"{show(least, 'length')} to {show(reach, 'length')}", show(end, "length")
+    raise InputError(f"the data reach contact radii of {radii}, the solution ends at {last}: {remedy}, or fit with the "
                      "case file; or units or signs are wrong")  # fmt: skip
 
 

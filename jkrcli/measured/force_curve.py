@@ -29,7 +29,7 @@ from ..base.numerics import MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SET
 from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
 from .curve import APPROACH, RETRACT
 from .forward_model import Family, on_grid
-from .free_rows import LOADS, RANGE, FreeRows, Place, Term
+from .free_rows import LOADS, RANGE, RELAXED, FreeRows, Place, Term
 from .least_squares import (
     TURNS,
     Least,
@@ -281,8 +281,14 @@ class ForceCurveModel:
             rests = stretch is not self.stretches[-1] and self.stretches[-1].tension > 0
             names += [f"{'r' if rests else 'q'}:{stretch.kind}"] * (stretch.kind not in self.works)
             names += ["turn"] * (len(self.stretches) == 1 and stretch.kind != APPROACH and stretch.tension > 0)
-        names += [name for term in self.stretches[0].terms for name in term.names]
+        names += [name for term in self.stretches[0].terms if self.has(term) for name in term.names]
         return tuple(name for name in names if name not in self.known)
+
+    def has(self, term: Term) -> bool:
+        """Whether a term acts on a row of a stretch."""
+        places = [part.place for part in self.stretches if part.place is not None]
+        of = term.moved if term.law == RELAXED else term.at
+        return any(column.any() for place in places for column in of(place, term.values)[1])
 
     @cached_property
     def most(self) -> float:
@@ -310,7 +316,7 @@ class ForceCurveModel:
 
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too, and q of each stretch."""
-        values = {**self.known, **dict(zip(self.names, x.tolist(), strict=True))}
+        values = {**self.by_terms, **self.known, **dict(zip(self.names, x.tolist(), strict=True))}
         for kind, w in self.works.items():
             values[f"q:{kind}"] = w / math.exp(values["ln_s"])
         for kind in (APPROACH, RETRACT):
@@ -393,11 +399,13 @@ class ForceCurveModel:
     def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
         """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
         by its sensitivity, which its deflections follow."""
+        k = factor * self.k if of_stiffness else self.k
+        held = [None if part.held is None else part.held.scaled(factor, k) for part in self.stretches]
         parts = tuple(
-            replace(part, P=factor * part.P, tension=factor * part.tension, held=part.held and part.held.scaled(factor))
-            for part in self.stretches
+            replace(part, P=factor * part.P, tension=factor * part.tension, held=one)
+            for part, one in zip(self.stretches, held, strict=True)
         )
-        return replace(self, stretches=parts, k=factor * self.k if of_stiffness else self.k)
+        return replace(self, stretches=parts, k=k)
 
     def free(self, columns: Array) -> list[Array]:
         """Of columns of all rows, those of each stretch that surely are free, whatever the model says."""

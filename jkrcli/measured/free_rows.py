@@ -350,11 +350,12 @@ class FreeRows:
         """The same of other terms."""
         return replace(self, terms=terms)
 
-    def scaled(self, factor: float) -> FreeRows:
-        """The same of loads that are ``factor`` times as large."""
+    def scaled(self, factor: float, stiffness: float) -> FreeRows:
+        """The same of loads that are ``factor`` times as large, by a device of a ``stiffness`` [N/m]."""
         each = [zip(term.names, term.values, strict=True) for term in self.terms]
         loads = [tuple(value * factor if name.startswith(LOADS) else value for name, value in own) for own in each]
-        return self.of(*(replace(term, values=values) for term, values in zip(self.terms, loads, strict=True)))
+        terms = tuple(replace(term, values=values) for term, values in zip(self.terms, loads, strict=True))
+        return replace(self, terms=terms, place=replace(self.place, stiffness=stiffness))
 
     @property
     def hypotheses(self) -> list[FreeRows]:

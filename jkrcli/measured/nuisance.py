@@ -85,8 +85,9 @@ class Hypothesis:
         assert held is not None
         values, error = self.fit.model.values(self.fit.x), dict.fromkeys(held.names, 0.0)
         error |= {name: self.fit.error(name) for name in self.fit.names if name in error}
+        fitted = (term for term in held.terms if term.names[0] in self.fit.names)
         return held.of(*(replace(term, values=tuple(values[name] for name in term.names),
-                                 errors=tuple(error[name] for name in term.names)) for term in held.terms))  # fmt: skip
+                                 errors=tuple(error[name] for name in term.names)) for term in fitted))  # fmt: skip
 
     @cached_property
     def cost(self) -> float:
@@ -137,10 +138,12 @@ def fit_settled(
 ) -> Flow[tuple[Fit, ForceCurve, ForceCurveFit]]:
     """The fit of a raw record less what its free rows hold, that record, and the fit of all its directions."""
     left = list[str]()
-    nuisance = attempted("what the free rows hold", partial(settled, body, record, settings), None, left)
+    average = partial(settled, body, record, settings)
+    nuisance = attempted("the average over what the free rows may hold", average, None, left)
     if nuisance is None:
         fitted, whole = yield from fit_record(body, record, settings, pool)
-        return replace(fitted, warnings=(*fitted.warnings, *left)), record, whole
+        held = () if record.held is None else tuple(record.held.words)
+        return replace(fitted, warnings=(*fitted.warnings, *left), held=held), record, whole
     fitted, whole = yield from fit_record(body, nuisance.record, settings, pool, nuisance.fitted)
     known = yield from later(fitted, "errors by what free rows hold", partial(with_nuisance, fitted, nuisance))
     return known, nuisance.record, whole
@@ -158,7 +161,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
             whole, best = yield from fitted_whole(body, other, settings)
         return outcome_of(best, best.x, body), (whole, best)
 
-    found, rises = _hypotheses(record, of, settings)
+    found, rises, failed = _hypotheses(record, of, settings)
     likeliest, here = found[0], found[0].outcome
     spread, words = dict[str, Mapping[str, float]](), [*likeliest.held.words]
     for one, rise in zip(found[1:], rises[1:], strict=True):
@@ -168,7 +171,10 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
         before = spread.get(one.name(likeliest), {})
         spread[one.name(likeliest)] = {name: max(part, before.get(name, 0.0)) for name, part in parts.items()}
         if rise < NUISANCE_TOLD:
-            words.append(f"{one.held.brief}: {_values(one.outcome)} (chi^2 higher by {rise:.2g})")
+            words.append(f"or {one.held.brief}: {_values(one.outcome)}, at odds of {math.exp(-rise / 2):.2g}")
+    if len(words) > (count := len([*likeliest.held.words])):
+        words.insert(count, f"{likeliest.held.brief}: {_values(here)}, of which and of others this is the average")
+    words += failed
     odds, each = np.exp(-np.array(rises) / 2), [_between(here, one.outcome) for one in found]
     shift = {name: float(np.average([one.get(name, 0.0) for one in each], weights=odds)) for name in here}
     held, changes = likeliest.record.held, list[Mapping[str, float]]()
@@ -181,10 +187,10 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
     return Nuisance(likeliest.record, (likeliest.body, likeliest.fit), tuple(changes), shift, spread, tuple(words))
 
 
-def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[list[Hypothesis], list[float]]:
+def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[list[Hypothesis], list[float], list[str]]:
     """What the free rows may hold, each fitted in full, the likeliest first, and by how much chi^2 of each is higher,
-    with what its terms cost; JkrError where no curve fits with any. Of a sine only those with a wave, if there are;
-    none that leaves a direction without a base line, which others have.
+    with what its terms cost; sentences on those that no curve fits with, JkrError where that is so of all. Of a sine
+    only those with a wave, if there are; none that leaves a direction without a base line, which others have.
 
     chi^2 is in units of the noise that is left by the least, and of all rows that any is fitted to, of which none
     counts for more than one at ``NUISANCE_FAR``.
@@ -199,9 +205,12 @@ def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[lis
     begin = ends[0].fit if isinstance(ends[0], Hypothesis) else None
     ends += together([Hypothesis.of(one, of, begin) for one in others])
     found = [one for one in ends if isinstance(one, Hypothesis)]
-    for wrong in ends:
+    failed = list[str]()
+    for wrong, asked_of in zip(ends, (first, *others), strict=True):
         if isinstance(wrong, Exception) and not (found and isinstance(wrong, JkrError)):
             raise wrong
+        if isinstance(wrong, Exception) and asked_of.held is not None:
+            failed.append(f"{asked_of.held.brief}: not in the average, {wrong}")
     # Of several bends each is to be told by the fit, or one makes up for another; and adhesion's own attracts.
     plain = [
         one for one in found
@@ -214,7 +223,7 @@ def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[lis
     rows = np.unique(np.concatenate([one.fit.model.rows for one in found]))
     costs = [float(np.minimum((one.off[rows] / noise) ** 2, NUISANCE_FAR**2).sum()) / tau + one.cost for one in found]
     order = np.argsort(costs)
-    return [found[i] for i in order], [min(costs[i] - min(costs), 2 * NUISANCE_EXCLUDED) for i in order]
+    return [found[i] for i in order], [min(costs[i] - min(costs), 2 * NUISANCE_EXCLUDED) for i in order], failed
 
 
 def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str, float]:
@@ -224,15 +233,23 @@ def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str,
 def with_nuisance(fitted: Fit, nuisance: Nuisance) -> Fit:
     """The fit of a settled record with what is not known of its free rows in the errors."""
     t = t_quantile(fitted.settings.level, fitted.dof)
+    # Of another fit than that of all directions, which hypotheses were averaged by, the shift is a part of the error.
+    tied = fitted.verdict is not None and fitted.verdict.tied
+    apart = any(item.name == "E_star_approach" for item in fitted.estimates)
+    averaged = not (tied or apart or fitted.settings.range)
     estimates = []
     for item in fitted.estimates:
         if item.error is not None and item.free:
-            total = math.hypot(*(change.get(item.name, 0.0) for change in nuisance.changes))
-            wide, by = wider(item, {"free rows": total}, t), nuisance.shift.get(item.name, 0.0)
-            low, high = (None if end is None else end + by for end in (wide.low, wide.high))
-            item = replace(wide, value=wide.value + by, low=low, high=high, systematic=item.systematic)
-            for name, parts in nuisance.spread.items() if item.dimension in ("modulus", "work") else ():
-                part = parts.get(item.name, 0.0)
-                item = item.with_model(name, part) if part > NUISANCE_SEEN * abs(item.value) else item
+            name = "E_star" if item.name == "E_star_approach" else item.name
+            total = math.hypot(*(change.get(name, 0.0) for change in nuisance.changes))
+            wide, shift = wider(item, {"free rows": total}, t), nuisance.shift.get(name, 0.0)
+            by, least = averaged * shift, 0.0 if item.dimension in ("modulus", "work") else -math.inf
+            value = max(wide.value + by, least)
+            low = wide.low if wide.low is None or wide.low == least else max(wide.low + by, least)
+            high = None if wide.high is None else max(wide.high + by, value)
+            item = replace(wide, value=value, low=low, high=high, systematic=item.systematic)
+            for what, parts in nuisance.spread.items():
+                part = max(parts.get(name, 0.0), 0.0 if averaged else abs(shift))
+                item = item.with_model(what, part) if part > NUISANCE_SEEN * abs(item.value) else item
         estimates.append(item)
     return replace(fitted, estimates=tuple(estimates), held=nuisance.words)

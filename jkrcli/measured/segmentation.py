@@ -305,7 +305,7 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = yield from _directions(z, P, sides)
     code = resolution(whole.load)
-    held = yield from _free_rows(z, P, directions, code, curve.stiffness, _sunk(z, P, parts, directions))
+    held = yield from _free_rows(z, P, directions, code, curve.stiffness, _sunk(z, P, directions))
     saturated = saturation(curve)
     if held is not None:
         curve, whole = (_less(one, held.taken, held.of_signal) for one in (curve, whole))
@@ -341,15 +341,18 @@ def _free_rows(
     return (yield from free_rows(sides, P.size, math.inf if stiffness is None else stiffness, sunk))
 
 
-def _sunk(z: Array, P: Array, parts: Sequence[Segment], directions: Sequence[Direction]) -> float:
-    """By how much the surface has sunk [m] where the load falls in a dwell, by the stiffness with which the retraction
-    begins; 0 where it does not fall by more than noise."""
-    dwell = next((part for part in parts if part.kind == DWELL and len(part) >= FEWEST_ROWS), None)
-    back = next((side.segment for side in directions if side.segment.kind == RETRACT), None)
-    if dwell is None or back is None or len(directions) < 2:
+def _sunk(z: Array, P: Array, directions: Sequence[Direction]) -> float:
+    """By how much the surface has sunk [m] where the load falls while the device stands still between approach and
+    retraction, by the stiffness with which that begins; 0 where it does not fall by more than noise."""
+    into, back = (next((side.segment for side in directions if side.segment.kind == kind), None)
+                  for kind in (APPROACH, RETRACT))  # fmt: skip
+    if into is None or back is None or back.first - into.last <= FEWEST_ROWS:
         return 0.0
-    size = max(len(dwell) // 10, 1)
-    loads, noise = P[dwell.rows], max(side.base.noise for side in directions)
+    between = slice(into.last + 1, back.first)
+    if float(np.ptp(z[between])) > RECORD_SMALL * float(np.ptp(z)):
+        return 0.0  # no standstill
+    loads, noise = P[between], max(side.base.noise for side in directions)
+    size = max(loads.size // 10, 1)
     fall = float(loads[:size].mean() - loads[-size:].mean())
     first = slice(back.first, back.first + max(len(back) // 20, FEWEST_ROWS // 2))
     way, lost = z[first] - z[first].mean(), P[first] - P[first].mean()
@@ -987,7 +990,7 @@ def _on_base_lines(P: Array, touched: Sequence[Direction]) -> Iterator[tuple[str
         ):
             sentence = (
                 f"the base line of the {name} is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
-                "the range of the load (optical interference: fit --base-line sine)"
+                "the range of the load: more than one wave of interference, or drift"
             )
             yield "wavy base line", sentence
 

@@ -10,6 +10,7 @@ much of it cannot be distinguished.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,6 +24,7 @@ from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, Array
 from ..bodies.problem import GEL_TENSION
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
+from .free_rows import FREE_BENDS
 from .hypotheses import ADHESION_ENDLESS, ALTERNATIVES, amount_of_range, amount_of_tension
 from .least_squares import STATISTICS_IMPROBABLE, in_time
 from .lockstep import Flow, alone, ask, beside, quiet
@@ -357,18 +359,20 @@ def _followed(
 
 @np.errstate(all="ignore")
 def fit_alternatives(
-    record: FittedRecord, fresh: ForceCurveModel, alternatives: RecordAlternatives
+    record: FittedRecord, models: Sequence[ForceCurveModel], alternatives: RecordAlternatives
 ) -> list[tuple[FittedAlternative, ForceCurveFit]]:
     """The best of each family with its fit, by how much chi^2 falls, on the rows of both that are off the folds, those
-    that leave no more than noise first; ``fresh``: the model of the record before its fit left any row out."""
-    fresh, begun, fits = replace(fresh, family=record.model.family), [], list[tuple[FittedAlternative, ForceCurveFit]]()
-    for score in _likeliest(alternatives):
+    that leave no more than noise first; ``models``: of the record before its fit left any row out, with a straight base
+    line too, where something bends it."""
+    begun, fits = [], list[tuple[FittedAlternative, ForceCurveFit]]()
+    models = [replace(one, family=record.model.family) for one in models]
+    for score, fresh in itertools.product(_likeliest(alternatives), models):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
             change = next(one for one in ALTERNATIVES if one.name == score.name).change(record)
             if change is not None and change.in_full:
-                begun.append((*_roughly(record, fresh, change, score.amount), change, score))
+                begun.append((*_roughly(record, fresh, change, score.amount), fresh, change, score))
     most = FULL_PROMISING * min((cost for cost, *_ in begun), default=0.0)
-    for _, x, change, score in (one for one in begun if one[0] <= most):
+    for _, x, fresh, change, score in (one for one in begun if one[0] <= most):
         with contextlib.suppress(JkrError):
             here = FittedRecord(record.body, reconverge(to_the_end(ChangedModel.of(fresh, change), x)))
             misfit, dof, loose = misfit_left(here, here.regular)
@@ -377,8 +381,11 @@ def fit_alternatives(
             fits.append((FittedAlternative(
                 score.name, score.family, fall_of(record, here), chance,
                 here.fit.ended and chance > STATISTICS_IMPROBABLE, here.E_star, quantities.pop("w", q * here.modulus),
-                quantities,
+                quantities, fresh is not models[0],
             ), here.fit))  # fmt: skip
+    # theory: bends of the base line cost their odds and unknowns
+    fits.sort(key=lambda one: (not one[0].taken, -one[0].falls - FREE_BENDS * one[0].straight), reverse=True)
+    fits = [*{one.name: (one, full) for one, full in fits}.values()]
     fits.sort(key=lambda one: (not one[0].taken, -one[0].falls))
     best = fits[0][0].falls if fits else 0.0  # which rejects the model without, or none is taken
     least = best - SCORE_TIED if best > SCORE_TIED else math.inf

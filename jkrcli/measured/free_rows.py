@@ -350,6 +350,11 @@ class FreeRows:
         """The same of other terms."""
         return replace(self, terms=terms)
 
+    @property
+    def straight(self) -> FreeRows:
+        """The same without what bends the base line."""
+        return self.of(*(term for term in self.terms if term not in self.bends))
+
     def scaled(self, factor: float, stiffness: float) -> FreeRows:
         """The same of loads that are ``factor`` times as large, by a device of a ``stiffness`` [N/m]."""
         each = [zip(term.names, term.values, strict=True) for term in self.terms]

@@ -234,7 +234,7 @@ def with_nuisance(fitted: Fit, nuisance: Nuisance) -> Fit:
     """The fit of a settled record with what is not known of its free rows in the errors."""
     t = t_quantile(fitted.settings.level, fitted.dof)
     # Of another fit than that of all directions, which hypotheses were averaged by, the shift is a part of the error.
-    tied = fitted.verdict is not None and fitted.verdict.tied
+    tied = () if fitted.verdict is None else fitted.verdict.tied
     apart = any(item.name == "E_star_approach" for item in fitted.estimates)
     averaged = not (tied or apart or fitted.settings.range)
     estimates = []
@@ -252,4 +252,6 @@ def with_nuisance(fitted: Fit, nuisance: Nuisance) -> Fit:
                 part = max(parts.get(name, 0.0), 0.0 if averaged else abs(shift))
                 item = item.with_model(what, part) if part > NUISANCE_SEEN * abs(item.value) else item
         estimates.append(item)
-    return replace(fitted, estimates=tuple(estimates), held=nuisance.words)
+    straight = bool(tied) and tied[0].straight
+    words = (f"a straight base line: what bends it is {tied[0].name}",) if straight else nuisance.words
+    return replace(fitted, estimates=tuple(estimates), held=words)

@@ -219,14 +219,15 @@ def _with_size(sizes: Mapping[str, float], remarks: list[str], scores: RecordAlt
 
 
 def replace_by_best_alternative(
-    plain: Fit, body: FittedBody, fit: ForceCurveFit, fresh: ForceCurveModel, result_of: Callable[[ForceCurveFit], Fit]
-) -> Fit:
+    plain: Fit, body: FittedBody, fit: ForceCurveFit, models: Sequence[ForceCurveModel],
+    result_of: Callable[[ForceCurveFit], Fit],
+) -> Fit:  # fmt: skip
     """The result by the best of the alternatives that are taken, where the data favour one; ``result_of`` a fit of the
     record. The systematic part holds what is tied with it."""
     verdict = plain.verdict
     if verdict is None or not verdict.alternatives.named:
         return plain
-    full = fit_alternatives(FittedRecord(body, fit), fresh, verdict.alternatives)
+    full = fit_alternatives(FittedRecord(body, fit), models, verdict.alternatives)
     verdict = replace(verdict, fitted=tuple(one for one, _ in full))
     if not verdict.tied:
         return replace(plain, verdict=verdict)
@@ -797,8 +798,9 @@ def fit_record(
     plain = yield from later(result, "alternative models", partial(attach_verdict, result, whole, joint))
     if settings.model != AUTO:
         return plain, joint
-    fresh = _model(whole, record, settings, kinds)
-    best = partial(replace_by_best_alternative, plain, whole, joint, fresh, partial(result_of, whole))
+    straight = [record.holding(record.held.straight)] if record.held is not None and record.held.bends else []
+    models = [_model(whole, one, settings, kinds) for one in (record, *straight)]
+    best = partial(replace_by_best_alternative, plain, whole, joint, models, partial(result_of, whole))
     return (yield from later(plain, "fits of alternative models", best)), joint
 
 

@@ -125,7 +125,8 @@ class RecordAlternatives:
 @dataclass(frozen=True)
 class FittedAlternative:
     """An alternative fitted in full: by how much chi^2 ``falls``, the ``chance`` that the noise of the free rows leaves
-    as much, whether it is ``taken``; E* [Pa], w [J/m^2], and its own ``quantities``, SI, by name."""
+    as much, whether it is ``taken``; E* [Pa], w [J/m^2], and its own ``quantities``, SI, by name; whether it leaves the
+    base line ``straight``, which the record without it does not."""
 
     name: str
     family: str
@@ -135,6 +136,7 @@ class FittedAlternative:
     E_star: float
     w: float
     quantities: Mapping[str, float]
+    straight: bool = False
 
 
 @dataclass(frozen=True)

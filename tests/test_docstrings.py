@@ -11,7 +11,7 @@ import pytest
 
 import jkrcli as jkr
 from jkrcli.bodies.problem import Indenter
-from jkrcli.measured.hypotheses import AlternativeModel
+from jkrcli.measured.model_changes import AlternativeModel
 from jkrcli.methods.protocol import Method
 
 FUNCTIONS = {name: getattr(jkr, name) for name in jkr.__all__ if inspect.isfunction(getattr(jkr, name))}

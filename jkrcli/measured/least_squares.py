@@ -483,15 +483,13 @@ INTERVAL_BEGIN = 0.1  # choice: of a log, where a profile begins while no error 
 
 Followed = Literal["covariance", "profile"]  # how intervals are computed where records are not drawn again
 Meaning = Callable[[Array], Mapping[str, float]]  # of the unknowns: quantities by name, on their scales
-Rates = Callable[[Array], Mapping[str, Array]]  # of the unknowns: derivatives of quantities by name
 
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
     """What the unknowns of a ``least`` mean, and how well it is known: ``covariance`` of the unknowns, None where they
     are not determined; ``t``: half-width of intervals of a ``level`` in standard errors; ``profiled``: by profiles, for
-    which residuals have a ``variance``, None: that of the covariance; ``samples`` of the unknowns (n, unknowns).
-    ``exact``: derivatives of the meaning by the unknowns; those that it does not give are by central differences."""
+    which residuals have a ``variance``, None: that of the covariance; ``samples`` of the unknowns (n, unknowns)."""
 
     least: Least
     quantities: Sequence[Parameter]
@@ -502,7 +500,6 @@ class Intervals:
     profiled: bool = False
     variance: float | None = None
     samples: Array | None = None
-    exact: Rates = lambda x: {}
 
     @classmethod
     def of(
@@ -530,19 +527,14 @@ class Intervals:
 
     @cached_property
     def rates(self) -> dict[str, Array]:
-        """Their derivatives by the unknowns."""
+        """Their derivatives by the unknowns, by central differences."""
         return self._rates(self.least.x)
 
     def _rates(self, x: Array) -> dict[str, Array]:
-        rates = dict(self.exact(x))
-        others = self.here.keys() - rates.keys()
-        if not others:
-            return rates
         sigma = np.ones(x.size) if self.covariance is None else np.sqrt(np.diag(self.covariance))
         steps = INTERVAL_STEP * np.maximum(np.abs(x), np.minimum(sigma, 1.0))
         ends = [(self.meaning(x + step), self.meaning(x - step), 2 * float(step.sum())) for step in np.diag(steps)]
-        differences = {name: [(high[name] - low[name]) / width for high, low, width in ends] for name in others}
-        return rates | {name: np.array(each) for name, each in differences.items()}
+        return {name: np.array([(high[name] - low[name]) / width for high, low, width in ends]) for name in self.here}
 
     @cached_property
     def drawn(self) -> list[Mapping[str, float]]:

@@ -26,6 +26,7 @@ from .fitted_record import CHANGE_FOLD, CHANGE_SMALL, FittedRecord, Values
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, Loads, offs
 from .forward_model import FUNCTIONS, Family, grid, on_grid
 from .lockstep import by_groups
+from .priors import PRIORS, UNLIKELY, Prior
 
 AMOUNT, ANY = "amount", (-math.inf, math.inf)
 
@@ -426,3 +427,53 @@ def changed_offs(asked: Sequence[tuple[ChangedModel, Array, float]]) -> list[Arr
     with contextlib.suppress(JkrError, ArithmeticError):  # of one of them, which tells so itself
         follow((model, part, values) for model, values in each for part in model.stretches)
     return offs(asked)
+
+
+# --------------------------------------------------------------------------------------------------
+# Entries of the list of hypotheses.
+
+CHANGE_BEYOND = 1.5  # choice: over the largest depth or contact radius of a record, where changed bodies end
+BODY, TIP, ADHESION = "layer or substrate", "shape of the tip", "adhesion"
+DEVICE, MEMORY = "instrument", "relaxation or flow"
+# What the unknowns of alternatives mean, by dimension:
+OF_ALTERNATIVES = {
+    AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",
+    "surface_tension": "tension", "stiffness": "stiffness", "fall": "number", "relaxation_time": "time", "n": "number",
+    "creep": "number", "hysteresis": "number",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class AlternativeModel:
+    """Name one thing that the fitted model leaves out: an entry of ``ALTERNATIVES``.
+
+    Parameters
+    ----------
+    name : str
+        As the table of alternatives shows it, and that of ``PRIORS`` calls it.
+    family : str
+        What cannot be distinguished from it as a rule.
+    amount : str
+        What a column is the derivative by, in words.
+    change : callable
+        Of a FittedRecord: the Change of its model; None where it has no meaning for this record.
+    likely : callable, optional
+        Of a FittedRecord: the amount that is likely, where it is not the width of the prior.
+    of_directions : bool, optional
+        Whether it sets one direction against the other.
+    """
+
+    name: str
+    family: str
+    amount: str
+    change: Callable[[FittedRecord], Change | None]
+    likely: Callable[[FittedRecord], float] | None = None
+    of_directions: bool = False
+
+    @property
+    def prior(self) -> Prior:
+        return PRIORS.get(self.name, UNLIKELY)
+
+    def likely_in(self, record: FittedRecord) -> float:
+        """The amount in either direction that is likely in a record."""
+        return self.prior.width if self.likely is None else self.likely(record)

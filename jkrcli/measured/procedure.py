@@ -26,7 +26,6 @@ from .checks import warnings_of
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from .force_curve import ForceCurveFit
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
-from .hypotheses import ADHESION, TIP
 from .least_squares import (
     Intervals,
     State,
@@ -40,6 +39,7 @@ from .least_squares import (
     wider,
 )
 from .lockstep import Flow, alone, together
+from .model_changes import ADHESION, TIP
 from .nuisance import fit_settled
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import TableAlternatives, alternatives_of, missed_pull_off

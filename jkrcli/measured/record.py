@@ -37,10 +37,10 @@ from .force_curve import (
 from .forward_model import FittedBody
 from .free_rows import WAVE, Term
 from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, change_words, is_misfit, left_out, misfits
-from .hypotheses import OF_ALTERNATIVES, amount_of_range, finite_range, range_of
+from .hypotheses import amount_of_range, finite_range, range_of
 from .least_squares import Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .lockstep import Flow, alone
-from .model_changes import AMOUNT
+from .model_changes import AMOUNT, OF_ALTERNATIVES
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit, JKRBeside, later, without
 from .rows import noise_from_third_differences
@@ -513,39 +513,6 @@ def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, flo
     return quantities | body.moduli(s)
 
 
-def rates_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, Array]:
-    """Derivatives by the unknowns ``x`` of what they mean, on the scales of ``_quantity``; but of what the model alone
-    knows further."""
-    model, values = best.model, best.model.values(x)
-    by = dict.fromkeys(values, np.zeros(x.size)) | dict(zip(model.names, np.eye(x.size), strict=True))
-    s, last = math.exp(values["ln_s"]), model.stretches[-1]
-    rates = dict.fromkeys(("modulus", *body.moduli(s)), by["ln_s"])  # of their logs
-
-    # w = q s, and of an unknown r = sqrt(q) its root r sqrt(s)
-    for part in model.stretches:
-        kind, r = part.kind, f"r:{part.kind}"
-        if r in model.names:
-            rates[WORKS[kind]] = math.sqrt(s) * (by[r] + values[r] / 2 * by["ln_s"])
-        elif kind in model.works:
-            rates[WORKS[kind]] = by[f"q:{kind}"]
-        else:
-            rates[WORKS[kind]] = s * (by[f"q:{kind}"] + values[f"q:{kind}"] * by["ln_s"])
-
-    # P0 = offset + tilt (z0 - z_first), delta0 = z0 - P0/k
-    offset, tilt = (f"{name}:{last.kind}" for name in ("offset", "tilt"))
-    P0 = by[offset] + (values["z0"] - last.z[0]) * by[tilt] + values[tilt] * by["z0"]
-    if (wave := wave_of(model)) is not None:
-        cos, period, sin = wave.names
-        size = math.hypot(values[cos], values[sin]) or 1.0
-        rates["wave_period"] = math.exp(values[period]) * by[period]
-        rates["wave_amplitude"] = (values[cos] * by[cos] + values[sin] * by[sin]) / size
-    rates |= {"delta0": by["z0"] - P0 / model.k, "P0": P0, "tilt": by[tilt]}
-    rates |= {name: by[name] for name in model.positions}
-    for name in model.further(values):
-        rates.pop(name, None)
-    return rates
-
-
 def as_fit(
     body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None,
     jkr: JKRBeside | None = None, ranged: Sequence[FittedValue] = (),
@@ -621,7 +588,6 @@ def _intervals(
     """What is known of the outcome ``here``, of which some are ``fixed``."""
     quantities = [_quantity(name, f"r:{APPROACH}" in best.names) for name in here]
     fixed_values = {name: value for name, value in here.items() if name in fixed}
-    still = dict.fromkeys(fixed_values, np.zeros(best.x.size))
     bent = [item for item in quantities if item.kind in (LOG, ROOT)]
 
     def meaning(x: Array) -> dict[str, float]:
@@ -633,10 +599,7 @@ def _intervals(
         cost = best.least.problem.converged
         samples = bootstrap(best.least, partial(_renewed, best), cost, settings.samples, settings.seed, pool)
     profiled = settings.confidence == "profile" and best.ended
-    return Intervals(
-        best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples,
-        exact=lambda x: rates_of(best, x, body) | still,
-    )  # fmt: skip
+    return Intervals(best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples)
 
 
 def _quantity(name: str, rests: bool) -> Parameter:

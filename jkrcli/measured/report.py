@@ -32,8 +32,8 @@ from . import range_alternative, text_formats
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
 from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
 from .grade import GOOD, UNFIT, change_words, size_words
-from .hypotheses import OF_ALTERNATIVES
 from .joint import JointFit
+from .model_changes import OF_ALTERNATIVES
 from .parameters import FittedValue
 from .procedure import Failure
 from .result import Fit, JKRBeside

@@ -23,9 +23,10 @@ from ..base.numerics import HALF_WIDTH, LEVEL, REMEMBERED, TINY, UNSEEN, Array, 
 from .curve import APPROACH
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit
-from .hypotheses import ALTERNATIVES, AlternativeModel
+from .hypotheses import ALTERNATIVES
 from .least_squares import COLOURED_FREE, frequencies, in_time, t_quantile
 from .lockstep import Flow, ask, by_groups
+from .model_changes import AlternativeModel
 
 DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
 

@@ -23,7 +23,6 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.measured.curve import Curve, Reading
 from jkrcli.measured.files import read
 from jkrcli.measured.forward_model import FittedBody
-from jkrcli.measured.least_squares import Intervals
 from jkrcli.measured.lockstep import alone
 from jkrcli.measured.parameters import ROOT, FittedValue, Parameter
 from jkrcli.measured.procedure import fit
@@ -484,31 +483,6 @@ def test_intervals_of_two_hundred_records_with_a_sine() -> None:
         told = judged(fit(BODY, curve, usual(base_line="sine")), {"E_star": E_star, "w": w})
         held.append([inside for _, inside in told.values()])
     assert (np.abs(np.mean(held, axis=0) - 0.95) <= 0.045).all()  # of 200 records: three standard deviations
-
-
-@pytest.mark.parametrize(
-    "options",
-    [{"base_line": "sine"}, {"segment": "approach"}, {"fix": [("w", "1e-4")]}, {"free": ["hysteresis"]}],
-)
-def test_derivatives_of_what_unknowns_mean(options: dict[str, object], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Those in closed form, times standard errors of the unknowns, are those by central differences."""
-    made_of = []
-
-    def intervals(*args: object, **more: object) -> Intervals:
-        made_of.append((args, more))
-        return Intervals(*args, **more)
-
-    monkeypatch.setattr("jkrcli.measured.record.Intervals", intervals)
-    monkeypatch.setattr("jkrcli.measured.least_squares.INTERVAL_STEP", 1e-5)
-    fit(BODY, wavy(np.random.default_rng(1000))[0] if "base_line" in options else cycled(1), usual(**options))
-    args, more = made_of[0]
-    closed, differences = Intervals(*args, **more), Intervals(*args, **{**more, "exact": lambda _: {}})
-    assert closed.covariance is not None
-    sigma = np.sqrt(np.diag(closed.covariance))
-    assert closed.rates.keys() == differences.rates.keys()
-    for name, rate in closed.rates.items():
-        off = (rate - differences.rates[name]) * sigma
-        assert np.abs(off).max() <= 1e-4 * np.abs(rate * sigma).max(), name
 
 
 def test_a_sine_that_is_not_there_is_not_fitted() -> None:

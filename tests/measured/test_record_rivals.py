@@ -24,10 +24,19 @@ from jkrcli.measured.alternative_fits import _Amounts, _of_amounts, record_alter
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.fitted_record import CHANGE_SMALL, FittedRecord, Known
 from jkrcli.measured.forward_model import grid, on_grid
-from jkrcli.measured.hypotheses import ALTERNATIVES, DEVICE, AlternativeModel, work_over_speed
+from jkrcli.measured.hypotheses import ALTERNATIVES, work_over_speed
 from jkrcli.measured.least_squares import Spectrum
 from jkrcli.measured.lockstep import alone
-from jkrcli.measured.model_changes import AMOUNT, LITTLE, BodyChange, Change, ChangedFamily, ChangedModel
+from jkrcli.measured.model_changes import (
+    AMOUNT,
+    DEVICE,
+    LITTLE,
+    AlternativeModel,
+    BodyChange,
+    Change,
+    ChangedFamily,
+    ChangedModel,
+)
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.record import _fitted, _model, directions_of, half_space_modulus, raw_force_curve
 from jkrcli.measured.report import alternatives_table, fit_words, summary

@@ -440,6 +440,10 @@ def _levels(side: Side) -> tuple[list[tuple[int, Term]], int]:
     edges, rows = list[int](), side.y.size
     if side.y.size < FREE_FEWEST or not side.jump < 0:
         return [], rows
+    # Single rows that stand out are no edges, nor uneven
+    near = np.median(np.lib.stride_tricks.sliding_window_view(np.pad(side.y, FREE_NARROWEST // 2, "edge"),
+                                                              FREE_NARROWEST + 1), axis=1)  # fmt: skip
+    side = replace(side, y=np.where(np.abs(side.y - near) > FREE_SIGMAS * side.noise, near, side.y))
     steps: dict[int, tuple[float, float, float]] = {}
     for _ in range(FREE_MOST):
         stairs = sum((step * (np.arange(rows) >= edge) for edge, (step, _, _) in steps.items()), np.zeros(rows))

@@ -774,7 +774,15 @@ class Spectrum:
 
     def of_level(self, A: float) -> Spectrum:
         """The same colour where the white part is ``A``."""
-        return Spectrum(A, tuple((A / self.A * B, corner, power) for B, corner, power in self.slow))
+        return self.times(A / self.A)
+
+    def times(self, factor: float) -> Spectrum:
+        """The same of a variance ``factor`` times as large."""
+        return Spectrum(factor * self.A, tuple((factor * B, corner, power) for B, corner, power in self.slow))
+
+    def level(self, rows: int) -> float:
+        """The variance of a row of so many."""
+        return float(np.mean(density(self, rows)))
 
     def beyond(self, f: float) -> bool:
         """Whether most of it goes on rising at frequencies below ``f``, which no run of free rows tells."""
@@ -786,6 +794,13 @@ class Spectrum:
         if not self.slow:
             return columns / math.sqrt(self.A)
         return (waves(columns).T / np.sqrt(density(self, len(columns)))).T
+
+    def unlikely(self, series: Array) -> float:
+        """Minus twice the logarithm of the likelihood of a series in the order of time (Whittle)."""
+        if not series.size:
+            return 0.0
+        S = np.maximum(density(self, series.size), TINY)
+        return float(np.sum(np.log(S) + numerics.cosine_transform(series) ** 2 / S))
 
     def drawn(self, rng: np.random.Generator, rows: int) -> Array:
         """A series of so many ``rows`` of this noise."""

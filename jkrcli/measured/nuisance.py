@@ -23,7 +23,7 @@ from ..base.units import show
 from .force_curve import FIT_ENOUGH, ForceCurveFit, unbroken
 from .forward_model import FittedBody
 from .free_rows import LAWS, RANGE, RELAXED, WAVE, FreeRows
-from .least_squares import t_quantile, wider
+from .least_squares import Spectrum, t_quantile, wider
 from .lockstep import Flow, alone, together
 from .priors import PRIORS
 from .record import fit_record, fitted_whole, outcome_of, requested, usable
@@ -33,9 +33,9 @@ from .settings import Settings
 
 NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which a hypothesis is none of these data
 NUISANCE_FAR = 3.0  # choice: standard deviations of a row, beyond which it counts no more: a jump a row late is none
-NUISANCE_ALIKE = 1.1  # choice: of the least noise that any leaves, up to which residuals are noise
 NUISANCE_SEEN = 1e-4  # choice: relative, a part of an error below which it is none
 NUISANCE_LEAST = 0.01  # choice: of the range of the load, the pull-off force that sizes are compared with at least
+NUISANCE_LEFT = 13.8  # theory: of chi^2, odds of 1 in 1,000, up to which one is not excluded
 NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the next hypothesis are told
 
 
@@ -111,6 +111,14 @@ class Hypothesis:
         inverse = np.linalg.pinv(self.fit.covariance[np.ix_(rows, rows)] / np.outer(widths, widths))
         return cost + float(np.linalg.slogdet(np.eye(len(rows)) + inverse)[1])
 
+    def unlikely(self, rows: Array, misfit: float) -> float:
+        """Minus twice the logarithm of the likelihood of some rows, with the noise that the free rows show and
+        ``misfit`` times its variance; rows that it leaves out are no noise of any colour."""
+        noise = self.fit.spread.noise.times(misfit)
+        far = NUISANCE_FAR * math.sqrt(noise.level(rows.size))
+        off, own = np.clip(self.off[rows], -far, far), np.isin(rows, self.fit.model.rows)
+        return noise.unlikely(off[own]) + Spectrum(max(noise.A, TINY)).unlikely(off[~own])
+
     def name(self, other: Hypothesis) -> str:
         """What tells it from an ``other`` one."""
         mine, theirs = self.held, other.held
@@ -166,7 +174,8 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
     spread, words = dict[str, Mapping[str, float]](), [*likeliest.held.words]
     for one, rise in zip(found[1:], rises[1:], strict=True):
         # of odds p = 1/(1 + exp(rise/2)): 2 sqrt(p (1 - p)), two standard deviations of the difference
-        share = 1 / math.cosh(rise / 4)
+        # and within three half-widths whatever is not excluded
+        share = max(1 / math.cosh(rise / 4), (rise < NUISANCE_LEFT) / 3)
         parts = {name: share * abs(off) for name, off in _between(here, one.outcome).items()}
         before = spread.get(one.name(likeliest), {})
         spread[one.name(likeliest)] = {name: max(part, before.get(name, 0.0)) for name, part in parts.items()}
@@ -192,8 +201,8 @@ def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[lis
     with what its terms cost; sentences on those that no curve fits with, JkrError where that is so of all. Of a sine
     only those with a wave, if there are; none that leaves a direction without a base line, which others have.
 
-    chi^2 is in units of the noise that is left by the least, and of all rows that any is fitted to, of which none
-    counts for more than one at ``NUISANCE_FAR``.
+    The likelihood is that of all rows that any is fitted to, with noise of the colour that is likeliest for what each
+    leaves: slow noise bends base lines, too. None counts for more than one at ``NUISANCE_FAR``.
     """
     assert record.held is not None
     sine = settings.base_line == "sine"
@@ -218,10 +227,10 @@ def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[lis
         and not any(term.size > 0 and not term.stays for term in bends)
     ]  # fmt: skip
     found = plain or found
-    noise = max(min(one.fit.sigma for one in found), TINY)
-    tau = max(one.fit.spread.tau for one in found if one.fit.sigma < NUISANCE_ALIKE * noise)
+    least = min(found, key=lambda one: one.fit.sigma)
     rows = np.unique(np.concatenate([one.fit.model.rows for one in found]))
-    costs = [float(np.minimum((one.off[rows] / noise) ** 2, NUISANCE_FAR**2).sum()) / tau + one.cost for one in found]
+    misfit = max(least.fit.sigma**2 / max(least.fit.spread.noise.level(rows.size), TINY), 1.0)
+    costs = [one.cost + one.unlikely(rows, misfit) for one in found]
     order = np.argsort(costs)
     return [found[i] for i in order], [min(costs[i] - min(costs), 2 * NUISANCE_EXCLUDED) for i in order], failed
 

@@ -90,11 +90,11 @@ RECORD_BENT = 0.001
 RECORD_WHOLE = 0.1  # theory: off whole numbers, of steps between levels; a few that are none are so by chance
 RECORD_RUN = 3  # tuned on records, by `make constants`: blocks in succession that must agree
 # choice: of all rows, the range of the load, or the way: what is no direction, no jump, no motion, no place of
-# steps, and how many rows may be spikes
+# steps
 RECORD_SMALL = 0.02
 RECORD_HALF = 0.5  # theory: of a way, a step, the least load or what a line leaves: more is the larger part of it
-# choice: of the rows, least length of a tether; relative change of its load, beyond the error; no contact's is
-# below 0.1 by then
+# choice: of the rows, least length of a tether, and how many may be spikes; relative change of its load, beyond the
+# error; no contact's is below 0.1 by then
 RECORD_TETHER = 0.05
 RECORD_STRAIGHT = 1.3  # choice: of the noise, what the line through them leaves at most
 # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
@@ -362,17 +362,20 @@ def _sunk(z: Array, P: Array, directions: Sequence[Direction]) -> float:
 
 
 def _spikes(P: Array) -> Array:
-    """Rows that leave the lines through the two before and the two after by as much and to the same side, far beyond
-    what the others do; none where they are many. At a jump one of the lines holds, or they are apart."""
+    """Rows that leave the middle of their neighbours far beyond what the others do, and the lines through the two
+    before and the two after to the same side; none where they are many. At a jump one of the lines holds, or they are
+    apart."""
     bends = _bends(P)
-    size = np.abs(bends)
-    off = np.minimum(size[:-2], size[2:])
+    before, bend, after = bends[:-2], bends[1:-1], bends[2:]
+    off = np.abs(bend) / 2
     rows = np.flatnonzero(off > RECORD_LEAST * float(P.max() - P.min()))
-    before, after = bends[rows], bends[rows + 2]
-    rows = rows[(np.abs(before - after) < RECORD_HALF * off[rows]) & ((before > 0) == (after > 0))]
+    before, bend, after, off = before[rows], bend[rows], after[rows], off[rows]
+    least = np.minimum(np.abs(before), np.abs(after))
+    alone = ((before > 0) == (after > 0)) & ((before > 0) != (bend > 0))
+    rows = rows[alone & (least > RECORD_HALF * off) & (np.abs(before - after) < off)]
     if rows.size:
-        rows = rows[off[rows] > RECORD_SIGMAS * _robust(bends[:-2])] + 2
-    return rows if rows.size <= RECORD_SMALL * P.size else rows[:0]
+        rows = rows[np.abs(bends[rows + 1]) > RECORD_SIGMAS * _robust(bends)] + 2
+    return rows if rows.size <= RECORD_TETHER * P.size else rows[:0]
 
 
 def _named_segments(curve: Curve, delta: Array) -> list[Segment]:

@@ -23,6 +23,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.measured.curve import Curve, Reading
 from jkrcli.measured.files import read
 from jkrcli.measured.forward_model import FittedBody
+from jkrcli.measured.grade import GOOD
 from jkrcli.measured.lockstep import alone
 from jkrcli.measured.parameters import ROOT, FittedValue, Parameter
 from jkrcli.measured.procedure import fit
@@ -45,8 +46,8 @@ def body(E_star: float = 1e3, a: float = 1e-6) -> FittedBody:
 BODY = body()
 
 
-def usual(**options: object) -> Settings:
-    return settings_of(BODY, **options)
+def usual(body: FittedBody = BODY, **options: object) -> Settings:
+    return settings_of(body, **options)
 
 
 def made(rng: np.random.Generator) -> tuple[Curve, float, float]:
@@ -72,13 +73,12 @@ def made(rng: np.random.Generator) -> tuple[Curve, float, float]:
 
 
 def judged(found: Fit, truth: dict[str, float]) -> dict[str, tuple[float, bool]]:
-    """Relative error of each estimate and whether its interval holds the truth."""
+    """Relative error of each estimate and whether its interval, which may have one end, holds the truth."""
     told = {}
     for name, true in truth.items():
         item = found.estimate(name)
         assert item.low is not None
-        assert item.high is not None
-        told[name] = item.value / true - 1, item.low <= true <= item.high
+        told[name] = item.value / true - 1, item.low <= true <= (math.inf if item.high is None else item.high)
     return told
 
 
@@ -111,10 +111,11 @@ def case(kind: tuple[float, float] | None, E_star: float) -> FittedBody:
 
 
 def wrong(item: FittedValue, true: float) -> bool:
-    """By more than a tenth and more than three half-widths."""
+    """By more than a tenth and more than three half-widths, with what the model may be off."""
     assert item.low is not None
     assert item.high is not None
-    return abs(item.value - true) > max(0.1 * true, 1.5 * (item.high - item.low))
+    half_width = math.hypot((item.high - item.low) / 2, *(item.model or {}).values())
+    return abs(item.value - true) > max(0.1 * true, 3 * half_width)
 
 
 def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
@@ -407,14 +408,14 @@ def test_an_uncertain_input_widens_the_intervals() -> None:
     """By what fits with the input moved to both sides say."""
     kind = (1.5e-6, 0.45)
     curve, layer = cycled(1, kind=kind), case(kind, 1e4)
-    found = fit(layer, curve, usual(uncertain={"h:1": 0.05 * kind[0]}, segment="retract"))
+    found = fit(layer, curve, usual(layer, uncertain={"h:1": 0.05 * kind[0]}, segment="retract"))
     ends = [fit(layer.with_values({"h:1": (1 + change) * kind[0]}), curve, usual(segment="retract"))
             for change in (-0.05, 0.05)]  # fmt: skip
     for name in ("E_star", "w"):
         low, high = (end.value(name) for end in ends)
         systematic = found.estimate(name).systematic
         assert systematic is not None
-        assert systematic["h:1"] == pytest.approx(abs(high - low) / 2, rel=1e-5)
+        assert systematic["h:1"] == pytest.approx(abs(high - low) / 2, rel=2e-4)  # searches end at 1e-3 of an error
         assert found.estimate(name).error > systematic["h:1"]
 
 
@@ -435,20 +436,21 @@ def test_a_known_work_and_a_bound_modulus_are_kept() -> None:
     assert any("E* ends on its bound" in line for line in bound.warnings)
 
 
-@pytest.mark.slow
-def test_a_robust_loss_bears_outliers() -> None:
-    """Three in a hundred rows are off, by 30 standard deviations: the intervals of E* are 5 times as wide without."""
+@pytest.mark.parametrize("loss", ["linear", "soft_l1"])
+@pytest.mark.parametrize("size", [0.02, 0.1])
+def test_outliers_among_the_rows_change_nothing(size: float, loss: str) -> None:
+    """Three in a hundred rows are off, by 7 or 30 standard deviations: those that stand alone are left out."""
     E_star, w, k, rng = 20e3, 1e-4, 0.05, np.random.default_rng(1)
     force = 1.5 * math.pi * w * R
     columns = record(E_star, R, 0.0, w, Instrument(k, 2000, 3e-6, 4 * force, 0.003 * force), 2)
-    P = columns["P"] + 0.1 * force * rng.normal(size=4000) * (rng.random(4000) < 0.03)
-    curve = Curve("made", delta=columns["z"] - P / k, P=P, stiffness=k)
-    robust, plain = fit(BODY, curve, usual(loss="soft_l1")), fit(BODY, curve, usual())
+    P = columns["P"] + size * force * rng.normal(size=4000) * (rng.random(4000) < 0.03)
+    found = fit(BODY, Curve("made", delta=columns["z"] - P / k, P=P, stiffness=k), usual(loss=loss))
+    assert found.grade is not None
+    assert found.grade.word == GOOD
     for name, true in (("E_star", E_star), ("w", w)):
-        item = robust.estimate(name)
+        item = found.estimate(name)
         assert item.error is not None
-        assert abs(item.value - true) < 3 * item.error
-        assert item.error < 0.5 * plain.estimate(name).error
+        assert abs(item.value - true) < 3 * item.error < 3e-3 * true
 
 
 def wavy(rng: np.random.Generator) -> tuple[Curve, float, float, float]:

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -189,7 +189,7 @@ class Term:
         """The rise of a level towards contact [N/m]."""
         return self.values[1] / (self.near - self.far)
 
-    def at(self, place: Place, values: Sequence[float]) -> tuple[Array, list[Array]]:
+    def at(self, place: Place, values: Sequence[Any]) -> tuple[Array, list[Array]]:
         """The load [N] at rows, and its derivatives by the ``values``."""
         A, x = values[0], place.x
         free, inside = self._rows(place)
@@ -197,13 +197,13 @@ class Term:
             bend = ((x - place.at) / place.way) ** 2 * (free + inside)
             return A * bend, [bend]
         if self.law == DECAY:
-            reach = math.exp(values[1])
+            reach = np.exp(values[1])
             bend = np.exp(-place.rows / reach) * (free + inside)
             return A * bend, [bend, A * bend * place.rows / reach]
         if self.law == RELAXED:
             return np.zeros(x.size), [np.zeros(x.size)]
         if self.law == WAVE:
-            phase = 2 * math.pi * (x - place.at) / math.exp(values[1])
+            phase = 2 * math.pi * (x - place.at) / np.exp(values[1])
             cos, sin = np.cos(phase) * (free + inside), np.sin(phase) * (free + inside)
             return A * cos + values[2] * sin, [cos, phase * (A * sin - values[2] * cos), sin]
         if self.law == LEVEL:
@@ -230,12 +230,12 @@ class Term:
         columns[0] = columns[0] + by_at * (not self.stays) / place.stiffness
         return load, columns, by_at
 
-    def _attraction(self, place: Place, values: Sequence[float]) -> tuple[Array, list[Array], Array]:
+    def _attraction(self, place: Place, values: Sequence[Any]) -> tuple[Array, list[Array], Array]:
         """``at`` of an attraction, and its derivative by the place of contact [N/m]. The gap before a device that it
         deflects, at - z + A (f(gap/range) - 1)/k, is by Newton's steps."""
         (A, log), k, (f, slope), (free, inside) = values, place.stiffness, LAWS[self.law], self._rows(place)
-        reach, gap = math.exp(log), np.maximum(place.at - place.x, 0.0)
-        for _ in range(FREE_ROUNDS if math.isfinite(k) else 0):
+        reach, gap = np.exp(log), np.maximum(place.at - place.x, 0.0)
+        for _ in range(FREE_ROUNDS if A and math.isfinite(k) else 0):
             off = gap - place.at + place.x - A * (f(gap / reach) - 1) / k
             rate = 1 - A * slope(gap / reach) / (reach * k)
             gap = np.maximum(gap - off / np.maximum(rate, FREE_STEEPEST), 0.0)
@@ -570,11 +570,16 @@ class _Blocks:
     def dof(self) -> int:
         return max(self.y.size - self.lines.shape[1] - 2, 1)
 
-    @cached_property
+    @property
     def straight(self) -> float:
         """The chi^2 that lines leave."""
+        return self.bare.cost
+
+    @cached_property
+    def bare(self) -> _Bent:
+        """Lines alone."""
         off = self._beside_lines(self.y)
-        return float(off @ off)
+        return _Bent(float(off @ off), (), off, np.zeros((off.size, 0)))
 
     def _beside_lines(self, columns: Array) -> Array:
         """What lines leave of columns (blocks, n), over the noise."""
@@ -623,44 +628,64 @@ class _Blocks:
         for term in terms:
             own = slice(first, first := first + len(term.values))
             found.append(replace(term, values=tuple(values[own].tolist()), errors=tuple(errors[own].tolist())))
-        return _Bent(cost, tuple(found))
+        return _Bent(cost, tuple(found), off, np.linalg.qr(scaled)[0])
 
-    def with_another(self, bent: _Bent, law: str) -> _Bent:
-        """Terms and one by a ``law`` that begins from what they leave."""
-        return self.fitted([*bent.terms, self.less(bent.terms).begun(law)])
-
-    def begun(self, law: str, side: int = 0) -> Term:
-        """A term by a ``law``, of the range tried that leaves least where nothing is deflected."""
-        if law == VIRTUAL:
-            return Term(law, (0.0,), (0.0,))
-        if law == WAVE:
-            return self._wave()
-        logs = np.linspace(*self.place.limits(law), FREE_TRIED).tolist()
-        terms = [Term(law, (0.0, log), side=side) for log in logs]
-        columns = self._beside_lines(np.column_stack([term.at(self.place, term.values)[1][0] for term in terms]))
-        squares, along = np.einsum("ij,ij->j", columns, columns), (self.y / self.noise) @ columns
-        falls = along**2 / np.maximum(squares, 1e-300)
+    def begun(self, law: str, bent: _Bent) -> tuple[tuple[Term, ...], float]:
+        """The terms of ``bent`` and one by a ``law``, of the range tried with which they leave least to first order,
+        and the chi^2 that this is."""
+        logs, columns = self._tried[law]
+        columns = columns - bent.Q @ (bent.Q.T @ columns)
+        u, v = columns[0], columns[-1] * (law == WAVE)
+        uu = np.maximum(np.einsum("ij,ij->j", u, u), 1e-300)
+        uv = np.einsum("ij,ij->j", u, v) / uu
+        v = v - u * uv
+        vv = np.einsum("ij,ij->j", v, v)
+        along = bent.off @ u / uu, np.where(vv > 1e-6 * uu, bent.off @ v / np.maximum(vv, 1e-300), 0.0)
+        falls = along[0] ** 2 * uu + along[1] ** 2 * vv
         best = int(falls.argmax())
-        return replace(terms[best], values=(float(along[best] / squares[best]), terms[best].values[1]))
+        size, sine = float(along[0][best] - along[1][best] * uv[best]), float(along[1][best])
+        values = (size, float(logs[best]), sine)[: {VIRTUAL: 1, WAVE: 3}.get(law, 2)]
+        term = Term(law, values, (0.0,) * len(values))
+        return (*bent.terms, term), bent.cost - float(falls[best])
 
-    def _wave(self) -> Term:
-        """The wave of the frequency, of those that the free way tells apart, that leaves least beside lines."""
-        periods = self.place.way / np.arange(1 / FREE_PERIODS[1], 1 / FREE_PERIODS[0], 1 / FREE_FINER)
-        phase = 2 * math.pi * np.outer(self.place.x - self.place.at, 1 / periods)
-        cos, sin = self._beside_lines(np.cos(phase)), self._beside_lines(np.sin(phase))
-        y = self.y / self.noise
-        cc, ss, cs = (np.einsum("ij,ij->j", one, other) for one, other in ((cos, cos), (sin, sin), (cos, sin)))
-        yc, ys, det = y @ cos, y @ sin, np.maximum(cc * ss - cs**2, 1e-300)
-        c, s = (ss * yc - cs * ys) / det, (cc * ys - cs * yc) / det
-        best = int(np.argmax(np.where(det > 1e-6 * cc * ss, c * yc + s * ys, 0.0)))
-        return Term(WAVE, (float(c[best]), math.log(periods[best]), float(s[best])), (0.0, 0.0, 0.0))
+    def with_another(self, several: Sequence[_Bent], by: Iterable[str], least: float) -> list[_Bent]:
+        """Those of ``several`` with one more term ``by`` other laws that leave less than the ``least`` by more than
+        chance: begun from where they leave least to first order, unless that is no less."""
+        begun, alike = dict[frozenset[str], tuple[float, tuple[Term, ...]]](), LAWS.keys()
+        for bent in several:
+            for law in by:
+                laws = {term.law for term in bent.terms}
+                if law not in laws and not (law in alike and laws & alike):
+                    begin, cost = self.begun(law, bent)
+                    if cost < begun.get(key := frozenset({*laws, law}), (least, begin))[0]:
+                        begun[key] = cost, begin
+        more = [self.fitted(begin) for _, begin in begun.values()]
+        colour = max(min((one.cost for one in more), default=0.0) / self.dof, 1.0)
+        return [one for one in more if least - one.cost > colour * FREE_MORE]
+
+    @cached_property
+    def _tried(self) -> dict[str, tuple[Array, Array]]:
+        """By law the logs of ranges, and the load per size with each where nothing is deflected, beside lines, (1,
+        blocks, ranges); of a wave cosines and sines."""
+        tried, place = dict[str, tuple[Array, Array]](), self.place.some(np.arange(self.y.size)[:, None])
+        # of a wave those that the free way tells apart
+        waves = np.log(place.way / np.arange(1 / FREE_PERIODS[1], 1 / FREE_PERIODS[0], 1 / FREE_FINER))
+        for law in (*LAWS, VIRTUAL, DECAY, WAVE):
+            logs = waves if law == WAVE else np.linspace(*place.limits(law), 1 if law == VIRTUAL else FREE_TRIED)
+            columns = Term(law, ()).at(place, (0.0, logs, 0.0)[: 3 if law == WAVE else 2])[1][::2]
+            tried[law] = logs, np.array([self._beside_lines(column) for column in columns])
+        return tried
 
 
-class _Bent(NamedTuple):
-    """Terms as they fit free rows best, and the chi^2 that is left."""
+@dataclass(frozen=True, eq=False)
+class _Bent:
+    """``terms`` as they fit free rows best, and the ``cost``, chi^2, that is left; what they leave ``off`` blocks, and
+    orthonormal columns ``Q`` of their derivatives, beside lines."""
 
     cost: float
     terms: tuple[Term, ...]
+    off: Array
+    Q: Array
 
 
 def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[list[tuple[Term, ...]]]:
@@ -687,26 +712,16 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
         return straight
 
     laws = [*LAWS] if near >= FREE_BENDS else []
-    single = {law: blocks.fitted([blocks.begun(law)]) for law in (*laws, VIRTUAL, DECAY, WAVE)}
+    single = {law: blocks.fitted(blocks.begun(law, blocks.bare)[0]) for law in (*laws, VIRTUAL, DECAY, WAVE)}
     found = list(single.values())
     if laws and len(usable) > 1:
         sided = [blocks.fitted([replace(single[law].terms[0], side=side) for side in (1, 2)]) for law in laws]
         colour = max(min(one.cost for one in sided) / blocks.dof, 1.0)
         if min(single[law].cost for law in laws) - min(one.cost for one in sided) > colour * FREE_APART:
             found += sided
-    # Two of them, each begun from what the other one leaves, and a third from what the best two leave.
-    pairs = [pair for pair in itertools.permutations(single, 2) if not set(pair) <= LAWS.keys()]
-    both = {pair: blocks.with_another(single[pair[0]], pair[1]) for pair in pairs}
-    more = [min(both[pair], both[pair[::-1]], key=lambda one: one.cost) for pair in itertools.combinations(single, 2)
-            if pair in both]  # fmt: skip
-    least, best = min(one.cost for one in found), min(more, key=lambda one: one.cost)
-    colour = max(best.cost / blocks.dof, 1.0)
-    if least - best.cost > colour * FREE_MORE:
-        found += [one for one in more if least - one.cost > colour * FREE_MORE]
-        laws_of = {term.law for term in best.terms}
-        three = [blocks.with_another(best, law) for law in single
-                 if law not in laws_of and not (law in LAWS and laws_of & LAWS.keys())]  # fmt: skip
-        found += [one for one in three if best.cost - one.cost > max(one.cost / blocks.dof, 1.0) * FREE_MORE]
+    if two := blocks.with_another([*single.values()], single, min(one.cost for one in found)):
+        best = min(two, key=lambda one: one.cost)
+        found += two + blocks.with_another([best], single, best.cost)
     least = max(FREE_TELLS * noise, *(side.code * side.rounds for side in usable))
     found = [one for one in found if _describes(one, blocks) and min(abs(term.size) for term in one.terms) >= least]
     if not found:
@@ -715,7 +730,7 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
     found.sort(key=lambda one: one.cost + colour * FREE_BENDS * len(one.terms))
     most = found[0].cost + colour * FREE_EXCLUDED
     found = [one for one in found if one.cost < most]
-    found += [_Bent(blocks.straight, ())] * (blocks.straight < found[0].cost + colour * FREE_BENT)
+    found += [blocks.bare] * (blocks.straight < found[0].cost + colour * FREE_BENT)
     return [blocks.with_levels(one.terms) for one in found]
 
 

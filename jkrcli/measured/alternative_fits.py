@@ -23,7 +23,7 @@ from ..base.errors import JkrError, SolveError
 from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, Array
 from ..bodies.problem import GEL_TENSION
 from .fitted_record import FittedRecord
-from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
+from .force_curve import FIT_BLUNT, ForceCurveFit, ForceCurveModel, fit, misfit_at, roughly, starts_of, windowed
 from .free_rows import FREE_BENDS
 from .hypotheses import ADHESION_ENDLESS, ALTERNATIVES, amount_of_range, amount_of_tension
 from .least_squares import STATISTICS_IMPROBABLE, in_time
@@ -65,7 +65,6 @@ from .score_tests import (
 
 # Which alternatives are fitted in full, and when one is taken.
 FULL_EACH = 3  # choice: of a family, its best by one step, which does not always name the right one
-FULL_STEPS = 20  # choice: guard, of a search that only finds out which alternatives are worth a fit
 FULL_PROMISING = 1.5  # choice: of the least sum of squares, up to which an alternative is fitted to the end
 # choice: of how far adhesion deforms the body, ranges that are tried below endless ones
 FULL_RANGES = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)
@@ -411,7 +410,8 @@ def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Change, amoun
     model, searches = ChangedModel.of(fresh, change), []
     for group in _begins(record, model, [*starts]):
         with contextlib.suppress(JkrError):  # others may come to an end
-            searches.append(rough(model, min(group, key=partial(misfit_at, model)), FULL_STEPS))
+            begin = min(group, key=partial(misfit_at, model))
+            searches += [(end.cost, end.x) for end in alone(roughly(model, begin, FIT_BLUNT[1:2]))]
     if not searches:
         raise SolveError("no curve with this change resembles the force curve")
     return min(searches, key=lambda one: one[0])

@@ -42,7 +42,7 @@ from .least_squares import (
     influence,
     robust_scale,
 )
-from .lockstep import Flow, alone, ask
+from .lockstep import Flow, alone, ask, beside
 from .rows import in_contact, noise_from_third_differences
 from .segmentation import BaseLine, Direction, ForceCurve
 from .settings import Loss
@@ -253,6 +253,12 @@ class ForceCurveModel:
     works: Mapping[str, float] = field(default_factory=dict)
     moduli: tuple[float, float] = (0.0, math.inf)
     positions: tuple[str, ...] = ()
+
+    @cached_property
+    def few(self) -> ForceCurveModel:
+        """The model of a few rows; of all where these skip a term."""
+        few = replace(self, stretches=tuple(part.thinned() for part in self.stretches))
+        return few if few.names == self.names else self
 
     @cached_property
     def rows(self) -> Array:
@@ -814,12 +820,14 @@ FIT_BESIDE = 2.0  # choice: rows on each side of first touch, at least, that bel
 FIT_NARROW = 0.3  # choice: of the depth of contact, that the window covers at most
 FIT_RECEDES = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
 FIT_SAME = 1e-3  # choice: of half the sum of squares, that of the difference of two curves that are one
-FIT_EXPLAINED = 1.05  # choice: of the noise, residuals that the search is not begun anew for
-FIT_ENOUGH = 1.5  # choice: of the noise, residuals that no other start is tried below
+FIT_EXPLAINED = 1.05  # choice: of the noise, residuals that no other start is tried below
+FIT_ENOUGH = 1.5  # choice: of the noise, or of what another fit leaves, residuals above which a model is none
+FIT_TRIED = 2  # choice: ends with a few rows beside the first, from which a search goes on with all of them
+FIT_ROUGH = 30  # choice: steps with a few rows
 FIT_BLUNT = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
 FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
 FIT_CONVERGED = 1e-11  # choice: relative change of parameters
-FIT_FELL = 4e-4  # theory: of chi^2 over its rows, its rise two hundredths of a standard error from the minimum
+FIT_FELL = 4e-3  # theory: of chi^2 over its rows, its rise six hundredths of a standard error from the minimum
 FIT_BEGUN = 1e-4  # choice: of chi^2, its fall by a step with which a search goes on with all rows and a sharper fold
 FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
 FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
@@ -880,6 +888,12 @@ class ForceCurveFit:
         off, J = self.model.residuals(self.x, 0.0)
         return self.model.whitened(np.concatenate([J.T, off[None]]).T, self.spread.noise).T
 
+    def moves(self, loads: Array) -> Array:
+        """By how much the unknowns move, to first order, where the readings are higher by ``loads`` of all rows [N]."""
+        J, by = self.weighted[:-1], self.model.whitened(loads[self.model.rows], self.spread.noise)
+        scale = np.maximum(np.linalg.norm(J, axis=1), 1e-300)
+        return np.asarray(np.linalg.lstsq(J.T / scale, by, rcond=SAME)[0] / scale)
+
     def at_loads(self, factor: float) -> Array:
         """The unknowns as they are about where all loads are ``factor`` times as large."""
         of_loads = "offset:", "tilt:", *LOADS
@@ -929,16 +943,8 @@ def _problem(
 
 def misfit_at(model: ForceCurveModel, x: Array) -> float:
     """Half the sum of squares at the unknowns ``x``, of loads over their range."""
-    off = Weighted(model, _even(model), FIT_BLUNT[-1])(np.clip(x, *_bounds(model, x))).residuals
-    return float(off @ off) / 2
-
-
-def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
-    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
-    search from ``start`` on of a few ``steps``."""
-    problem = _problem(model, _even(model), _bounds(model, start), FIT_BLUNT[1], SAME)
-    least = replace(problem, evaluations=steps).least(start)
-    return least.cost, least.x
+    off = model.off(np.clip(x, *_bounds(model, x)), FIT_BLUNT[-1])
+    return float(off @ off) / (2 * _even(model).A)
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
@@ -947,39 +953,27 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
 
 
 def fitting(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> Flow[ForceCurveFit]:
-    """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
-    all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
-    determine them the search creeps along a valley: it is given up, and the fit reports it."""
-    least = yield from _searching(model, start, near, [])
-    assert least is not None
+    """The unknowns that leave least from a ``start`` on, first of a few rows unless it is ``near``; then weighted by
+    the noise of the free rows where that has a colour. Where the rows do not determine them the search creeps along
+    a valley: it is given up, and the fit reports it."""
+    ends = [] if near else (yield from roughly(model.few, start))
+    least = yield from _whole(model, ends[0].x if ends else start).searching(ends[0].x if ends else start)
     return (yield from _finished(model, least, loss))
 
 
-def _searching(model: ForceCurveModel, start: Array, near: bool, ends: list[Array]) -> Flow[Least | None]:
-    """The least of squares from a ``start`` on; None where a few rows lead to one of the ``ends`` from elsewhere, which
-    are the residuals of these rows there, and to which it adds its own."""
-    bounds, even, least = _bounds(model, start), _even(model), None
-    x, sharp = np.clip(start, *bounds), FIT_BLUNT[-1]
-    few = model
-    if "turn" not in model.names:  # of a retraction alone other minima are near
-        few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
-    whole = _problem(model, even, bounds, sharp, FIT_CONVERGED)
-    slow = FIT_BLUNT[: -1 if few is model else None]
-    for stages in [()] if near else [slow] if few is model else [FIT_BLUNT[1:2], slow]:
-        begun, known = x, False
-        for blunt in stages:
-            end = yield from _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN).searching(begun)
-            begun, off = end.x, end.state.residuals
-            if blunt == FIT_BLUNT[1]:
-                if known := any(float((off - one) @ (off - one)) < FIT_SAME * end.cost for one in ends):
-                    break
-                ends.append(off)
-        if known:
-            break
-        least = yield from whole.searching(begun)
-        if least.ended and 2 * least.cost * even.A < (FIT_EXPLAINED * model.noise) ** 2 * least.state.residuals.size:
-            break  # no other minimum leaves less than the noise
-    return least
+def _whole(model: ForceCurveModel, start: Array) -> LeastSquares:
+    """What is searched from a ``start`` on, of all rows as they are."""
+    return _problem(model, _even(model), _bounds(model, start), FIT_BLUNT[-1], FIT_CONVERGED)
+
+
+def roughly(few: ForceCurveModel, start: Array, folds: Sequence[float] = FIT_BLUNT[:-1]) -> Flow[list[Least]]:
+    """About the least of ``few`` rows from a ``start`` on, by ever sharper ``folds``; none where there is no curve."""
+    bounds, ends = _bounds(few, start), list[Least]()
+    with contextlib.suppress(SolveError):
+        for blunt in folds:
+            problem = _problem(few, _even(few), bounds, blunt, SAME, FIT_BEGUN)
+            ends.append((yield from replace(problem, evaluations=FIT_ROUGH).searching(ends[-1].x if ends else start)))
+    return ends[-1:]
 
 
 def _finished(model: ForceCurveModel, least: Least, loss: Loss) -> Flow[ForceCurveFit]:
@@ -1147,58 +1141,61 @@ def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     return least, most
 
 
-def nearest(
-    model: ForceCurveModel, loss: Loss = "linear", found: dict[str, ForceCurveFit] | None = None
-) -> Flow[ForceCurveFit]:
-    """The unknowns that leave least, from several starts until one leaves no more than noise or two lead to one curve,
-    none of them of another record; SolveError where no search converges. Of a retraction alone all are tried: only its
-    shape shows how far its edge rests. Fits of single directions, where they were of use, are added to those ``found``.
+def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit]:
+    """The unknowns that leave least, none of them of another record; SolveError where no search converges.
+
+    Starts compete on a few rows: the first alone, and unless it leaves no more than noise all side by side. From those
+    of the ends that leave least of all rows the search goes on with these. Of a retraction alone all compete at once:
+    only its shape shows how far its edge rests.
     """
     wrong = SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
-    ends, best = list[Array](), None
-    for begin in (starts_of(model), None):
-        for x in (yield from _of_each(model, loss, {} if found is None else found)) if begin is None else begin:
-            fitted = None
+    alone, ends, best = "turn" in model.names, list[Least](), None
+    for enough in (FIT_EXPLAINED, 0.0)[alone:]:
+        if enough:
+            found = yield from roughly(model.few, next(starts_of(model)), FIT_BLUNT[1:2])
+        else:
+            found = sorted((yield from _rough_ends(model)), key=lambda one: misfit_at(model, one.x))
+        for end in found:
+            off = [end.state.residuals - one.state.residuals for one in ends]
+            if len(ends) > FIT_TRIED or any(float(one @ one) < FIT_SAME * end.cost for one in off):
+                continue
+            ends.append(end)
             try:
-                least = yield from _searching(model, x, begin is None, ends)
-                if least is None:
-                    if "turn" not in model.names and best is not None and not best[0][0]:
-                        return best[2] or (yield from _finished(model, best[1], loss))
-                    continue
-                misfit = math.sqrt(2 * least.cost * _even(model).A / least.dof)
-                ended = least.ended or _flat(least.state.residuals, least.state.jacobian, FIT_NEAR / least.dof)
-                if loss != "linear" or misfit <= FIT_ENOUGH * model.noise:
-                    fitted = yield from _finished(model, least, loss)
-                    misfit, ended = fitted.sigma, fitted.ended
-                    # with all unknowns: an edge that rests throughout may be a valley beside that of one that recedes
-                    explains = misfit <= FIT_ENOUGH * model.noise and fitted.names == model.names
-                    if "turn" not in model.names and explains:
-                        return fitted
+                least = yield from _whole(model, end.x).searching(end.x)
             except SolveError as error:
                 wrong = error
                 continue
+            misfit = math.sqrt(2 * least.cost * _even(model).A / least.dof)
+            ended = least.ended or _flat(least.state.residuals, least.state.jacobian, FIT_NEAR / least.dof)
             if best is None or (not ended, misfit) < best[0]:
-                best = (not ended, misfit), least, fitted
-    if best is None:
-        raise wrong
-    return best[2] or (yield from _finished(model, best[1], loss))
+                best = (not ended, misfit), least
+        if best is not None and (best[0] <= (False, enough * model.noise) or not enough):
+            fitted = yield from _finished(model, best[1], loss)
+            # with all unknowns: an edge that rests throughout may be a valley beside that of one that recedes
+            if fitted.names == model.names or not enough:
+                return fitted
+    raise wrong
 
 
-def _of_each(model: ForceCurveModel, loss: Loss, found: dict[str, ForceCurveFit]) -> Flow[list[Array]]:
-    """Unknowns of several directions as fits of each alone have them, which are ``found``, moduli and the zero as
-    either does."""
-    if len(model.stretches) == 1:
-        return []
-    own: list[dict[str, float]] = []
-    for part in model.stretches:
+def _rough_ends(model: ForceCurveModel) -> Flow[list[Least]]:
+    """What all starts lead to with a few rows, of two directions also unknowns as each alone has them, moduli and the
+    zero as either does."""
+    few, own = model.few, dict[str, dict[str, float]]()
+    begun = [(few, x, folds) for x in starts_of(model) for folds in (FIT_BLUNT[1:2], FIT_BLUNT[:2])]
+    for part in model.stretches if len(model.stretches) > 1 else ():
+        alone = replace(model, stretches=(part,))
         with contextlib.suppress(SolveError):
-            one = found[part.kind] = yield from nearest(replace(model, stretches=(part,)), loss)
-            values = one.model.values(one.x)
-            own.append(values | {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0))})
-    if len(own) < len(model.stretches):
-        return []
-    both = {name: value for values in own for name, value in values.items()}
-    return [model.unknowns({**both, **{name: values[name] for name in ("ln_s", "z0")}}) for values in own]
+            begun += [(alone.few, x, FIT_BLUNT[:2]) for x in starts_of(alone)]
+    found = yield from beside([roughly(*one) for one in begun])
+    ends = [(one, end) for (one, _, _), each in zip(begun, found, strict=True) for end in each]
+    for one, end in sorted(ends, key=lambda pair: -pair[1].cost):  # of each direction the least comes last
+        if one is not few:
+            values, kind = one.values(end.x), one.stretches[0].kind
+            own[kind] = values | {f"r:{kind}": math.sqrt(max(values[f"q:{kind}"], 0.0))}
+    both = {name: value for values in own.values() for name, value in values.items()}
+    starts = [both | {name: values[name] for name in ("ln_s", "z0")} for values in own.values() if len(own) > 1]
+    found = yield from beside([roughly(few, few.unknowns(values)) for values in starts])
+    return [*(end for one, end in ends if one is few), *itertools.chain(*found)]
 
 
 # --------------------------------------------------------------------------------------------------

@@ -570,13 +570,8 @@ class _Blocks:
     def dof(self) -> int:
         return max(self.y.size - self.lines.shape[1] - 2, 1)
 
-    @property
-    def straight(self) -> float:
-        """The chi^2 that lines leave."""
-        return self.bare.cost
-
     @cached_property
-    def bare(self) -> _Bent:
+    def straight(self) -> _Bent:
         """Lines alone."""
         off = self._beside_lines(self.y)
         return _Bent(float(off @ off), (), off, np.zeros((off.size, 0)))
@@ -645,20 +640,18 @@ class _Blocks:
         best = int(falls.argmax())
         size, sine = float(along[0][best] - along[1][best] * uv[best]), float(along[1][best])
         values = (size, float(logs[best]), sine)[: {VIRTUAL: 1, WAVE: 3}.get(law, 2)]
-        term = Term(law, values, (0.0,) * len(values))
-        return (*bent.terms, term), bent.cost - float(falls[best])
+        return (*bent.terms, Term(law, values, (0.0,) * len(values))), bent.cost - float(falls[best])
 
     def with_another(self, several: Sequence[_Bent], by: Iterable[str], least: float) -> list[_Bent]:
         """Those of ``several`` with one more term ``by`` other laws that leave less than the ``least`` by more than
         chance: begun from where they leave least to first order, unless that is no less."""
-        begun, alike = dict[frozenset[str], tuple[float, tuple[Term, ...]]](), LAWS.keys()
-        for bent in several:
-            for law in by:
-                laws = {term.law for term in bent.terms}
-                if law not in laws and not (law in alike and laws & alike):
-                    begin, cost = self.begun(law, bent)
-                    if cost < begun.get(key := frozenset({*laws, law}), (least, begin))[0]:
-                        begun[key] = cost, begin
+        begun = dict[frozenset[str], tuple[float, tuple[Term, ...]]]()
+        for bent, law in itertools.product(several, by):
+            laws = {term.law for term in bent.terms}
+            if laws.isdisjoint(LAWS.keys() if law in LAWS else {law}):
+                begin, cost = self.begun(law, bent)
+                if cost < begun.get(key := frozenset({*laws, law}), (least, begin))[0]:
+                    begun[key] = cost, begin
         more = [self.fitted(begin) for _, begin in begun.values()]
         colour = max(min((one.cost for one in more), default=0.0) / self.dof, 1.0)
         return [one for one in more if least - one.cost > colour * FREE_MORE]
@@ -702,17 +695,17 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
     each = [(blocks.place.x[mine], y[mine], float(blocks.noise[mine][0]))
             for mine in (numbers == number for number in np.unique(numbers))]  # fmt: skip
     near, far = yield from ask(_falls, (each, at, way))
-    if max(near, far) < FREE_BENDS and blocks.straight < blocks.dof + FREE_BENDS:
+    if max(near, far) < FREE_BENDS and blocks.straight.cost < blocks.dof + FREE_BENDS:
         return straight
     # Rows next to contact may belong to it, or to a slow jump: what bends is seen without them, too.
     beyond = [(x < at - FREE_RANGES[0] * way, x, y, noise) for x, y, noise in each]
     apart = [(x[some], y[some], noise) for some, x, y, noise in beyond if some.any()]
     seen = max((yield from ask(_falls, (apart, at, way)))) >= FREE_BENDS if apart else False
-    if not apart or not (seen or blocks.straight >= blocks.dof + FREE_BENDS):
+    if not apart or not (seen or blocks.straight.cost >= blocks.dof + FREE_BENDS):
         return straight
 
     laws = [*LAWS] if near >= FREE_BENDS else []
-    single = {law: blocks.fitted(blocks.begun(law, blocks.bare)[0]) for law in (*laws, VIRTUAL, DECAY, WAVE)}
+    single = {law: blocks.fitted(blocks.begun(law, blocks.straight)[0]) for law in (*laws, VIRTUAL, DECAY, WAVE)}
     found = list(single.values())
     if laws and len(usable) > 1:
         sided = [blocks.fitted([replace(single[law].terms[0], side=side) for side in (1, 2)]) for law in laws]
@@ -730,7 +723,7 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
     found.sort(key=lambda one: one.cost + colour * FREE_BENDS * len(one.terms))
     most = found[0].cost + colour * FREE_EXCLUDED
     found = [one for one in found if one.cost < most]
-    found += [blocks.bare] * (blocks.straight < found[0].cost + colour * FREE_BENT)
+    found += [blocks.straight] * (blocks.straight.cost < found[0].cost + colour * FREE_BENT)
     return [blocks.with_levels(one.terms) for one in found]
 
 
@@ -741,7 +734,7 @@ def _describes(bent: _Bent, blocks: _Blocks) -> bool:
     if several and any(abs(term.size) < FREE_SLOPED * term.error for term in bent.terms):
         return False  # of which one makes up for what another one makes
     most = FREE_DESCRIBED_BY_MORE if several else FREE_DESCRIBED
-    return blocks.straight - bent.cost >= colour * FREE_BENDS and colour <= most
+    return blocks.straight.cost - bent.cost >= colour * FREE_BENDS and colour <= most
 
 
 def _falls(asked: Sequence[tuple[Sequence[tuple[Array, Array, float]], float, float]]) -> list[tuple[float, float]]:

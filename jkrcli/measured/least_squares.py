@@ -337,15 +337,14 @@ class Least:
 
         One more row pulls at the constrained value: what it comes to, and what that costs, lie on the profile.
         """
-        from scipy.optimize import brentq
-
-        here, loss, width = outcome(self.x)[0], self.problem.loss, self.problem.width
+        problem = replace(self.problem, cost=NOTICEABLE * limit / max(self.cost, limit))
+        here, loss, width = outcome(self.x)[0], problem.loss, problem.width
         weight = SEARCH_PULL * math.sqrt(2 * limit) / abs(step)
         near, known = [self.x], {0.0: (-math.sqrt(limit), self.x)}  # a search from elsewhere may end elsewhere
 
         def excess(k: float) -> float:
             if k not in known:
-                constrained = self.problem.holding(outcome, here + k * step, weight).least(near[0])
+                constrained = problem.holding(outcome, here + k * step, weight).least(near[0])
                 cost = costs(constrained.state.residuals[:-1], loss, width)
                 known[k] = (math.sqrt(max(cost - self.cost, 0.0)) - math.sqrt(limit), constrained.x)
             value, near[0] = known[k]
@@ -354,7 +353,8 @@ class Least:
         with contextlib.suppress(JkrError):
             for k in 2.0 ** np.arange(SEARCH_DOUBLINGS):
                 if excess(k) >= 0:
-                    excess(brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=NOTICEABLE, rtol=NOTICEABLE))
+                    ends = np.array([0.0 if k <= 1 else k / 2]), np.array([k])
+                    excess(float(numerics.zeros_between(np.vectorize(excess), *ends, NOTICEABLE)[0]))
                     return outcome(near[0])[0]
                 reached = outcome(near[0])[0]
                 if abs(reached - here) < k * abs(step) / 2:  # a bound holds it

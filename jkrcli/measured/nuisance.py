@@ -9,7 +9,7 @@ likely before the data; estimates are averages over all at their odds, and the s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TypeAlias
@@ -20,13 +20,13 @@ from ..base.errors import JkrError, known
 from ..base.executors import Pool
 from ..base.numerics import TINY, Array
 from ..base.units import show
-from .force_curve import FIT_ENOUGH, ForceCurveFit, unbroken
+from .force_curve import ForceCurveFit, unbroken
 from .forward_model import FittedBody
 from .free_rows import LAWS, RANGE, RELAXED, WAVE, FreeRows
 from .least_squares import Spectrum, t_quantile, wider
-from .lockstep import Flow, alone, together
+from .lockstep import Flow, together
 from .priors import PRIORS
-from .record import fit_record, fitted_whole, outcome_of, requested, usable
+from .record import about_whole, fit_record, fitted_whole, outcome_of, requested, usable
 from .result import Fit, attempted, later
 from .segmentation import ForceCurve
 from .settings import Settings
@@ -41,7 +41,9 @@ NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the ne
 
 Outcome: TypeAlias = Mapping[str, float]  # of a fit, SI, by name
 Whole: TypeAlias = tuple[FittedBody, ForceCurveFit]  # the body as far as it was solved
-Fitted: TypeAlias = Callable[[ForceCurve, ForceCurveFit | None], Flow[tuple[Outcome, Whole]]]
+
+
+Found: TypeAlias = "tuple[list[Hypothesis], list[float], list[str]]"  # with rises of chi^2, and words
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +72,18 @@ class Hypothesis:
     off: Array
 
     @classmethod
-    def of(cls, record: ForceCurve, fitted: Fitted, begin: ForceCurveFit | None = None) -> Flow[Hypothesis]:
-        """By a fit, which may leave rows out."""
-        outcome, (body, best) = yield from fitted(record, begin)
+    def of(
+        cls, body: FittedBody, record: ForceCurve, settings: Settings, near: ForceCurveFit | None = None
+    ) -> Flow[Hypothesis | None]:
+        """By a fit, which may leave rows out; None where by a few rows the fit ``near`` it excludes the record."""
+        begin = {} if near is None else (yield from about_whole(body, record, settings, near))
+        if begin is None:
+            return None
+        body, best = yield from fitted_whole(body, record, settings, begin)
         whole, off = unbroken(record, best.model), np.zeros(len(record.curve))
         off[whole.rows] = whole.off(best.x, 0.0)
         off[best.model.rows] = best.off
-        return cls(record, body, best, outcome, off)
+        return cls(record, body, best, outcome_of(best, best.x, body), off)
 
     @cached_property
     def held(self) -> FreeRows:
@@ -162,14 +169,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
     if record.held is None:
         return None
 
-    def of(other: ForceCurve, begin: ForceCurveFit | None) -> Flow[tuple[Outcome, Whole]]:
-        whole, best = yield from fitted_whole(body, other, settings, begin)
-        least = math.inf if begin is None else FIT_ENOUGH * begin.sigma
-        if best.sigma > least > FIT_ENOUGH**2 * best.model.noise:  # none is near
-            whole, best = yield from fitted_whole(body, other, settings)
-        return outcome_of(best, best.x, body), (whole, best)
-
-    found, rises, failed = _hypotheses(record, of, settings)
+    found, rises, failed = _hypotheses(body, record, settings)
     likeliest, here = found[0], found[0].outcome
     spread, words = dict[str, Mapping[str, float]](), [*likeliest.held.words]
     for one, rise in zip(found[1:], rises[1:], strict=True):
@@ -186,20 +186,17 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
     words += failed
     odds, each = np.exp(-np.array(rises) / 2), [_between(here, one.outcome) for one in found]
     shift = {name: float(np.average([one.get(name, 0.0) for one in each], weights=odds)) for name in here}
-    held, changes = likeliest.record.held, list[Mapping[str, float]]()
-    for raised in held.raised if held is not None else ():
-        try:
-            moved = likeliest.record.less(raised)
-            changes.append(_between(here, alone(of(moved, likeliest.fit))[0]))
-        except JkrError:  # an offset that no curve resembles tells nothing
-            words.append("how well the offset is known is not in the errors: no curve fits at other ones")
-    return Nuisance(likeliest.record, (likeliest.body, likeliest.fit), tuple(changes), shift, spread, tuple(words))
+    best = likeliest.fit
+    raised = () if likeliest.record.held is None else likeliest.record.held.raised
+    changes = tuple(_between(here, outcome_of(best, best.x + best.moves(loads), likeliest.body)) for loads in raised)
+    return Nuisance(likeliest.record, (likeliest.body, best), changes, shift, spread, tuple(words))
 
 
-def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[list[Hypothesis], list[float], list[str]]:
-    """What the free rows may hold, each fitted in full, the likeliest first, and by how much chi^2 of each is higher,
-    with what its terms cost; sentences on those that no curve fits with, JkrError where that is so of all. Of a sine
-    only those with a wave, if there are; none that leaves a direction without a base line, which others have.
+def _hypotheses(body: FittedBody, record: ForceCurve, settings: Settings) -> Found:
+    """What the free rows may hold, the likeliest first, and by how much chi^2 of each is higher, with what its terms
+    cost; sentences on those that no curve fits with, JkrError where that is so of all. Of a sine only those with a
+    wave, if there are; none that leaves a direction without a base line, which others have. The first is fitted, and
+    from there on those of the others that a few rows do not exclude.
 
     The likelihood is that of all rows that any is fitted to, with noise of the colour that is likeliest for what each
     leaves: slow noise bends base lines, too. None counts for more than one at ``NUISANCE_FAR``.
@@ -210,9 +207,9 @@ def _hypotheses(record: ForceCurve, of: Fitted, settings: Settings) -> tuple[lis
     each = [record.holding(held) for held in asked or record.held.hypotheses]
     told = [sum(usable(one, kind) for kind in requested(settings)) for one in each]
     first, *others = (one for one, count in zip(each, told, strict=True) if count == max(told))
-    ends = together([Hypothesis.of(first, of)])
-    begin = ends[0].fit if isinstance(ends[0], Hypothesis) else None
-    ends += together([Hypothesis.of(one, of, begin) for one in others])
+    ends = together([Hypothesis.of(body, first, settings)])
+    near = ends[0].fit if isinstance(ends[0], Hypothesis) else None
+    ends += together([Hypothesis.of(body, one, settings, near) for one in others])
     found = [one for one in ends if isinstance(one, Hypothesis)]
     failed = list[str]()
     for wrong, asked_of in zip(ends, (first, *others), strict=True):

@@ -24,7 +24,7 @@ from ..resolve.resolve import sticking_effect, sticking_warnings
 from ..series.vocabulary import NO_UNIT
 from .checks import warnings_of
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
-from .force_curve import ForceCurveFit
+from .force_curve import FIT_ENOUGH, ForceCurveFit, fitting
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
 from .least_squares import (
     Intervals,
@@ -468,13 +468,14 @@ def with_other_profile(
     own, name = ("exact sphere", "paraboloid") if isinstance(indenter, Sphere) else ("paraboloid", "exact sphere")
     named = () if fitted.verdict is None or REJECTED not in fitted.flags else fitted.verdict.alternatives.named
     try:
-        other = body.under(Paraboloid(R) if isinstance(indenter, Sphere) else Sphere(R), largest)
+        other = body.under(Paraboloid(R) if isinstance(indenter, Sphere) else Sphere(R), ROOM * largest)
         found, noise = yield from _by_profile(fitted, other, curve, settings, whole)
         # What another law of adhesion takes of the misfit as well as the other profile does may be the cause
         falls = fitted.rows.size * ((fitted.scales.get("P", 0.0) / noise) ** 2 - 1)
         by_adhesion = any(one.family == ADHESION and one.taken > falls - SCORE_TIED for one in named)
         by_tip = any(one.family == TIP for one in named) and not by_adhesion
-        again = (yield from _fit(other, curve, settings, None))[0] if by_tip else None
+        explained = whole is None or noise <= FIT_ENOUGH * whole[1].model.noise
+        again = (yield from _fit(other, curve, settings, None))[0] if by_tip and explained else None
     except JkrError:
         return fitted
     if again is not None and not {REJECTED, "misfit"} & {*again.flags}:
@@ -506,8 +507,9 @@ def _by_profile(
         return {item.name: item.value for item in again.estimates}, again.scales.get("P", math.inf)
     record, best = whole
     if any(item.name == "E_star_approach" for item in fitted.estimates):  # beside the answer of the retraction
-        settings = replace(settings, segment="retract")
-    _, found = yield from fitted_whole(other, record, settings, best)
+        _, found = yield from fitted_whole(other, record, replace(settings, segment="retract"))
+    else:
+        found = yield from fitting(replace(best.model, family=other.family), best.x, loss=settings.loss)
     return outcome_of(found, found.x, other), found.sigma
 
 

@@ -23,6 +23,7 @@ from .checks import warnings_of
 from .curve import APPROACH, RETRACT, TURNED, Curve
 from .fitted_record import FittedRecord, Known
 from .force_curve import (
+    FIT_BLUNT,
     FIT_ENOUGH,
     TIMED,
     ForceCurveFit,
@@ -31,6 +32,7 @@ from .force_curve import (
     fitting,
     held_by_last_row,
     nearest,
+    roughly,
     stretches,
     windowed,
 )
@@ -38,7 +40,7 @@ from .forward_model import FittedBody
 from .free_rows import WAVE, Term
 from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, change_words, is_misfit, left_out, misfits
 from .hypotheses import amount_of_range, finite_range, range_of
-from .least_squares import Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
+from .least_squares import Intervals, Least, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .lockstep import Flow, alone
 from .model_changes import AMOUNT, OF_ALTERNATIVES
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
@@ -616,7 +618,8 @@ def _quantity(name: str, rests: bool) -> Parameter:
 def _resting(item: FittedValue, best: ForceCurveFit, t: float, intervals: Intervals) -> FittedValue:
     """The estimate; w of an edge that rests throughout is a lower bound: what its last row holds, less ``t`` of its
     standard errors. Rows at rest go with the root of the w before: where that may be 0, its limit is by the profile."""
-    if item.name == WORKS[APPROACH] and item.low == 0 and best.ended and best.model.edges(best.x)[-1][1] is not None:
+    rests = best.ended and best.model.edges(best.x)[-1][1] is not None
+    if item.name == WORKS[APPROACH] and item.low == 0 and rests and f"r:{APPROACH}" not in best.names:
         return intervals.with_limit(item)
     if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
         return item
@@ -731,11 +734,8 @@ def fit_record(
     body = _with_known(body, settings)
     kinds = directions_of(record, settings)
 
-    alone_found = dict[str, ForceCurveFit]()
-
     def of(*kinds: str) -> Flow[tuple[FittedBody, ForceCurveFit]]:
-        near = alone_found.get(kinds[0]) if len(kinds) == 1 else None
-        return _fitted(body, _model(body, record, settings, kinds), settings, near, alone_found)
+        return _fitted(body, _model(body, record, settings, kinds), settings)
 
     def result_of(body: FittedBody, best: ForceCurveFit, *ranged: Any) -> Fit:
         plain = replace(settings, confidence="covariance", uncertain={})
@@ -877,15 +877,29 @@ def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> Force
 
 
 def fitted_whole(
-    body: FittedBody, record: ForceCurve, settings: Settings, begin: ForceCurveFit | None = None
+    body: FittedBody, record: ForceCurve, settings: Settings, begin: Mapping[str, float] | None = None
 ) -> Flow[tuple[FittedBody, ForceCurveFit]]:
-    """The same as a flow, with the body solved as far as it reaches; searched from the fit of a record that differs
-    little, where it has all unknowns."""
+    """The same as a flow, with the body solved as far as it reaches; searched from values of its unknowns, if these are
+    about known."""
     body = _with_known(body, settings)
+    return (yield from _fitted(body, _model(body, record, settings, directions_of(record, settings)), settings, begin))
+
+
+def about_whole(
+    body: FittedBody, record: ForceCurve, settings: Settings, near: ForceCurveFit
+) -> Flow[dict[str, float] | None]:
+    """About the values of the unknowns that leave least of a few rows, from the fit of a record that differs little on,
+    none where it lacks some; None where they leave more than that by so much that the record is excluded."""
     model = _model(body, record, settings, directions_of(record, settings))
-    if begin is not None and not begin.model.values(begin.x).keys() | model.by_terms.keys() >= set(model.names):
-        begin = None
-    return (yield from _fitted(body, model, settings, begin))
+    few = replace(model, family=near.model.family).few
+    values = few.by_terms | near.model.values(near.x)
+    if not values.keys() >= set(few.names):
+        return {}
+    for end in (yield from roughly(few, few.unknowns(values), FIT_BLUNT[1:2])):
+        there, here = few.off(end.x, FIT_BLUNT[1]), near.model.few.off(near.x, FIT_BLUNT[1])
+        if there @ there / there.size <= FIT_ENOUGH**2 * (here @ here) / here.size:
+            return few.values(end.x)
+    return None
 
 
 def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
@@ -945,11 +959,9 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
 
 
 def _fitted(
-    body: FittedBody, model: ForceCurveModel, settings: Settings, best: ForceCurveFit | None = None,
-    found: dict[str, ForceCurveFit] | None = None,
-) -> Flow[tuple[FittedBody, ForceCurveFit]]:  # fmt: skip
-    """The model that fits best, and the body solved as far as it reaches; from that of a record that differs little.
-    ``found`` gets fits of directions alone."""
+    body: FittedBody, model: ForceCurveModel, settings: Settings, begin: Mapping[str, float] | None = None
+) -> Flow[tuple[FittedBody, ForceCurveFit]]:
+    """The model that fits best, and the body solved as far as it reaches; from some values of its unknowns on."""
     for part in model.stretches:
         if part.z.size == 0:
             raise InputError(f"the {part.kind} has no row to fit: contact ends where it begins, or its signs are wrong")
@@ -958,30 +970,31 @@ def _fitted(
     body = _deep_enough(body, model)
     for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
-        best = yield from nearest(model, settings.loss, found) if best is None else _again(best, model, settings)
-        reach = best.a.max()
+        best = yield from _again(begin, model, settings) if begin else nearest(model, settings.loss)
+        begin, reach = best.model.values(best.x), best.a.max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
         body = body.to_radius(ROOM * float(reach))
-    assert best is not None
     if np.count_nonzero(best.a) <= len(best.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
     whole, best = best, (yield from _without_window(best, model, settings))
     if len(model.stretches) > 1 and f"q:{RETRACT}" in best.model.known and f"q:{RETRACT}" not in model.known:
-        # Noise hides where contact is lost: begun anew with an edge that recedes, of several w.
-        values = {**whole.model.values(whole.x), **best.model.known}
-        for share in RECORD_RECEDES:
-            q = share * values[f"q:{RETRACT}"]
+        # Noise hides where contact is lost: begun anew with an edge that recedes, of the w that leaves few rows least.
+        values, ends = {**whole.model.values(whole.x), **best.model.known}, list[Least]()
+        for q in (share * values[f"q:{RETRACT}"] for share in RECORD_RECEDES):
             before = {f"q:{APPROACH}": RECORD_BEFORE * q, f"r:{APPROACH}": math.sqrt(RECORD_BEFORE * q)}
+            x = model.few.unknowns(values | before | {f"q:{RETRACT}": q})
+            ends += yield from roughly(model.few, x, FIT_BLUNT[1:2])
+        for end in sorted(ends, key=lambda one: one.cost)[:1]:
             with contextlib.suppress(SolveError):
-                begin = model.unknowns(values | before | {f"q:{RETRACT}": q})
-                other = yield from fitting(model, begin, True, settings.loss)
-                whole = other if other.sigma < whole.sigma else whole
-        best = yield from _without_window(whole, model, settings)
+                other = yield from fitting(model, end.x, True, settings.loss)
+                if other.sigma < whole.sigma:
+                    best = yield from _without_window(other, model, settings)
     model = best.model
     zero_works = {kind: 0.0 for part in model.stretches if _repels(best, kind := part.kind)}
     if zero_works:
-        best = yield from nearest(replace(model, works={**model.works, **zero_works}), settings.loss)
+        model = replace(model, works={**model.works, **zero_works})
+        best = yield from fitting(model, best.unknowns(model), loss=settings.loss)
     return body, best
 
 
@@ -990,12 +1003,12 @@ def _without_window(best: ForceCurveFit, model: ForceCurveModel, settings: Setti
     cut = windowed(best)
     if cut is best.model:
         return best
-    return (yield from _again(best, replace(cut, known=model.known), settings))
+    return (yield from _again(best.model.values(best.x), replace(cut, known=model.known), settings))
 
 
-def _again(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> Flow[ForceCurveFit]:
-    """The fit of a ``model`` that differs a little from that of the ``best`` fit so far."""
-    return fitting(model, best.unknowns(model), True, settings.loss)
+def _again(begin: Mapping[str, float], model: ForceCurveModel, settings: Settings) -> Flow[ForceCurveFit]:
+    """The fit of a ``model`` from values of its unknowns on that are near."""
+    return fitting(model, model.unknowns({**model.by_terms, **begin}), True, settings.loss)
 
 
 def _repels(best: ForceCurveFit, kind: str) -> bool:

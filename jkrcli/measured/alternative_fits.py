@@ -56,6 +56,7 @@ from .score_tests import (
     Table,
     by_moves,
     chance_of,
+    explains,
     least_taken,
     linearised,
     misfit_left,
@@ -136,7 +137,7 @@ def _bounded(near: Linearised, score: Score, which: int, rates: Array) -> Score 
     seen = replace(score, amount=best, error=error) if ranged else score
     E, w = (float(rate) for rate in rates @ ahead)
     little = seen.most > 0 and max(abs(E), abs(w)) * seen.most < FULL_LINEAR * SCORE_MATTERS
-    if little and not (tense or long or (ranged and _by_chance(record, falls))):
+    if little and not (tense or long or (ranged and _by_chance(near, falls))):
         return replace(seen, E_star=E, w=w, word=EXCLUDED if ranged else score.word)
     change = near.table.alternatives[which].change(record)
     if change is None or not change.in_full:
@@ -264,15 +265,16 @@ def _of_tension(tried: _Amounts, score: Score) -> Flow[Score]:
             moves = yield from tried.at(amount)
         rises = moves is not None and moves[0] > least
         least = least if moves is None else min(least, moves[0])
-        leans = bool(known) or -least > FULL_LEANING or _by_chance(record, -least)
+        leans = bool(known) or -least > FULL_LEANING or _by_chance(tried.near, -least)
         if (moves is None and len(tried.moves) > 1) or (rises and not leans):
             break  # no larger one is left either, or takes more
     return (yield from _of_amounts(tried, score)) if leans else score
 
 
-def _by_chance(record: FittedRecord, taken: float) -> bool:
-    """Whether so much of chi^2 is more than chance takes with any of the alternatives."""
-    return chance_of(record.fit, taken) < SCORE_CHANCE / len(ALTERNATIVES)
+def _by_chance(near: Linearised, taken: float) -> bool:
+    """Whether so much of chi^2 is more than chance or misfit takes with any of the alternatives."""
+    likely = chance_of(near.record.fit, taken) < SCORE_CHANCE / len(ALTERNATIVES)
+    return likely and bool(explains(near, np.array(taken)))
 
 
 def _of_amounts(tried: _Amounts, score: Score) -> Flow[Score]:
@@ -308,7 +310,7 @@ def _of_amounts(tried: _Amounts, score: Score) -> Flow[Score]:
     best = min(left, key=lambda amount: left[amount][0])
     taken = -left[best][0]
     chance = chance_of(record.fit, taken)
-    if _by_chance(record, taken):
+    if _by_chance(tried.near, taken):
         return replace(_moving(score, best, left[best][1:]), amount=best, word=DETECTED, chance=chance, taken=taken)
     chords = [min(1.0, score.quantile / math.sqrt(max(moves[0], TINY))) * np.abs(moves[1:])
               for moves in possible().values()]  # fmt: skip

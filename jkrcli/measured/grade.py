@@ -112,15 +112,16 @@ def _error(item: FittedValue) -> float | None:
 
 
 def misfits(best: ForceCurveFit, noise: float) -> dict[str, float]:
-    """Root mean square of what the fit leaves in contact beyond the ``noise`` [N] of the free rows: over the range of
-    the load, and of rows under tension over the largest tension."""
+    """Root mean square of what the fit leaves beyond the ``noise`` [N] of the free rows: over the range of the load in
+    contact, or of free rows that a contact pulls the line off; over the largest tension of rows under tension."""
     values, touching = best.model.values(best.x), best.a > 0
     net = np.concatenate([part.P - base_line(part, values)[0] for part in best.model.stretches]) + best.off
 
     def slow(rows: Array) -> float:
         return math.sqrt(max(float(np.mean(best.off[rows] ** 2)) - noise**2, 0.0)) if rows.any() else 0.0
 
-    sizes, tense = {"misfit": slow(touching) / max(part.span for part in best.model.stretches)}, touching & (net < 0)
+    span, tense = max(part.span for part in best.model.stretches), touching & (net < 0)
+    sizes = {"misfit": max(slow(touching), slow(~touching)) / span}
     if tense.any():
         sizes["misfit_of_pull_off"] = slow(tense) / -float(net[tense].min())
     return sizes

@@ -382,10 +382,10 @@ def of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None:
 
 
 def graded(record: FittedRecord) -> Change:
-    """ln S rises by the amount times a/a_max."""
+    """ln S rises by the amount times a/a_max - 1: E* is that at the largest contact radius, which the rows tell."""
 
     def shape(family: Family, values: Values) -> tuple[Array, Array]:
-        place = np.minimum(_radii(family) / record.a_max, CHANGE_BEYOND)
+        place = np.minimum(_radii(family) / record.a_max, CHANGE_BEYOND) - 1
         return np.zeros_like(place), values[AMOUNT] * place
 
     return ShapeChange(of=shape, limits={AMOUNT: (BODY_SOFTEST, CHANGE_LARGEST)})

@@ -82,7 +82,8 @@ PRIORS = {
     "sphere or paraboloid": Prior(limits=(-1.0, 1.0)),  # theory: from one to the other
     "no slip": Prior(1.0, limits=POSITIVE),  # theory: from none to full
     "large strains": Prior(1.0, limits=(0.0, 2.0)),  # choice: of their effect on rubber, that of other materials
-    "stiffness of the cantilever": Prior(limits=(-1.0, 1.0)),  # choice: relative, of one that someone measured
+    "stiffness of the cantilever": Prior(limits=(-0.5, 1.0)),  # choice: relative, a factor 2 of what someone measured
+    "a rigid substrate below": Prior(limits=POSITIVE),
     # choice: standard deviation of the relative change along a table; w of polymers may double
     "a change of w along the curve": Prior(0.5), "a change of E* along the curve": Prior(0.5),
 }  # fmt: skip

@@ -130,7 +130,7 @@ def judgement(record: ForceCurve, best: ForceCurveFit) -> tuple[dict[str, str], 
     sizes, flags = misfits(best, noise), {} if best.ended else {UNDETERMINED: GIVEN_UP.format(best.least.steps)}
     if sizes["misfit"] > FLAG_MISFIT or (best.spread.excess - 1 > FLAG_EXCESS and is_misfit(sizes)):
         flags["misfit"] = (
-            f"the residuals in contact are {sizes['misfit']:.2%} of the range of the load, {best.spread.excess:.0f} "
+            f"the residuals are {sizes['misfit']:.2%} of the range of the load, {best.spread.excess:.0f} "
             "times what the noise of the free rows explains: another body, indenter or adhesion"
         )
     if noise / span > FLAG_VAGUE:
@@ -177,12 +177,13 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
 # What alternative models make of a fit: flags, warnings, the systematic parts, and the formula beside it.
 
 REJECTED, DIFFER = "model rejected", "directions differ"
+UNEXPLAINED = "misfit"  # the part of the model's error
 OF_DEVICE = "stiffness of the cantilever"  # an alternative by which the loads change too
 
 # When alternatives leave nothing determined.
-# choice: share of E* and of w that alternatives may move it by, above which it is flagged: half of w, of which an
+# choice: share of E* and of w that alternatives may move it by, above which it is flagged: a half, of which an
 # approach tells no more where adhesion may have a range
-VERDICT_LARGE = (0.3, 0.5)
+VERDICT_LARGE = 0.5
 
 # choice: share of E* and of w that they are unknown by at least where the model is rejected: one step is of first order
 VERDICT_LEAST = (0.002, 0.01)
@@ -199,6 +200,8 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fi
     moves = left_out(record)
     if E_star_approach := next((item.value for item in result.estimates if item.name == "E_star_approach"), None):
         moves["E_star"] = abs(E_star_approach / result.value("E_star") - 1)
+    if not is_misfit(misfits(fit, fit.model.noise)):
+        alternatives = replace(alternatives, excess=1.0)
     estimates = tuple(_with_part(item, alternatives, moves) for item in result.estimates)
     sizes = {**(result.sizes or {}), **{f"{name}_by_direction": size for name, size in moves.items()}}
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
@@ -273,17 +276,16 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
         amount = f"{one.amount:+.1%} ± {one.quantile * one.error:.1%} ({one.amount_is})"
         yield DIFFER, f"approach and retraction favour {one.name} {amount}"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
-    for quantity, symbol, error, most in zip(
-        ("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True
-    ):
+    for quantity, symbol, error in zip(("E_star", "w"), ("E*", work), relative_errors(fit), strict=True):
         worst = alternatives.worst(quantity)
-        if worst is not None and worst[1] > max(most, HALF_WIDTH * error):
+        if worst is not None and worst[1] > max(VERDICT_LARGE, HALF_WIDTH * error):
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 
 def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mapping[str, float]) -> FittedValue:
     """The estimate with what the worst alternative may move it by, what leaving out a direction does, and the scale of
-    the loads: of a device whose stiffness or sensitivity errs, E* and w err with it."""
+    the loads: of a device whose stiffness or sensitivity errs, E* and w err with it; and with the misfit, as if it were
+    noise, where no alternative explains it."""
     of_modulus = _of_modulus(item)
     if item.error is None or not (of_modulus or item.dimension == "work"):
         return item
@@ -294,6 +296,8 @@ def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mappi
     scale = max((abs(one.amount) + one.quantile * one.error for one in alternatives.named if one.name == OF_DEVICE),
                 default=0.0)  # fmt: skip
     parts = {LEFT_OUT: moves.get("E_star" if of_modulus else item.name, 0.0), "scale of the loads": scale}
+    if not alternatives.named and item.low is not None and item.high is not None and item.value:
+        parts[UNEXPLAINED] = (alternatives.excess - 1) * (item.high - item.low) / abs(2 * item.value)
     for name, move in parts.items():
         item = item.with_model(name, move * abs(item.value)) if move else item
     return item
@@ -540,6 +544,7 @@ def as_fit(
     back = record.direction(RETRACT)
     flags, sizes = judgement(record, best)
     missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
+    missing += ["no base line"] * all(part.line.rows > 0 for part in best.model.stretches)  # that of one left out
     flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
     result = Fit(
         name=curve.name, file="" if curve.origin is None else str(curve.origin), where=curve.where,

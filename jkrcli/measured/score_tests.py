@@ -32,6 +32,7 @@ DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not disting
 
 # When an alternative is detected, and when it is excluded.
 SCORE_CHANCE = 0.01  # choice: of any alternative being detected in data of the model itself
+SCORE_MISFIT = 5.0  # choice: times that misfit widens standard errors, beyond which it hides causes as noise does
 SCORE_MOVES = 0.5  # choice: of its error, by which E* or w must move
 SCORE_MATTERS = 0.02  # choice: relative change of E* and w, below which an alternative is excluded
 SCORE_TIED = 9.0  # choice: of chi^2, three standard errors: alternatives nearer are named together or not at all
@@ -80,7 +81,8 @@ class Score:
         the level of the intervals, where the alternative is detected; else by the largest that the data and what is
         known leave."""
         if self.word == DETECTED and math.isfinite(self.error):
-            return abs(rate) * (abs(self.amount) + self.quantile * self.error)
+            logs = [rate * (self.amount + end * self.error) for end in (-self.quantile, self.quantile)]
+            return max(*logs, -math.expm1(min(logs)))  # it falls by no more than all, and rises to first order
         return abs(rate) * self.most if rate else 0.0
 
     @cached_property
@@ -97,13 +99,15 @@ class Score:
 class RecordAlternatives:
     """The ``scores`` of a record, and among them those that are ``named``: detected, and explaining the misfit about as
     well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of freedom
-    ``dof``; ``loose``: free rows that the noise is estimated from, 0 where they are too few."""
+    ``dof``; ``loose``: free rows that the noise is estimated from, 0 where they are too few; ``excess``: how many times
+    misfit widens standard errors where it counts as noise."""
 
     scores: tuple[Score, ...]
     named: tuple[Score, ...]
     misfit: float
     dof: int
     loose: int
+    excess: float = 1.0
 
     @property
     def families(self) -> tuple[str, ...]:
@@ -234,7 +238,8 @@ def score_tests(record: FittedRecord) -> Flow[tuple[RecordAlternatives, Table]]:
         left = linear.moves @ columns[1:own] + columns[own:]  # c' = c + J moves
     scores, dof = _scores(linear, left), max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
     named = _named(scores, linear.alike)
-    return RecordAlternatives(tuple(scores), named, linear.left, dof, _loose(record)), table
+    found = tuple(scores), named, linear.left, dof, _loose(record), _excess(record.fit, linear.left)
+    return RecordAlternatives(*found), table
 
 
 @np.errstate(all="ignore")
@@ -248,7 +253,7 @@ def _scores(linear: Linearised, left: Array | None) -> list[Score]:
     low, high = np.array([one.prior.limits for one in alternatives]).reshape(-1, 2).T
     most, moved = np.array([one.likely_in(record) for one in alternatives]), np.abs(rates * amounts[:, None])
     detected = (
-        (chances * len(alternatives) < SCORE_CHANCE)
+        (chances * len(alternatives) < SCORE_CHANCE) & explains(linear, taken)
         & (SCORE_OVER * low - HALF_WIDTH * errors <= amounts) & (amounts <= SCORE_OVER * high + HALF_WIDTH * errors)
         & (moved > SCORE_MOVES * np.array(relative_errors(record.fit))).any(axis=1)
     )  # fmt: skip
@@ -259,6 +264,21 @@ def _scores(linear: Linearised, left: Array | None) -> list[Score]:
                np.maximum(low, -most), most, words, np.full(sizes.size, record.known.quantile))  # fmt: skip
     each = zip(alternatives, *(column.tolist() for column in numbers), strict=True)
     return [Score(one.name, one.family, one.amount, one.of_directions, *own) for one, *own in each]
+
+
+def explains(linear: Linearised, taken: Array) -> Array:
+    """Whether what is ``taken`` from chi^2 is more than any column takes of a misfit as slow, by the F of one number:
+    excess^2, less what the alternative explains."""
+    misfit, excess = linear.left - np.count_nonzero(linear.rows), _excess(linear.record.fit, linear.left)
+    explained: Array = taken >= SCORE_TIED * (excess > 1) * excess**2 * np.maximum(1 - taken / max(misfit, TINY), 0.0)
+    return explained
+
+
+def _excess(fit: ForceCurveFit, left: float) -> float:
+    """How many times misfit widens standard errors where it hides causes as noise does, else 1: as chi^2 of ``left`` by
+    as many numbers as there are unknowns at most, for what they leave changes its sign as often."""
+    excess = min(fit.spread.excess, math.sqrt(left / max(fit.x.size, 1)))
+    return excess if excess > SCORE_MISFIT else 1.0
 
 
 def _noise_dofs(fit: ForceCurveFit, left: Array | None, sizes: Array) -> Array:

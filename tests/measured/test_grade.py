@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -103,3 +104,43 @@ def test_a_device_whose_stiffness_errs_has_loads_that_err() -> None:
     assert w.model is not None
     assert w.model["scale of the loads"] == pytest.approx(0.13 * w.value, rel=0.3)  # 1 - 1/1.15
     assert abs(w.value - TRUE["w"]) < 2 * found.grade.sizes["w_error"] * w.value
+
+
+def lobed(seed: int) -> Curve:
+    """A cycle with lobes of 1 % of the load along both ways in contact, which no body, tip or device makes."""
+    curve = cycled(seed)
+    assert curve.P is not None
+    touching = np.maximum(curve.P, 0.0) / float(curve.P.max())
+    return replace(curve, P=curve.P + 0.01 * float(curve.P.max()) * np.sin(9 * math.pi * np.sqrt(touching)))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_misfit_that_nothing_explains_names_no_alternative_and_widens_the_error(seed: int) -> None:
+    """All alternatives take some of it, by which E* would move by up to a half."""
+    found = fitted(lobed(seed))
+    assert "misfit" in found.flags
+    assert "model rejected" not in found.flags
+    item = found.estimate("E_star")
+    assert item.low is not None
+    assert item.high is not None
+    part = (item.model or {})["misfit"]
+    assert part > 4 * (item.high - item.low) / 2
+    assert abs(item.value / TRUE["E_star"] - 1) < part / item.value
+
+
+def test_a_retraction_that_is_not_fitted_lacks_no_base_line() -> None:
+    whole = cycled(1)
+    assert whole.P is not None
+    short = whole.rows(np.arange(int(np.argmin(whole.P)) - 20))  # ends in contact, under tension
+    assert "no base line" in segment_force_curve(short).flags
+    assert "no base line" not in fitted(short, segment="approach").flags
+
+
+def test_free_rows_off_their_line_are_misfit_too() -> None:
+    """A tooth of 5 % of the load on the free rows: 1 % of it in their root mean square."""
+    curve = cycled(1)
+    assert curve.P is not None
+    place = np.arange(len(curve)) / int(np.argmax(curve.P))
+    tooth = 0.05 * float(curve.P.max()) * np.maximum(1 - np.abs(place - 0.25) / 0.05, 0.0)
+    sizes = [fitted(one, segment="approach").sizes or {} for one in (curve, replace(curve, P=curve.P + tooth))]
+    assert sizes[0]["misfit"] < 0.003 < 0.005 < sizes[1]["misfit"]

@@ -109,6 +109,25 @@ def linear(at: FittedRecord, rows: np.ndarray | None = None) -> Linearised:
     return found
 
 
+def test_e_star_of_a_modulus_that_changes_is_that_at_the_largest_radius() -> None:
+    """ln S rises by the amount times a/a_max - 1: it is as it was at a_max, where the rows tell it."""
+    at = still_record()
+    graded = change("moduli that change with the contact radius", at)
+    assert isinstance(graded, BodyChange)
+    family = at.model.family
+    _, rise = graded.of(family, {AMOUNT: 0.3})
+    places = np.log(at.a_max) + np.log([1.0, 0.5])
+    assert np.interp(places, grid(family), rise) == pytest.approx([0.0, -0.15], abs=1e-3)
+
+
+def test_what_falls_by_a_detected_amount_falls_by_no_more_than_all() -> None:
+    """E* by three factors e down, or up: 95 % less, or by three of it to first order."""
+    score = alternatives_of_record(still_record()).scores[0]
+    found = replace(score, word=DETECTED, amount=3.0, error=0.0)
+    assert found.moved(-1.0) == pytest.approx(1 - math.exp(-3))
+    assert found.moved(1.0) == pytest.approx(3.0)
+
+
 def test_names_and_families() -> None:
     assert len({alternative.name for alternative in ALTERNATIVES}) == len(ALTERNATIVES)
     assert len({alternative.family for alternative in ALTERNATIVES}) == 5

@@ -47,6 +47,30 @@ class FittedValue:
         """The same with one more part by models near this one."""
         return replace(self, model={**(self.model or {}), name: half_width})
 
+    def half_width(self, level: float) -> float | None:
+        """Half of the interval at ``level``; where an end of it is open, by the standard error, if there is one."""
+        if self.low is not None and self.high is not None:
+            return (self.high - self.low) / 2
+        return None if self.error is None else self.error * half_width(level)
+
+    def parts(self, level: float) -> dict[str, float]:
+        """The half-widths [SI] of the parts of the error by their kinds; nothing where it is not determined."""
+        half = self.half_width(level)
+        if self.error is None or half is None or self.low is self.high is None:
+            return {}
+        calibration = half * min(math.hypot(*(self.systematic or {}).values()) / (self.error or 1.0), 1.0)
+        own = math.sqrt(half**2 - calibration**2)
+        return {"statistical": own, "calibration": calibration, "model": math.hypot(*(self.model or {}).values())}
+
+    @property
+    def whole(self) -> tuple[float | None, float | None]:
+        """The ends of the interval by all parts of the error together, no lower than what may be at least."""
+        part, least = math.hypot(*(self.model or {}).values()), -math.inf
+        if self.dimension in ("modulus", "work") or self.name == "modulus":
+            least = 0.0
+        low = None if self.low is None else max(self.value - math.hypot(self.value - self.low, part), least)
+        return low, None if self.high is None else self.value + math.hypot(self.high - self.value, part)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Answer(Reported):

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..adhesion.curve import Nonadhesive
 from ..base.errors import InputError, Unknown, counted
-from ..base.numerics import HALF_WIDTH, LEVEL, Array, half_width
+from ..base.numerics import HALF_WIDTH, LEVEL, Array
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show, show_within
 from ..base.wings import offered
@@ -162,11 +162,7 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
     row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, status_of(item), "", item.a.size), strict=True))
     row |= _placed(item) | {"surface": item.surface}
     for estimate in item.estimates:
-        parts: dict[str, float | None] = {"": estimate.value}
-        if estimate.free:
-            parts |= {"err": half_width_of(estimate, item.settings.level), "low": estimate.low, "high": estimate.high}
-        if estimate.model:
-            parts["model"] = math.hypot(*estimate.model.values())
+        parts = {"": estimate.value} | (_interval(estimate, item.settings.level) if estimate.free else {})
         stem = "modulus_factor" if estimate.name == "modulus" else estimate.name.replace(":", "_").replace(" ", "_")
         for part, value in parts.items():  # titles such as ``E_film_err_Pa``
             title = "_".join(filter(None, [stem, part]))
@@ -175,9 +171,16 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
     row |= {"scatter": item.scatter, "lag1": item.structure.lag1}
     row |= {"correlation_modulus_w": item.correlated("modulus", "w")}
     if item.grade is not None:
-        row |= {"adhesion_force_N": item.adhesion, "grade": item.grade.word, "quality": item.grade.quality}
-        row |= {"flags": "; ".join(item.flags)}
+        row |= {"adhesion_force_N": item.adhesion, "grade": item.grade.word, "grade_reason": item.grade.reason}
+        row |= {"quality": item.grade.quality, "flags": "; ".join(item.flags)}
     return row | {"warnings": "; ".join(item.warnings), "level": item.settings.level}
+
+
+def _interval(item: FittedValue, level: float) -> dict[str, float | None]:
+    """The half-width of an estimate, the ends of its interval, and the half-widths of the parts of both."""
+    (low, high), parts = item.whole, item.parts(level)
+    ends = {"err": math.hypot(*parts.values()) if parts else item.half_width(level), "low": low, "high": high}
+    return ends | {kind: parts.get(kind) for kind in ("statistical", "calibration", "model")}
 
 
 def _placed(item: Fit | Failure) -> dict[str, Any]:
@@ -193,7 +196,7 @@ def summary(outcomes: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
 
 def identity(format: str, body: str) -> dict[str, Any]:
     """How the summary of a fit to a ``body`` in words begins."""
-    return {"format": format, "version": 1, "body": body}
+    return {"format": format, "version": 2, "body": body}
 
 
 def _summary(item: Fit | Failure) -> dict[str, Any]:
@@ -214,7 +217,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         "curve": item.name,
         "surface": item.surface,
         "status": status_of(item),
-        "estimates": {estimate.name: estimate_summary(estimate) for estimate in item.estimates},
+        "estimates": {one.name: estimate_summary(one, item.settings.level) for one in item.estimates},
         **{name: getattr(item.settings, name) for name in ("level", "confidence", "loss")},
         "free": list(item.free),
         "covariance": None if item.covariance is None else item.covariance.tolist(),
@@ -249,11 +252,14 @@ def _grade(item: Fit) -> dict[str, Any]:
             "flags": list(item.flags)}  # fmt: skip
 
 
-def estimate_summary(item: FittedValue) -> dict[str, Any]:
+def estimate_summary(item: FittedValue, level: float = LEVEL) -> dict[str, Any]:
+    """An estimate with its interval at ``level`` and the parts of that, as in the table; ``model``: by their causes."""
     unit = "m/N" if item.name == "compliance" else SI[item.dimension]
     numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
     if item.free:
-        numbers |= {"standard_error": item.error, "low": item.low, "high": item.high}
+        numbers |= {"standard_error": item.error} | {
+            kind: size for kind, size in _interval(item, level).items() if kind != "model"
+        }
     if item.systematic:
         numbers["systematic"] = dict(item.systematic)
     if item.model:
@@ -363,22 +369,10 @@ def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> s
     return " ".join([f"{round(item.value / factor, places) + 0.0:.{places}f}", *errors, unit]).strip()
 
 
-def half_width_of(item: FittedValue, level: float) -> float | None:
-    """Half of the interval at ``level``; where an end of it is open, by the standard error, if there is one."""
-    if item.low is not None and item.high is not None:
-        return (item.high - item.low) / 2
-    return None if item.error is None else item.error * half_width(level)
-
-
 def _parts(item: FittedValue, level: float) -> dict[str, float]:
     """The half-widths [SI] of the parts of the error by their kinds, those that are noticeable."""
-    half = half_width_of(item, level)
-    if item.error is None or half is None or item.low is item.high is None:
-        return {}
-    calibration = half * min(math.hypot(*(item.systematic or {}).values()) / (item.error or 1.0), 1.0)
-    own = math.sqrt(half**2 - calibration**2)
-    parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
-    return {kind: size for kind, size in parts.items() if size > NOTICEABLE * own}
+    parts = item.parts(level)
+    return {kind: size for kind, size in parts.items() if size > NOTICEABLE * parts["statistical"]}
 
 
 def parameter_words(one: FittedAlternative) -> str:
@@ -483,7 +477,7 @@ def joint_table(joint: JointFit) -> dict[str, list[Any]]:
 def joint_summary(joint: JointFit) -> dict[str, Any]:
     """What is shared and what each record says."""
     return identity("jkr-joint-fit", joint.body) | {
-        "shared": {item.name: estimate_summary(item) for item in joint.shared},
+        "shared": {item.name: estimate_summary(item, joint.level) for item in joint.shared},
         "correlation": np.asarray(joint.correlation).tolist(),
         "chance": joint.chance,
         "status": DOUBTFUL if joint.flags else FITTED,
@@ -535,7 +529,7 @@ def tension_summary(tension: TensionFit) -> dict[str, Any]:
     """Tension, E* and w, with their correlations."""
     return identity("jkr-tension-fit", tension.body) | {
         "level": tension.level,
-        "estimates": {item.name: estimate_summary(item) for item in tension.estimates},
+        "estimates": {item.name: estimate_summary(item, tension.level) for item in tension.estimates},
         "free": list(tension.free),
         "correlation": np.asarray(tension.correlation).tolist(),
         "scatter_N": tension.scatter,

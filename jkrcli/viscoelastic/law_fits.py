@@ -12,7 +12,7 @@ from ..adhesion.validity import NEGLECTED
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS
 from ..base.units import show
 from ..measured.archive import DOUBTFUL, FITTED
-from ..measured.report import ZERO_POINTS, brief, estimate_lines, estimate_summary, half_width_of, identity
+from ..measured.report import ZERO_POINTS, brief, estimate_lines, estimate_summary, identity
 from ..report.result import Figure, Several
 from ..report.tables import stacked, stiffness, transpose_rows, with_unit
 from . import report as rate
@@ -44,7 +44,7 @@ def rate_fit_summary(fit: RateFit) -> dict[str, Any]:
         "law": fit.settings.law,
         "free": list(fit.free),
         "level": fit.settings.level,
-        "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
+        "estimates": {item.name: estimate_summary(item, fit.settings.level) for item in fit.estimates},
         "records": [
             {"curve": record.curve.where, "rows": record.t.size, "device_speed_m_per_s": record.speed,
              "stiffness_N_per_m": stiffness(record.stiffness),
@@ -101,7 +101,7 @@ class RelaxationFits(Several):
             for item in fit.estimates:
                 if item.free and item.name != "modulus":
                     name = with_unit(item.name, item.dimension)
-                    row |= {name: item.value, f"{name}_error": half_width_of(item, fit.settings.level)}
+                    row |= {name: item.value, f"{name}_error": item.half_width(fit.settings.level)}
             rows.append(row | {"scatter": fit.scatter, "rows": fit.record.t.size, "level": fit.settings.level})
         return transpose_rows(rows)
 
@@ -141,7 +141,7 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
         "stiffness_N_per_m": stiffness(record.stiffness),
         "relaxation": rate.relaxation_law_summary(fit.relaxation),
         "free": list(fit.free),
-        "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
+        "estimates": {item.name: estimate_summary(item, fit.settings.level) for item in fit.estimates},
         "scatter": fit.scatter,
         "degrees_of_freedom": fit.dof,
         "status": DOUBTFUL if fit.doubts else FITTED,

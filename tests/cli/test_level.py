@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -79,10 +80,17 @@ def test_a_table_of_fits_has_half_widths(jkr: Callable) -> None:
             (row,) = csv.DictReader(file)
         (one,) = json.loads(Path(f"{level}/raw-force-curve-fit.json").read_text())["curves"]
         assert float(row["level"]) == one["level"] == level
-        low, high = (float(row[f"E_star_{end}_Pa"]) for end in ("low", "high"))
-        half, sigma = float(row["E_star_err_Pa"]), one["estimates"]["E_star"]["standard_error"]
-        assert half == pytest.approx((high - low) / 2, rel=1e-9)
-        assert half == pytest.approx(half_width(level) * sigma, rel=0.05)
+        told = one["estimates"]["E_star"]
+        low, high, half, *parts = (
+            float(row[f"E_star_{name}_Pa"]) for name in ("low", "high", "err", "statistical", "calibration", "model")
+        )
+        assert half == pytest.approx((high - low) / 2, rel=1e-3)  # ends of logs are a little apart
+        assert half == pytest.approx(math.hypot(*parts), rel=1e-12)
+        assert parts[0] == pytest.approx(half_width(level) * told["standard_error"], rel=0.05)
+        assert parts[2] == pytest.approx(math.hypot(*told["model"].values()), rel=1e-12)
+        assert [low, high, half, *parts[:2]] == [
+            told[key] for key in ("low", "high", "err", "statistical", "calibration")
+        ]
 
 
 @pytest.mark.parametrize("w", ["2 mJ/m^2", "0.5 mJ/m^2"])

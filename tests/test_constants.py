@@ -18,7 +18,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 SOURCES = sorted([*(ROOT / "jkrcli").rglob("*.py"), *(ROOT / "docs" / "studies").glob("*.py")])
-COMPUTES = ("adhesion", "bodies", "data", "fitting", "formulas", "methods", "resolve", "series")
+COMPUTES = ("adhesion", "bodies", "formulas", "measured", "methods", "resolve", "series", "viscoelastic")
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 SAYS = re.compile(r"(theory|choice): \S|tuned on .+`make (?P<target>[a-z-]+)`", re.DOTALL)
 LEAST_SAID = 4  # characters of a comment that says something

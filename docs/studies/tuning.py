@@ -132,7 +132,7 @@ def constants_told(source: str) -> Iterator[tuple[str, str]]:
 def variants_of(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
     """All that the algorithm of ``knob`` has a part in, with each of its values; empty where it has none."""
     _, room, *rest = knob.module.split(".")
-    if room == "fitting":
+    if room == "measured":
         able = [(body, "fit") for body in RECORDED[: len(bodies)]]
     elif room == "adhesion":
         able = [(body, way) for body in NOISY[: len(bodies)] for way in noise_cells.METHODS]

@@ -205,13 +205,12 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
             "file": str(item.curve.origin or ""), "curve": item.curve.name, "status": UNUSABLE,
             "reason": list(item.lines), "grade": UNFIT, "quality": 0.0, "flags": list(item.flags),
         }  # fmt: skip
-    structure = item.structure
+    structure, jkr, beside = item.structure, item.jkr, dict[str, Any]()
     # JKR beside a fit with a range, by what its misfit is larger
-    jkr = item.jkr
-    if not isinstance(jkr, JKRBeside):
-        beside: dict[str, Any] = {} if jkr is None else {"jkr": {"reason": str(jkr)}}
-    else:
+    if isinstance(jkr, JKRBeside):
         beside = {"jkr": quantities(jkr, "E_star w") | {"misfit": jkr.rms / jkr.rms_of_range}}
+    elif jkr is not None:
+        beside = {"jkr": {"reason": str(jkr)}}
     return {
         "file": item.file,
         "curve": item.name,
@@ -257,13 +256,9 @@ def estimate_summary(item: FittedValue, level: float = LEVEL) -> dict[str, Any]:
     unit = "m/N" if item.name == "compliance" else SI[item.dimension]
     numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
     if item.free:
-        numbers |= {"standard_error": item.error} | {
-            kind: size for kind, size in _interval(item, level).items() if kind != "model"
-        }
+        numbers |= {"standard_error": item.error, **_interval(item, level), "model": dict(item.model or {})}
     if item.systematic:
         numbers["systematic"] = dict(item.systematic)
-    if item.model:
-        numbers["model"] = dict(item.model)
     return numbers
 
 
@@ -556,9 +551,9 @@ def tension_words(tension: TensionFit) -> list[str]:
 # --------------------------------------------------------------------------------------------------
 # The work of adhesion along measured curves as a table, as a summary, and in words.
 
-FORMAT, WORK_VERSION = "jkr-work", 1  # type and version of the JSON
-QUARTILES = (0.25, 0.5, 0.75)  # shares of the rows below each
-MANY = 0.1  # of the rows: as many without a work of adhesion are worth a warning
+FORMAT, WORK_VERSION = "jkr-work", 1  # choice: type and version of the JSON
+QUARTILES = (0.25, 0.5, 0.75)  # theory: shares of the rows below each
+MANY = 0.1  # choice: of the rows, as many without a work of adhesion are worth a warning
 
 
 @dataclass(frozen=True, eq=False)

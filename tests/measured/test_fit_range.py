@@ -243,7 +243,7 @@ def test_bounds_far_from_what_the_data_say_are_kept() -> None:
     found = fit(tip(), exact, settings_of(tip(), ["range"], bound=[("range", "1 um..2 um")]))
     assert 0.999e-6 < found.estimate("range").value < 2.001e-6
     for name, ends in (("E_star", "1e18 Pa..1e19 Pa"), ("w", "..1e-20 J/m^2")):
-        with pytest.raises(InputError, match=r"tip: no curve of this body comes within|tip: the data reach"):
+        with pytest.raises(InputError, match=r"tip: (no curve of this body|the data reach|the best fit leaves)"):
             fit(tip(), exact, settings_of(tip(), bound=[(name, ends)]))
 
 

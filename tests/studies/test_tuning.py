@@ -87,7 +87,7 @@ def test_failures_are_told_and_end_nothing(study, module: ModuleType, monkeypatc
 
 @pytest.mark.slow
 def test_limits_of_fits_are_varied_on_simulated_records() -> None:
-    knob = tuning.knobs(["fitting.rows"])[0]
+    knob = tuning.knobs(["measured.rows"])[0]
     (variant, _) = tuning.variants_of(knob, ["coating"])
     assert (variant.body, variant.method) == ("half-space", "fit")
     assert 0 < tuning.measure(variant).error < 0.01  # 1 % of noise on 150 rows

@@ -2,7 +2,7 @@
 
 ``ALTERNATIVES`` is the list: an entry is a name, its family, what its amount is, its change, and how much of it is
 likely before the data (``priors.py``). A change is made by a function of the fitted record, which stands here with the
-equation, of relaxation in the wing of contact over time; what types there are is in ``model_changes.py``. The data are
+equation, over time in the wing of that; what types there are is in ``model_changes.py``. The data are
 asked for each by its score (``score_tests.py``).
 """
 
@@ -17,7 +17,7 @@ from typing import cast
 import numpy as np
 
 from ..adhesion.validity import EXCESS, LIMITS, STRAINED
-from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, PiecewiseCubic, cubic_spline, median
+from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, PiecewiseCubic, cubic_spline
 from ..base.wings import offered
 from ..bodies.problem import (
     HalfSpace,
@@ -28,18 +28,14 @@ from ..bodies.problem import (
     without_side_walls,
 )
 from ..methods.radii import DENSE
-from .branches import rest
 from .curve import APPROACH
 from .fitted_record import CHANGE_SMALL, FittedRecord, Values
 from .force_curve import (
     SLOW_EDGE_WIDEST,
     DirectionReadings,
     ForceCurveFit,
-    ForceCurveModel,
     creep,
     hysteresis,
-    load_at,
-    receding,
 )
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
 from .free_rows import VIRTUAL
@@ -61,6 +57,7 @@ from .model_changes import (
     PositionChange,
     ShapeChange,
     StiffnessChange,
+    root_of,
 )
 from .priors import LONG, PRIORS, RANGE, TENSION
 
@@ -83,8 +80,7 @@ def log_ratio(other: Family, family: Family) -> Array:
 
 
 # --------------------------------------------------------------------------------------------------
-# Alternatives of adhesion in a raw record: w over the contact radius or over the speed of the edge, and adhesion of a
-# range.
+# Alternatives of adhesion in a raw record: w over the contact radius, and adhesion of a range.
 #
 # With r = sqrt(w/s) the contact has delta = D - r T and P = s (H - r V): a change of w is one of the logs of T and V.
 
@@ -95,13 +91,6 @@ ADHESION_ENDLESS = 400.0  # choice: of how far adhesion deforms the body, a rang
 ADHESION_NARROW = 0.5  # choice: of the contact radius, a ring between narrow and wide
 ADHESION_EVERY = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
 ADHESION_SETTLED = 1e-6  # theory: such a step by Newton's method, whose errors are squared: the next is round-off
-# choice: rise of w at the usual speed of the edge and power of the speed, to begin with
-ADHESION_SPEEDS = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
-# choice: of the speed of the edge, that are searched; measured 0.1 to 1
-ADHESION_POWERS = (0.1, 1.5)
-
-
-POWER = "n"
 
 
 def work_over_radius(record: FittedRecord) -> Change | None:
@@ -120,59 +109,6 @@ def work_over_radius(record: FittedRecord) -> Change | None:
     name, most = f"q:{record.model.stretches[-1].kind}", CHANGE_LARGEST
     quantities = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
     return BodyChange(of=logs, where="last", limits={AMOUNT: (-most, most)}, quantities=quantities)
-
-
-def work_over_speed(record: FittedRecord) -> Change | None:
-    """w of the retraction over the speed v of its edge. The column is that of w (v/v_m)^amount, dP/d(ln w) ln(v/v_m)
-    with v_m the median; in full w = w0 (1 + amount (v/v_m)^n)."""
-    part = record.retraction
-    name = "" if part is None else f"q:{part.kind}"
-    if part is None or name not in record.fit.names:
-        return None
-    a, rests = record.radii[-1]
-    moves = (a > 0) & ~rests
-    if (speeds := _log_speeds(part.z[moves], a[moves])) is None:
-        return None
-    middle, logs = speeds
-    typical, log = math.exp(middle), np.zeros(record.a.size)  # v_m over the speed of the device
-    log[record.rows(part, moves)] = logs
-
-    def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
-        s, q = math.exp(values["ln_s"]), max(values[f"q:{part.kind}"], LITTLE**3 * model.most)
-        turn, n = part.turn - values["z0"], values[POWER]
-        resting = rest(model.family, s, root_of(values, model.stretches[0].kind), math.sqrt(q), model.k, turn)
-        law = max(values[AMOUNT], LITTLE**2) * typical**-n, n
-        path = receding(model.family, s, q, model.k, law, resting, turn)
-        return np.where(part.touching, load_at(path, resting, turn, model.depth(part, values)), 0.0)
-
-    return LoadsChange(
-        loads=loads, where="last", coupled=True, column=record.by_unknown(name) * record.values[name] * log,
-        names=(AMOUNT, POWER), starts=ADHESION_SPEEDS, limits={AMOUNT: (0.0, 1e3), POWER: ADHESION_POWERS},
-        quantities=lambda values: {name: values[name] for name in (AMOUNT, POWER)},
-    )  # fmt: skip
-
-
-def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
-    """Logs of the speed of the edge over that of the device, da/dz as the device moves evenly: their median, and those
-    of all rows less it; None where no position has a neighbour on either side."""
-    steps, positions = np.diff(z), z
-    if repeats := not (steps > 0).all():  # readings of a position
-        positions, rows = np.unique(z, return_index=True)
-        a, steps = a[rows], np.diff(positions)
-    if positions.size < 3:
-        return None
-    # slopes of the parabolas through three neighbours, at the ends of the straight lines through two
-    secants = np.diff(a) / steps
-    inner = (steps[1:] * secants[:-1] + steps[:-1] * secants[1:]) / (steps[1:] + steps[:-1])
-    log = np.log(np.maximum(np.abs(np.concatenate([secants[:1], inner, secants[-1:]])), 1e-9))
-    middle = median(log)
-    log -= middle
-    return middle, np.interp(z, positions, log) if repeats else log
-
-
-def root_of(values: Values, kind: str) -> float:
-    """r = sqrt(w/s) of a direction."""
-    return values.get(f"r:{kind}", math.sqrt(max(values[f"q:{kind}"], 0.0)))
 
 
 def finite_range(record: FittedRecord) -> Change | None:
@@ -580,8 +516,6 @@ def slope_at_rest(record: FittedRecord) -> Change | None:
 
 ALTERNATIVES: tuple[AlternativeModel, ...] = (
     AlternativeModel("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
-    AlternativeModel(
-        "w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
     AlternativeModel(RANGE, ADHESION, "square of the range over that of a narrow ring", finite_range,
           lambda record: amount_of_range(record, record.known.range) if record.work else 0.0),
     AlternativeModel(LONG, ADHESION, "from JKR to DMT", long_range),
@@ -596,7 +530,7 @@ ALTERNATIVES: tuple[AlternativeModel, ...] = (
     AlternativeModel(TENSION, BODY, "2 tension/E* over the contact radius", tension,
           lambda record: amount_of_tension(record, record.known.tension)),
     AlternativeModel("large strains", BODY, "of what is known of them", strains, likely_strains),
-    *(offered("hypotheses of relaxation") or ()),
+    *(offered("hypotheses over time") or ()),
     AlternativeModel("residual depth", MEMORY, "of the depth of contact",
           lambda record: misplaced(record, lambda part: np.full(part.z.size, -record.reach)), of_directions=True),
     AlternativeModel("another modulus on retraction", MEMORY, "relative change", another_modulus, of_directions=True),

@@ -429,6 +429,11 @@ def changed_offs(asked: Sequence[tuple[ChangedModel, Array, float]]) -> list[Arr
     return offs(asked)
 
 
+def root_of(values: Values, kind: str) -> float:
+    """r = sqrt(w/s) of a direction."""
+    return values.get(f"r:{kind}", math.sqrt(max(values[f"q:{kind}"], 0.0)))
+
+
 # --------------------------------------------------------------------------------------------------
 # Entries of the list of hypotheses.
 

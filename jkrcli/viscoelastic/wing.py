@@ -15,7 +15,7 @@ WING = Wing(
         "laws of w over speed": "viscoelastic.rate:RATE_LAWS",
         "a law of w over speed": "viscoelastic.rate:rate_law_of",
         "contact of a law over speed": "viscoelastic.rate:RateContact",
-        "hypotheses of relaxation": "viscoelastic.memory:HYPOTHESES",
+        "hypotheses over time": "viscoelastic.hypotheses:HYPOTHESES",
         "law over speed": "viscoelastic.rate_fit:law_along",
         "summary of a law over speed": "viscoelastic.report:through_summary",
         "words of a law over speed": "viscoelastic.report:through_words",

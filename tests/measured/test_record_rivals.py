@@ -24,7 +24,7 @@ from jkrcli.measured.alternative_fits import _Amounts, _of_amounts, record_alter
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.fitted_record import CHANGE_SMALL, FittedRecord, Known
 from jkrcli.measured.forward_model import grid, on_grid
-from jkrcli.measured.hypotheses import ALTERNATIVES, work_over_speed
+from jkrcli.measured.hypotheses import ALTERNATIVES
 from jkrcli.measured.least_squares import Spectrum
 from jkrcli.measured.lockstep import alone
 from jkrcli.measured.model_changes import (
@@ -54,6 +54,7 @@ from jkrcli.measured.score_tests import (
     tables,
 )
 from jkrcli.measured.settings import Settings
+from jkrcli.viscoelastic.hypotheses import work_over_speed
 
 AT = Drawn(E=1e5, w=2e-4, radius=1.5e-6, k=1.0, largest=4e5 * 1.5e-6**3 / (3 * R), noise=3e-11, seed=5)
 ALL = WRONG | SPEED

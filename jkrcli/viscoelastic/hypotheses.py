@@ -1,5 +1,5 @@
-"""Hypotheses on relaxation in a raw record: moduli that fall over the time since the strain, where the contact was and
-is.
+"""Hypotheses over time in a raw record: w over the speed of the edge, and moduli that fall over the time since the
+strain, where the contact was and is.
 
 A body whose moduli are r(t) times those at once, under a contact that grows and then shrinks (Ting, J. Appl. Mech.
 33 (1966) 845): while it grows P = int r(t - t') dP_H, and while it shrinks P = int_0^t1 r(t - t') dP_H + S int_t1^t
@@ -19,12 +19,32 @@ import numpy as np
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
 from ..base.errors import InputError
-from ..base.numerics import REMEMBERED, Array, PiecewiseCubic, cubic_spline
+from ..base.numerics import REMEMBERED, Array, PiecewiseCubic, cubic_spline, median
 from ..bodies.problem import PowerRelaxation, Relaxation, StandardSolid
+from ..measured.branches import rest
 from ..measured.curve import APPROACH
 from ..measured.fitted_record import FittedRecord, Values
-from ..measured.force_curve import DirectionReadings, ForceCurveModel, Loads, base_line
-from ..measured.model_changes import AMOUNT, CHANGE_BEYOND, MEMORY, AlternativeModel, Change, LoadsChange
+from ..measured.force_curve import DirectionReadings, ForceCurveModel, Loads, base_line, load_at, receding
+from ..measured.model_changes import (
+    ADHESION,
+    AMOUNT,
+    CHANGE_BEYOND,
+    LITTLE,
+    MEMORY,
+    AlternativeModel,
+    Change,
+    LoadsChange,
+    root_of,
+)
+
+# Which laws of w over the speed are searched.
+# choice: rise of w at the usual speed of the edge and power of the speed, to begin with
+ADHESION_SPEEDS = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
+# choice: of the speed of the edge, that are searched; measured 0.1 to 1
+ADHESION_POWERS = (0.1, 1.5)
+
+
+POWER = "n"
 
 # How finely histories are followed.
 RELAXATION_PIECES = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
@@ -39,6 +59,55 @@ TIME = "relaxation_time"
 Memory: TypeAlias = Callable[[Array], Array]  # phi of r = 1 - amount phi, of time over that of the record
 
 
+def work_over_speed(record: FittedRecord) -> Change | None:
+    """w of the retraction over the speed v of its edge. The column is that of w (v/v_m)^amount, dP/d(ln w) ln(v/v_m)
+    with v_m the median; in full w = w0 (1 + amount (v/v_m)^n)."""
+    part = record.retraction
+    name = "" if part is None else f"q:{part.kind}"
+    if part is None or name not in record.fit.names:
+        return None
+    a, rests = record.radii[-1]
+    moves = (a > 0) & ~rests
+    if (speeds := _log_speeds(part.z[moves], a[moves])) is None:
+        return None
+    middle, logs = speeds
+    typical, log = math.exp(middle), np.zeros(record.a.size)  # v_m over the speed of the device
+    log[record.rows(part, moves)] = logs
+
+    def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        s, q = math.exp(values["ln_s"]), max(values[f"q:{part.kind}"], LITTLE**3 * model.most)
+        turn, n = part.turn - values["z0"], values[POWER]
+        resting = rest(model.family, s, root_of(values, model.stretches[0].kind), math.sqrt(q), model.k, turn)
+        law = max(values[AMOUNT], LITTLE**2) * typical**-n, n
+        path = receding(model.family, s, q, model.k, law, resting, turn)
+        return np.where(part.touching, load_at(path, resting, turn, model.depth(part, values)), 0.0)
+
+    return LoadsChange(
+        loads=loads, where="last", coupled=True, column=record.by_unknown(name) * record.values[name] * log,
+        names=(AMOUNT, POWER), starts=ADHESION_SPEEDS, limits={AMOUNT: (0.0, 1e3), POWER: ADHESION_POWERS},
+        quantities=lambda values: {name: values[name] for name in (AMOUNT, POWER)},
+    )  # fmt: skip
+
+
+def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
+    """Logs of the speed of the edge over that of the device, da/dz as the device moves evenly: their median, and those
+    of all rows less it; None where no position has a neighbour on either side."""
+    steps, positions = np.diff(z), z
+    if repeats := not (steps > 0).all():  # readings of a position
+        positions, rows = np.unique(z, return_index=True)
+        a, steps = a[rows], np.diff(positions)
+    if positions.size < 3:
+        return None
+    # slopes of the parabolas through three neighbours, at the ends of the straight lines through two
+    secants = np.diff(a) / steps
+    inner = (steps[1:] * secants[:-1] + steps[:-1] * secants[1:]) / (steps[1:] + steps[:-1])
+    log = np.log(np.maximum(np.abs(np.concatenate([secants[:1], inner, secants[-1:]])), 1e-9))
+    middle = median(log)
+    log -= middle
+    return middle, np.interp(z, positions, log) if repeats else log
+
+
+# ---------------------------------------------------------------------- relaxation
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MemoryChange(LoadsChange):
     """Moduli that fall as r(t) = 1 - amount phi(t), phi the ``memory``, which is 0 of no age."""
@@ -156,6 +225,8 @@ def _program(record: FittedRecord) -> tuple[Array, Array]:
 
 
 HYPOTHESES: tuple[AlternativeModel, ...] = (
+    AlternativeModel(
+        "w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
     AlternativeModel("relaxation over a factor of time", MEMORY, "fall per factor e", partial(
         relaxing, memory=lambda t: np.log(1 + 100 * t),
         law=lambda values, duration: PowerRelaxation(duration, values[AMOUNT]),

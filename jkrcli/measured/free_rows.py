@@ -41,7 +41,7 @@ FREE_CODES = 1.5  # theory: steps of a converter, above which a level is none of
 FREE_SLOPED = 2.0  # theory: standard errors of the change along a level, from which it is told
 # When a bend towards contact is an attraction.
 FREE_BENDS = 16.0  # choice: fall of chi^2, four standard errors, from which on what bends is a hypothesis
-FREE_MORE = 6.0  # choice: the same from which on a second or a third one is
+FREE_MORE = 6.0  # choice: the same from which on a second or a third one is, or another one beside that
 FREE_BLOCKS = 300  # choice: means of rows that a bend is looked for in
 FREE_RANGES = np.array([0.02, 4.0])  # choice: of the free way, ranges of an attraction
 FREE_DECAYS = np.array([0.02, 0.5])  # choice: of the rows, of a drift; of a slower one no more than a parabola is seen
@@ -586,6 +586,7 @@ class _Blocks:
     def _inverse(self) -> Array:
         return np.linalg.pinv(self.lines)
 
+    @np.errstate(over="ignore", invalid="ignore")
     def fitted(self, terms: Sequence[Term]) -> _Bent:
         """The ``terms`` as they leave least beside lines, by Gauss and Newton's steps from where they are."""
         free = -math.inf, math.inf
@@ -704,20 +705,19 @@ def _bends(sides: Sequence[Side], place: Place, levels: Sequence[Term]) -> Flow[
     if not apart or not (seen or blocks.straight.cost >= blocks.dof + FREE_BENDS):
         return straight
 
-    laws = [*LAWS] if near >= FREE_BENDS else []
-    single = {law: blocks.fitted(blocks.begun(law, blocks.straight)[0]) for law in (*laws, VIRTUAL, DECAY, WAVE)}
+    single = {law: blocks.fitted(blocks.begun(law, blocks.straight)[0]) for law in (*LAWS, VIRTUAL, DECAY, WAVE)}
     found = list(single.values())
-    if laws and len(usable) > 1:
-        sided = [blocks.fitted([replace(single[law].terms[0], side=side) for side in (1, 2)]) for law in laws]
+    if near >= FREE_BENDS and len(usable) > 1:
+        sided = [blocks.fitted([replace(single[law].terms[0], side=side) for side in (1, 2)]) for law in LAWS]
         colour = max(min(one.cost for one in sided) / blocks.dof, 1.0)
-        if min(single[law].cost for law in laws) - min(one.cost for one in sided) > colour * FREE_APART:
+        if min(single[law].cost for law in LAWS) - min(one.cost for one in sided) > colour * FREE_APART:
             found += sided
     if two := blocks.with_another([*single.values()], single, min(one.cost for one in found)):
         best = min(two, key=lambda one: one.cost)
         found += two + blocks.with_another([best], single, best.cost)
     least = max(FREE_TELLS * noise, *(side.code * side.rounds for side in usable))
     found = [one for one in found if _describes(one, blocks) and min(abs(term.size) for term in one.terms) >= least]
-    if not found:
+    if not any(blocks.straight.cost - one.cost >= max(one.cost / blocks.dof, 1.0) * FREE_BENDS for one in found):
         return straight
     colour = max(min(one.cost for one in found) / blocks.dof, 1.0)
     found.sort(key=lambda one: one.cost + colour * FREE_BENDS * len(one.terms))
@@ -734,7 +734,7 @@ def _describes(bent: _Bent, blocks: _Blocks) -> bool:
     if several and any(abs(term.size) < FREE_SLOPED * term.error for term in bent.terms):
         return False  # of which one makes up for what another one makes
     most = FREE_DESCRIBED_BY_MORE if several else FREE_DESCRIBED
-    return blocks.straight.cost - bent.cost >= colour * FREE_BENDS and colour <= most
+    return blocks.straight.cost - bent.cost >= colour * FREE_MORE and colour <= most
 
 
 def _falls(asked: Sequence[tuple[Sequence[tuple[Array, Array, float]], float, float]]) -> list[tuple[float, float]]:

@@ -35,6 +35,7 @@ NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond 
 NUISANCE_FAR = 3.0  # choice: standard deviations of a row, beyond which it counts no more: a jump a row late is none
 NUISANCE_SEEN = 1e-4  # choice: relative, a part of an error below which it is none
 NUISANCE_LEAST = 0.01  # choice: of the range of the load, the pull-off force that sizes are compared with at least
+NUISANCE_VAGUE = 0.5  # choice: of ln E*, the standard error that tells nothing of it
 NUISANCE_LEFT = 13.8  # theory: of chi^2, odds of 1 in 1,000, up to which one is not excluded
 NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the next hypothesis are told
 
@@ -217,10 +218,12 @@ def _hypotheses(body: FittedBody, record: ForceCurve, settings: Settings) -> Fou
             raise wrong
         if isinstance(wrong, Exception) and asked_of.held is not None:
             failed.append(f"{asked_of.held.brief}: not in the average, {wrong}")
-    # Of several bends each is to be told by the fit, or one makes up for another; and adhesion's own attracts.
+    # Of several bends each is to be told by the fit, or one makes up for another; adhesion's own attracts; and one of
+    # any size, with which E* is anything, is held by what is likely of it, as the others are.
     plain = [
         one for one in found
-        if (len(bends := one.held.bends) < 2 or all(abs(term.size) > term.error for term in bends))
+        if ("ln_s" not in one.fit.names or one.fit.error("ln_s") < NUISANCE_VAGUE)
+        and (len(bends := one.held.bends) < 2 or all(abs(term.size) > term.error for term in bends))
         and not any(term.size > 0 and not term.stays for term in bends)
     ]  # fmt: skip
     found = plain or found

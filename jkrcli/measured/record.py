@@ -983,18 +983,23 @@ def _fitted(
     if np.count_nonzero(best.a) <= len(best.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
     whole, best = best, (yield from _without_window(best, model, settings))
-    if len(model.stretches) > 1 and f"q:{RETRACT}" in best.model.known and f"q:{RETRACT}" not in model.known:
-        # Noise hides where contact is lost: begun anew with an edge that recedes, of the w that leaves few rows least.
-        values, ends = {**whole.model.values(whole.x), **best.model.known}, list[Least]()
-        for q in (share * values[f"q:{RETRACT}"] for share in RECORD_RECEDES):
+    values, few, ends = {**whole.model.values(whole.x), **best.model.known}, model.few, list[Least]()
+    pinned = f"q:{RETRACT}" in best.model.known and f"q:{RETRACT}" not in model.known
+    hidden = f"r:{APPROACH}" in whole.names and values[f"r:{APPROACH}"] <= 0 < values.get(f"q:{RETRACT}", 0.0)
+    if len(model.stretches) > 1 and (pinned or hidden):
+        # Noise hides where contact begins or is lost: begun anew with a w of the approach, and an edge that recedes, of
+        # the w that leaves few rows least.
+        for q in (share * values[f"q:{RETRACT}"] for share in (RECORD_RECEDES if pinned else (1.0,))):
             before = {f"q:{APPROACH}": RECORD_BEFORE * q, f"r:{APPROACH}": math.sqrt(RECORD_BEFORE * q)}
-            x = model.few.unknowns(values | before | {f"q:{RETRACT}": q})
-            ends += yield from roughly(model.few, x, FIT_BLUNT[1:2])
+            ends += yield from roughly(few, few.unknowns(values | before | {f"q:{RETRACT}": q}), FIT_BLUNT[1:2])
+        here = few.off(few.unknowns(values), FIT_BLUNT[1])
         for end in sorted(ends, key=lambda one: one.cost)[:1]:
+            there = few.off(end.x, FIT_BLUNT[1])
             with contextlib.suppress(SolveError):
-                other = yield from fitting(model, end.x, True, settings.loss)
-                if other.sigma < whole.sigma:
-                    best = yield from _without_window(other, model, settings)
+                if pinned or there @ there < here @ here:
+                    other = yield from fitting(model, end.x, True, settings.loss)
+                    if other.sigma < whole.sigma:
+                        best = yield from _without_window(other, model, settings)
     model = best.model
     zero_works = {kind: 0.0 for part in model.stretches if _repels(best, kind := part.kind)}
     if zero_works:

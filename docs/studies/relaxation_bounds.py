@@ -20,7 +20,8 @@ from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.base.errors import JkrError
 from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.viscoelastic.relaxation import Depths
-from jkrcli.viscoelastic.relaxation_fit import relaxation_fit, relaxation_settings
+from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
+from jkrcli.viscoelastic.timed_record import relaxation_settings
 
 TRUTH = {"E_star": 1.0, "ratio": 0.25, "time": 1.0}
 

@@ -13,7 +13,7 @@ from ..measured.figures import MARKERS
 from ..report import plots
 from ..report.plots import Axes, Figure, axis_of, log_ticks, panelled, pretty
 from .rate_fit import RateFit
-from .relaxation_fit import RelaxationFit
+from .timed_record import RelaxationFit
 
 
 def rate_fit_figure(fit: RateFit) -> Figure:

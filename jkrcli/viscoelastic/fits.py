@@ -12,7 +12,8 @@ from ..measured.fits import FitRequest
 from ..tables import some
 from .law_fits import RelaxationFits
 from .rate_fit import rate_fit, rate_settings
-from .relaxation_fit import relaxation_fit, relaxation_settings
+from .relaxation_fit import relaxation_fit
+from .timed_record import relaxation_settings
 
 
 def fit_law(request: FitRequest) -> None:

@@ -58,8 +58,9 @@ from . import report as rate
 from .rate import RATE_LAWS, LogRate, PowerRate, RateContact, RateLaw, rate_law_of
 from .rate_fit import RateFit, rate_fit, rate_settings
 from .relaxation import RelaxingContact
-from .relaxation_fit import RelaxationFit, relaxation_fit, relaxation_settings
+from .relaxation_fit import relaxation_fit
 from .relaxing_adhesion import RelaxingAdhesion
+from .timed_record import RelaxationFit, relaxation_settings
 
 __all__ = ["LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify_law", "identify_relaxation"]
 

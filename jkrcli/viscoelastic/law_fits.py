@@ -17,7 +17,9 @@ from ..report.result import Figure, Several
 from ..report.tables import stacked, stiffness, transpose_rows, with_unit
 from . import report as rate
 from .rate_fit import RateFit
-from .relaxation_fit import RelaxationFit
+from .timed_record import RelaxationFit
+
+OVER_TIME, OVER_TIMES = (0.01, 0.5), 5  # choice: of the record, times at which E*(t) is written
 
 
 @TABLES.register(RateFit)
@@ -142,11 +144,19 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
         "relaxation": rate.relaxation_law_summary(fit.relaxation),
         "free": list(fit.free),
         "estimates": {item.name: estimate_summary(item, fit.settings.level) for item in fit.estimates},
+        **({"modulus_over_time": _over_time(fit)} if fit.settings.adheres else {}),
         "scatter": fit.scatter,
         "degrees_of_freedom": fit.dof,
         "status": DOUBTFUL if fit.doubts else FITTED,
         "warnings": list(fit.warnings),
     }
+
+
+def _over_time(fit: RelaxationFit) -> list[dict[str, float]]:
+    """E*(t) after a step at some times within the record, with its intervals."""
+    t = np.geomspace(OVER_TIME[0], OVER_TIME[-1], OVER_TIMES) * float(np.ptp(fit.record.t))
+    names = ("t_s", "E_star_Pa", "low_Pa", "high_Pa")
+    return [dict(zip(names, row, strict=True)) for row in np.column_stack([t, fit.modulus(t)]).tolist()]
 
 
 @WORDS.register(RelaxationFit)

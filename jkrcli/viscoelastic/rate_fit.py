@@ -54,7 +54,7 @@ from ..measured.rows import noise_from_third_differences
 from ..measured.settings import SegmentName, Settings
 from ..measured.work import WorkAlong, work_along
 from .rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
-from .relaxation_fit import check_over_time, check_rising, noise_about, noise_of, through
+from .timed_record import check_over_time, check_rising, noise_about, noise_of, through
 
 # --------------------------------------------------------------------------------------------------
 # Records of retraction over time: which rows are fitted, and what the device did.

@@ -433,18 +433,6 @@ class Course:
         """The jump by which contact was lost for good; None where it is not."""
         return self.jumps[-1] if self.jumps and self.jumps[-1].end is None else None
 
-    def states(self, t: Array, over: float = 0.0) -> tuple[Array, Array, Array]:
-        """a [m], delta [m], P [N] at the rising times ``t`` [s] of the program, jumps spread ``over`` a time [s]; out
-        of contact a = P = 0, and the tip is where the device is."""
-        rows = np.array([(row.t, row.a, row.delta, row.P) for row in self.rows])
-        falls = np.diff(rows, axis=0) * (np.diff(rows[:, :1], axis=0) == 0)
-        smooth = rows - np.concatenate([np.zeros((1, 4)), np.cumsum(falls, axis=0)])
-        values = np.stack([np.interp(t, rows[:, 0], column) for column in smooth[:, 1:].T])
-        for i in np.flatnonzero(falls.any(axis=1)):
-            since = t - rows[i, 0]
-            values += falls[i, 1:, None] * (np.clip(since / over + 0.5, 0, 1) if over else since >= 0)
-        return values[0], values[1], values[2]
-
 
 def march(body: Body, program: Program, tolerance: float, rests: bool = False) -> Course:
     """Follow a ``program`` of the device step by step, to the loss of contact where it goes on; steps by their

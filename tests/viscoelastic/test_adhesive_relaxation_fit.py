@@ -1,29 +1,32 @@
-"""Fits of cycles that adhere on bodies that relax, to records of another discretisation (``adhesive_records.py``)."""
+"""Fits of whole force curves that adhere on bodies that relax, to records of other equations
+(``adhesive_curves.py``)."""
 
 from __future__ import annotations
 
 import csv
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
 import described_body
 import numpy as np
 import pytest
-from adhesive_records import clean, record
+from adhesive_curves import Law, Made, cycle, sampled, solid
+from scipy.special import dawsn
 
 import jkrcli as jkr
-from jkrcli.adhesion.device_path import Program
-from jkrcli.adhesion.finite_range import RangeRequest
+from jkrcli.adhesion.finite_range import AttractedBody, RangeRequest
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.problem import StandardSolid
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
-from jkrcli.viscoelastic.adhesive_march import AdhesiveMarch, ElasticLimits, Secants
-from jkrcli.viscoelastic.relaxation_fit import RelaxationFit, TimedRecord, relaxation_fit, relaxation_settings
+from jkrcli.viscoelastic.adhesive_fit import RELAXED, Cycle, ElasticLimits
+from jkrcli.viscoelastic.lockstep_march import March, Trial, passing
+from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
+from jkrcli.viscoelastic.timed_record import RelaxationFit, relaxation_settings
 
-W, STRESS, MODES = 0.01, 0.16, (0.3, (0.7,), (1.0,))
-CORNERS = ((0.0, -0.15), (0.5, 0.1), (1.5, 0.1), (2.5, -0.4))
+W, STRESS, SOLID = 0.01, 0.3, solid(0.3, 1.0)
+CORNERS = ((0.0, -0.15), (0.5, 0.1), (1.5, 0.1), (2.6, -0.45))
 CASE = described_body.UNIT.format(depth=0.15)
 
 
@@ -37,22 +40,72 @@ def layered(h: float = 0.5) -> FittedBody:
     return body_of(jkr.solve(jkr.Problem(jkr.Paraboloid(1.0), specimen, jkr.Loading("depth", 0.15))))
 
 
+def march(body: FittedBody, law: Law, stress: float, stiffness: float, width: float = 0.005) -> tuple[Made, np.ndarray]:
+    """A cycle by the other equations, and its loads by a march, over its pull-off force at most so far apart."""
+    nu, h = (None, 1.0) if not body.problem.specimen.layers else (0.5, 0.5)
+    made = cycle(W, stress, law, CORNERS, stiffness, nu, h)
+    t, z = np.array(CORNERS).T
+    trial = Trial(W, stress, stiffness, jkr.StandardSolid(law.relaxed, 1 / law.rates[0]).modes(3.0))
+    (found,) = March(body.problem, AttractedBody(body.problem), [trial], (t, z), width).run()
+    apart = (np.abs(made.t - made.begun) > 0.01) & (np.abs(made.t - made.lost) > 0.01)
+    assert found.begun == pytest.approx(made.begun, abs=1e-6)
+    assert found.lost == pytest.approx(made.lost, abs=2e-3)
+    return made, np.abs(found.load(made.t) - made.P)[apart] / -made.P.min()
+
+
+def readings(
+    made: Made, before: float, behind: float, noise: float = 0.01, k: float = math.inf, rows: int = 400
+) -> Curve:
+    """The readings of a cycle with base lines, lengths over the time in contact; its noise is always that."""
+    lasting = made.lost - made.begun
+    dt = lasting / rows
+    n, m = int(before * rows), int(behind * rows)
+    t = made.begun + dt * (np.arange(-n, rows + m) + 0.5)
+    ends, z = np.array(CORNERS).T
+    speed = z[1:] - z[:-1]
+    slopes = speed / np.diff(ends)
+    z = np.interp(t, ends, z) + np.minimum(t - ends[0], 0) * slopes[0] + np.maximum(t - ends[-1], 0) * slopes[-1]
+    size = noise * -float(made.P.min())
+    P = sampled(made, t) + np.concatenate([
+        size * np.random.default_rng(seed).standard_normal(count) for seed, count in ((2, n), (3, rows), (4, m))
+    ])  # fmt: skip
+    stiffness = None if math.isinf(k) else k
+    return Curve("made", t=t - t[0], delta=z - P / k + 0.03, P=P, stiffness=stiffness)
+
+
 def off(fit: RelaxationFit, **true: float) -> float:
     """The largest distance from the truth in standard errors."""
     return max(abs(fit.value(name) - value) / (fit.estimate(name).error or 0) for name, value in true.items())
 
 
-def test_the_march_of_a_fit_is_that_of_another_discretisation(body: FittedBody) -> None:
-    """Coarse as it is while a minimum is sought, for E* = 2 by its scale: of the pull-off force 0.4 %."""
-    t, delta, P = clean(W, STRESS, MODES, CORNERS, steps=150)
-    march, (ends, x) = AdhesiveMarch.of(body, 0.0), np.array(CORNERS).T
-    values = {"modulus": 2.0, "w": 2 * W, "stress": 2 * STRESS}
-    a, found, load, jumps = march.states(StandardSolid(0.3, 1.0), values, np.inf, Program(ends, x), t)
-    assert found == pytest.approx(delta)
-    apart = np.abs(t[:, None] - jumps).min(axis=1) > 0.03
-    assert np.abs(load - P)[apart].max() < 0.01 * -P.min()
-    assert (a[P != 0] > 0).mean() > 0.98
-    assert jumps.size == 2
+# --------------------------------------------------------------------------------------------------
+def test_a_march_is_that_of_other_equations(body: FittedBody) -> None:
+    _, missed = march(body, SOLID, STRESS, 2.0)
+    assert np.sqrt(np.mean(missed**2)) < 1e-3  # found: 2e-4
+
+
+def test_a_narrow_zone_is_made_up_for(body: FittedBody) -> None:
+    """The zone followed is a dozen times as wide as the true one; half as wide it errs by half as much."""
+    _, wide = march(body, SOLID, 2.0, 2.0, 0.01)
+    _, narrow = march(body, SOLID, 2.0, 2.0, 0.005)
+    assert np.sqrt(np.mean(wide**2)) < 0.012  # found: 9e-3
+    assert np.sqrt(np.mean(narrow**2)) < 0.8 * np.sqrt(np.mean(wide**2))
+
+
+@pytest.mark.slow
+def test_a_march_on_a_layer() -> None:
+    _, missed = march(layered(), SOLID, 0.5, 2.0)
+    assert np.sqrt(np.mean(missed**2)) < 1e-3
+
+
+def test_cracks_pass_at_both_ends_of_speeds() -> None:
+    """exp(-q t) is left whole of a zone that passes at once, not at all of a slow one; between both the opening is by
+    quadrature of (2/y) int D."""
+    fast, slow = passing(np.array([1e-9])), passing(np.array([1e9]))
+    assert [float(one[0]) for one in fast] == pytest.approx([1, 1, 1], abs=1e-3)
+    assert [float(one[0]) for one in slow] == pytest.approx([0, 0, 0], abs=1e-3)
+    q = np.linspace(0, 2, 20001)
+    assert passing(np.array([4.0]))[0][0] == pytest.approx(0.5 * np.trapezoid(dawsn(q), q), rel=1e-4)
 
 
 def test_works_behind_a_force_on_a_half_space(body: FittedBody) -> None:
@@ -61,20 +114,34 @@ def test_works_behind_a_force_on_a_half_space(body: FittedBody) -> None:
     assert elastic.work(3.0, 1.5 * np.pi * 1e-3) == pytest.approx(1e-3, rel=0.01)
 
 
-def test_secants_are_derivatives_while_they_foretell() -> None:
-    """Of a plane they are kept; of what bends too much they are renewed."""
-    calls = []
+def test_laws_at_many_parameters_are_those_of_each() -> None:
+    """What samples are drawn by is r(t) of the laws."""
+    t = np.geomspace(0.1, 3, 5)
+    laws = {
+        "sls": ({"ratio": 0.3, "time": 0.5}, jkr.StandardSolid(0.3, 0.5)),
+        "prony": ({"weight1": 0.2, "time1": 0.5, "weight2": 0.3, "time2": 2.0}, jkr.Prony((0.2, 0.3), (0.5, 2.0))),
+    }
+    for name, (values, law) in laws.items():
+        np.testing.assert_allclose(RELAXED[name](values, t), law.modes(1.0)(t), rtol=1e-12)
 
-    def bent(x: np.ndarray) -> np.ndarray:
-        calls.append(x)
-        return np.array([3 * x[0] + x[1], x[1] ** 2, x[0]]) * 1e3
 
-    secants, steps = Secants(), np.full(2, 1e-4)
-    for x, known, more in (([1.0, 1.0], 2.0, 2), ([1.0, 1.001], 2.001, 0), ([1.0, 9.0], 18.0, 2)):
-        before = len(calls)
-        J = secants.rates(bent, np.array(x), bent(np.array(x)), steps, 2)
-        assert len(calls) - before - 1 == more
-        np.testing.assert_allclose(J, 1e3 * np.array([[3, 1], [0, known], [1, 0]]), rtol=1e-3, atol=1e-6)
+@pytest.mark.parametrize(("before", "behind"), [(0.3, 0.3), (2.0, 0.5)])
+def test_free_rows_are_found_with_jumps(before: float, behind: float) -> None:
+    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
+    found = Cycle.of(readings(made, before, behind, k=2.0))
+    dt = (made.lost - made.begun) / 400
+    assert found.jumps[0] == pytest.approx(before * 400 * dt, abs=2 * dt)
+    assert found.jumps[1] - found.jumps[0] == pytest.approx(400 * dt, abs=2 * dt)
+    assert found.base[0] == pytest.approx(0, abs=0.01 * -made.P.min())
+    np.testing.assert_allclose(np.diff(found.program[1]), [0.1 - found.z[0] + 0.03, 0, found.z[-1] - 0.13], atol=1e-6)
+
+
+def test_a_lever_is_found_where_the_tip_was_read() -> None:
+    """From tip positions, whose device moved in straight pieces."""
+    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
+    curve = readings(made, 0.5, 0.5, k=2.0)
+    tip = Curve("made", t=curve.time, delta=curve.depth, P=curve.load)
+    assert Cycle.of(tip).stiffness == pytest.approx(2.0, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -113,75 +180,47 @@ def test_a_prescribed_load_is_refused(body: FittedBody) -> None:
         relaxation_fit(body, Curve("made", t=t, delta=delta, P=P), relaxation_settings("sls", free=["w"]))
 
 
-@pytest.mark.parametrize(("size", "spread", "uneven"), [(20.0, 0.003, 0.0), (4.0, 0.03, 0.0), (20.0, 0.006, 0.4)])
-def test_a_jump_is_where_the_rows_show_it(size: float, spread: float, uneven: float) -> None:
-    """Of 20 times the noise between two rows, within which its time is even; of four times it, up to some rows beside.
-    The model jumps three rows later; its branches are as steep as a fifth of the noise a row."""
-    rng = np.random.default_rng(5)
-    t = np.linspace(0, 1, 101) + uneven * 0.01 * np.append(rng.uniform(-1, 1, 100), 0.0)
-    beside = int(np.searchsorted(t, 0.503))
-
-    def loads(jump: float) -> np.ndarray:
-        return np.where(t < jump, 0.0, 20 * (t - jump) - size)
-
-    offs = []
-    for _ in range(40):
-        noisy = loads(0.503) + rng.standard_normal(t.size)
-        one = TimedRecord(
-            Curve("made", t=t, delta=t, P=noisy), t, t, noisy, "displacement", np.inf, (t[[0, -1]], t[[0, -1]]),
-            (1.0, 1.0), (1.0, 1.0),
-        )  # fmt: skip
-        found = one.with_jumps(np.array([0.533]), loads(0.533))
-        ((place, error),) = found.jumps
-        offs.append((place - 0.503) / error)
-        assert np.diff(t).min() / 12**0.5 < 1.001 * error < spread
-        assert found.left_out is not None
-        assert found.left_out[[beside - 1, beside]].all()
-        assert found.left_out.sum() < 12
-    assert np.mean(np.square(offs)) < 2.0
+# --------------------------------------------------------------------------------------------------
+def test_a_whole_force_curve_with_free_rows(body: FittedBody) -> None:
+    """On a lever, with a hold: all in one fit, and E*(t) within the record."""
+    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
+    fit = relaxation_fit(body, readings(made, 0.3, 0.3, k=2.0), relaxation_settings("sls", free=["w"]))
+    assert off(fit, E_star=1.0, ratio=0.3, time=1.0, w=W, stress=STRESS, delta0=0.03) < 3.5
+    assert 0.8 < fit.scatter < 1.2
+    E, true = fit.modulus(t := np.array([0.1, 0.5, 2.0])), SOLID(t)
+    assert (E[:, 1] < true).all()
+    assert (true < E[:, 2]).all()
 
 
 @pytest.mark.slow
-def test_a_cycle_on_a_half_space(body: FittedBody) -> None:
-    made = record(clean(W, STRESS, MODES, CORNERS), seed=1, zero=0.03)
-    fit = relaxation_fit(body, made, relaxation_settings("sls", [("stress", f"{STRESS} Pa")], ["w"]))
-    assert off(fit, E_star=1.0, ratio=0.3, time=1.0, w=W, delta0=0.03) < 3.5
-    errors = {name: fit.estimate(name).error for name in ("E_star", "ratio", "time", "w")}
-    assert errors == pytest.approx({"E_star": 0.009, "ratio": 0.034, "time": 0.08, "w": 1e-4}, rel=0.5)
-    assert 0.8 < fit.scatter < 1.2
-    assert fit.warnings == ()
+def test_free_rows_do_not_move_the_fit(body: FittedBody) -> None:
+    """The same noise in contact, base lines of 1 and of 3 times the time in it: hardly another result."""
+    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
+    settings = relaxation_settings("sls", free=["w"])
+    one, three = (relaxation_fit(body, readings(made, n, n, k=2.0), settings) for n in (1, 3))
+    for name in ("E_star", "ratio", "time", "w"):
+        assert abs(one.value(name) - three.value(name)) < (one.estimate(name).error or 0)
 
 
 @pytest.mark.slow
 def test_a_cycle_on_a_layer() -> None:
-    made = record(clean(W, 0.35, MODES, CORNERS, 0.5, 0.5, 1.2), rows=200, seed=2, zero=0.03)
-    fit = relaxation_fit(layered(), made, relaxation_settings("sls", [("stress", "0.35 Pa")], ["w"]))
+    made = cycle(W, 0.5, SOLID, CORNERS, 2.0, 0.5, 0.5)
+    fit = relaxation_fit(layered(), readings(made, 0.5, 0.5, k=2.0), relaxation_settings("sls", free=["w"]))
     assert off(fit, E_star=1.0, ratio=0.3, time=1.0, w=W, delta0=0.03) < 3.5
-    assert 0.8 < fit.scatter < 1.2
-
-
-@pytest.mark.slow
-def test_a_range_that_is_not_known_is_a_part_of_the_model(body: FittedBody) -> None:
-    """The stated part of w covers the truth, which was made with another stress."""
-    made = record(clean(W, STRESS, MODES, CORNERS), seed=1, zero=0.03)
-    fit = relaxation_fit(body, made, relaxation_settings("sls", free=["w"]))
-    w = fit.estimate("w")
-    assert w.model is not None
-    assert abs(w.value - W) < w.model["range"] + 3 * (w.error or 0)
-    assert any("the cohesive stress is not known" in line for line in fit.warnings)
 
 
 @pytest.mark.slow
 def test_the_command(jkr: Callable, tmp_path: Path) -> None:
-    made = record(clean(W, STRESS, MODES, CORNERS), rows=200)
+    made = readings(cycle(W, STRESS, SOLID, CORNERS, 2.0), 0.5, 0.5, k=2.0)
     (tmp_path / "gel.toml").write_text(CASE)
-    rows = np.stack([made.t, made.delta, made.P], axis=1)
+    rows = np.stack([made.time, made.depth, made.load], axis=1)
     np.savetxt(tmp_path / "cycle.csv", rows, delimiter=",", header="t_s,delta_m,P_N", comments="")
-    done = jkr("fit", "gel.toml", "cycle.csv", "--relaxation", "sls", "--free", "w", "--fix", "stress=0.16 Pa",
-               "--fix", "delta0=0", "--json")  # fmt: skip
+    done = jkr("fit", "gel.toml", "cycle.csv", "--relaxation", "sls", "--free", "w", "--json")
     assert done.code == 0, done.err
     found = json.loads(done.out)["fits"][0]
     assert found["estimates"]["w"]["value"] == pytest.approx(W, rel=0.05)
-    assert found["estimates"]["stress"]["free"] is False
+    assert found["estimates"]["stress"]["free"] is True
+    at = found["modulus_over_time"]
+    assert [row["low_Pa"] < 0.3 + 0.7 * math.exp(-row["t_s"]) < row["high_Pa"] for row in at] == [True] * len(at)
     with (tmp_path / "gel-fit.csv").open() as file:
         assert float(next(csv.DictReader(file))["w_J_per_m2"]) == pytest.approx(W, rel=0.05)

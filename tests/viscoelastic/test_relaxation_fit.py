@@ -21,7 +21,8 @@ from jkrcli.measured.curve import Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.viscoelastic.law_fits import RelaxationFits
 from jkrcli.viscoelastic.relaxation import Depths, RelaxedHistory, RelaxingContact
-from jkrcli.viscoelastic.relaxation_fit import RelaxationFit, corners, relaxation_fit, relaxation_settings
+from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
+from jkrcli.viscoelastic.timed_record import RelaxationFit, corners, relaxation_settings
 
 SOLID = 0.25, (0.75,), (1.0,)
 HELD = np.array([0.0, 0.3, 4.0, 5.0]), np.array([0.0, 1.0, 1.0, 0.0])

@@ -1,0 +1,534 @@
+"""Marches of many trial specimens at once through one record: contacts that adhere while their bodies relax.
+
+The equations are those of ``relaxing_adhesion.py``: each step is elastic contact of the modulus G E* under the profile
+g = F - H/G, with the radii a of contact and c of the cohesive zone. Here every trial is a row of arrays, has its own
+parameters, steps and points, and a kernel K(x, y) = sum of kappa_k u_k(x) u_k(y) of few terms (none: a half-space), so
+that with (pi/2) phi = G (delta - g) - u.(kappa mu) in contact, -s sqrt(c^2 - x^2) in the zone,
+
+    mu = int_0^c u (pi/2) phi dx:     (1/kappa + A(a)) kappa mu = G delta beta(a) - G gamma(a) - s rho(a, c)
+    continuity at a:                  G delta - u(a).(kappa mu) = G g(a) - s sqrt(c^2 - a^2)
+
+with A = int_0^a u u, beta = int_0^a u, gamma = int_0^a u g, rho = int_a^c u sqrt(c^2 - x^2).
+
+A zone that is narrow beside the contact needs neither be resolved nor followed: it moves through a field that it does
+not feel. It is made as wide as a part of the contact by a smaller stress; the work that a steady crack then needs at
+the speed v is that of the true zone,
+
+    w/G_0 = J_inf - sum c_i e(q_i b/v),    b = (pi/4) E_0 w/(sigma^2 (w/G_0)),
+
+with the creep function J_inf - sum c_i exp(-q_i t) and, D being Dawson's function, e(y) = (2/y) int_0^sqrt(y) D for a
+crack that opens and 2 D(sqrt(y))/sqrt(y) less this for one that closes (after Schapery, Int. J. Fract. 11 (1975) 141).
+What is left errs like the width over the contact radius, and is extrapolated.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.special import dawsn
+
+from ..adhesion.finite_range import AttractedBody
+from ..base.numerics import TINY, Array
+from ..bodies.problem import Modes, Problem
+from .relaxing_adhesion import LEAST_LEFT, ZONE_SLOPE, creep
+
+NODES = 12  # choice: of Gauss, over a zone
+INNER = 6  # choice: points of the profile, over the narrowest zone
+MOST = 6000  # choice: of them
+NEWTON = 12  # choice: steps of Newton's from a prediction, beyond which a shorter step of time is tried
+KERNEL_WIDER = 2.0  # choice: than the largest reach, from which on a kernel is made anew
+FARTHEST = 4.0  # choice: of the radius as deep as the device goes, that of the largest contact
+MOST_ITERATIONS = 2000  # choice: of steps, ten times those of usual records
+JUMP_LASTS = 1e-9  # choice: of the program, for rows of one time each
+JUMPS_MOST = 5  # choice: of a contact, beyond which it is given up
+KERNEL = 1e-5  # theory: of the largest, terms of the kernel that are left out
+SEARCHED = 32  # choice: radii among which a jump's end is looked for
+MOVES = 0.5  # choice: of the zone, by which its edge moves at most while its body relaxes
+FEWEST = 4.0  # choice: steps of a piece of the program at least, times the root of the tolerance's inverse
+CRACK = np.geomspace(1e-7, 1e9, 260)  # theory: b/v over a time of retardation, beyond which nothing changes
+
+
+def _integral_of_dawson(y: Array) -> Array:
+    """int_0^y D(q) dq."""
+    q = np.linspace(0, 1, 4001) ** 2 * 40
+    total = np.concatenate([[0], np.cumsum((dawsn(q[1:]) + dawsn(q[:-1])) / 2 * np.diff(q))])
+    return np.where(y < 40, np.interp(y, q, total), total[-1] + np.log(np.maximum(y, 1) / 40) / 2)
+
+
+def passing(y: Array) -> tuple[Array, Array, Array]:
+    """e(y) of a crack that opens, and of one that closes: how much of exp(-q t) is left of a zone that passes in the
+    time y/q."""
+    root = np.sqrt(y)
+    opening = np.where(y > 1e-6, 2 / y * _integral_of_dawson(root), 1 - y / 3)
+    edge = dawsn(root) / root
+    return opening, 2 * edge - opening, edge
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """The kernel of a body up to ``reach`` [m] by few terms: ``kappa`` (m,) and the functions at even places up to it,
+    ``u`` (places, m)."""
+
+    reach: float
+    kappa: Array
+    u: Array
+
+    @classmethod
+    def of(cls, body: AttractedBody, reach: float, places: int = 1000) -> Kernel:
+        attraction = body.attraction(reach)
+        x = np.linspace(0, attraction.reach, places)
+        if attraction.is_half_space:
+            return cls(attraction.reach, np.empty(0), np.empty((places, 0)))
+        kappa, vectors = np.linalg.eigh(attraction.kernel)
+        kept = np.abs(kappa) > KERNEL * np.abs(kappa).max()
+        return cls(attraction.reach, kappa[kept], attraction.basis.at(x) @ vectors[:, kept])
+
+    def at(self, x: Array) -> Array:
+        """u at ``x`` of any shape, one axis more."""
+        y = np.clip(x / self.reach, 0, 1) * (len(self.u) - 1)
+        i = np.minimum(y.astype(int), len(self.u) - 2)
+        return self.u[i] + (y - i)[..., None] * (self.u[i + 1] - self.u[i])
+
+    @cached_property
+    def discs(self) -> Array:
+        """(1/kappa + A)^-1 and, last, beta up to the places, (places, m, m + 1)."""
+        products = np.concatenate([self.u[:, :, None] * self.u[:, None, :], self.u[:, :, None]], axis=2)
+        width = self.reach / (len(self.u) - 1)
+        sums = np.concatenate([0 * products[:1], np.cumsum((products[1:] + products[:-1]) * width / 2, axis=0)])
+        sums[..., :-1] = np.linalg.inv(np.diag(1 / self.kappa) + sums[..., :-1])
+        return sums
+
+    def disc(self, a: Array) -> tuple[Array, Array]:
+        """(1/kappa + A)^-1, (n, m, m), and beta (n, m) of the radii ``a`` [m]."""
+        y = np.clip(a / self.reach, 0, 1) * (len(self.u) - 1)
+        i = np.minimum(y.astype(int), len(self.u) - 2)
+        low, high = self.discs[i], self.discs[i + 1]
+        both = low + (y - i)[:, None, None] * (high - low)
+        return both[..., :-1], both[..., -1]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A specimen and device with everything over its modulus: ``w`` [m], ``stress`` [-], ``stiffness`` [m], ``modes``
+    of relaxation; ``zero``: position of the device [m] of first touch."""
+
+    w: float
+    stress: float
+    stiffness: float
+    modes: Modes
+    zero: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """What became of a trial: ``rows`` (n, 5) of t [s], a, c, delta [m] and P over the modulus, when contact began
+    and was ``lost`` [s], infinite where it did not, and the ``corners`` of the program [s]."""
+
+    rows: Array
+    begun: float
+    lost: float
+    corners: Array
+
+    def load(self, t: Array) -> Array:
+        """P over the modulus [m^2] at the times ``t`` [s], smooth between corners and jumps."""
+        at, P = self.rows[:, 0], self.rows[:, 4]
+        found = np.where(t < at[0], 0.0, P[-1])
+        ends = np.searchsorted(at, self.corners)
+        jumps = np.flatnonzero(np.diff(at) < JUMP_LASTS * 1.5 * np.ptp(self.corners)) + 1
+        cuts = np.unique(np.concatenate([[0, at.size - 1], ends[(ends > 0) & (ends < at.size)], jumps, jumps - 1]))
+        for first, last in itertools.pairwise(cuts.tolist()):
+            inside = (t >= at[first]) & (t <= at[last])
+            if not inside.any():
+                continue
+            if last - first < 2:
+                found[inside] = np.interp(t[inside], at[first : last + 1], P[first : last + 1])
+            else:
+                found[inside] = PchipInterpolator(at[first : last + 1], P[first : last + 1])(t[inside])
+        return found
+
+
+class March:
+    """All ``trials`` through the ``program`` (times [s] and places [m] of its corners) of one device; ``width``: of the
+    zone over the contact radius at least, ``tolerance`` of steps in zones."""
+
+    def __init__(self, problem: Problem, body: AttractedBody, trials: Sequence[Trial], program: tuple[Array, Array],
+                 width: float = 0.004, tolerance: float = 4e-3, kernel: Kernel | None = None) -> None:  # fmt: skip
+        self.F, self.E, self.tolerance = problem.indenter.abel, problem.E_star, tolerance
+        self.t, self.x = program
+        most = max(one.modes.rates.size for one in trials)
+        self.w, self.stress, self.k, self.zero = (
+            np.array([getattr(one, name) for one in trials]) for name in ("w", "stress", "stiffness", "zero")
+        )
+        self.relaxed = np.array([one.modes.relaxed for one in trials])
+        self.weights, self.rates = np.zeros((2, len(trials), most))
+        self.rates += 1 / np.ptp(self.t)
+        for i, one in enumerate(trials):
+            n = one.modes.rates.size
+            self.weights[i, :n], self.rates[i, :n] = one.modes.weights, one.modes.rates
+        gone = np.exp(-self.rates * np.ptp(self.t))
+        self.left = np.maximum(self.relaxed + np.sum(self.weights * gone, axis=1), LEAST_LEFT)
+        self.kernel = kernel
+        self.body, self.r_max = body, body.limit
+        self.length = self.w / self.stress
+        self._prepare(width)
+
+    # ------------------------------------------------------------------ sizes
+    def _prepare(self, width: float) -> None:
+        """Points and zones: the reach is beyond the largest contact of the moduli that are left in the end."""
+        n, top = self.w.size, self.x.max() - self.zero
+        # the largest contact of the moduli left, by JKR of the tip in proportion: F(c) = top + sqrt(2 pi w c/E)
+        way = min(float(np.abs(top).max()), float(np.ptp(self.x)))
+        far = 1e-6 * way
+        while self.F(np.array([far]))[0] < way and far < self.r_max / 2:
+            far *= 2
+        low, high = np.full(n, 1e-4 * far), np.full(n, min(FARTHEST * far, self.r_max))
+        for _ in range(60):
+            middle = np.sqrt(low * high)
+            deep = self.F(middle) - np.sqrt(2 * math.pi * self.w * middle / (self.E * self.left)) > top
+            low, high = np.where(deep, low, middle), np.where(deep, middle, high)
+        zone = ZONE_SLOPE * self.E * self.w / self.stress**2  # of the instant modulus
+        self.kappa = np.minimum(np.sqrt(self.left) * zone / (width * high), 1.0)
+        self.sigma = self.stress * np.sqrt(self.kappa)
+        zone = zone / self.kappa
+        self.reach = np.minimum(1.15 * high + 1.5 * zone, min(2 * FARTHEST * far, self.r_max * (1 - 1e-9)))
+        points = int(min(np.max(self.reach / (self.left * zone)) * INNER, MOST)) + 400
+        self.d = self.reach / (points - 1)
+        self.grid = np.linspace(0, 1, points) * self.reach[:, None]
+        self.shape = self.F(self.grid)
+        largest = float(self.reach.max())
+        if self.kernel is None or not largest <= self.kernel.reach < KERNEL_WIDER * largest:
+            self.kernel = Kernel.of(self.body, min(1.2 * largest, self.r_max))
+        self.u = self.kernel.at(self.grid)
+        self.s0 = 2 * self.sigma / self.E
+        self.crack = self._crack() if (self.kappa < 1).any() else None
+
+    def _crack(self) -> tuple[Array, Array, Array]:
+        """log v from and its step per trial, and the works of a crack that opens and closes over that of the true zone
+        at even steps of log v, logs (2, n, steps)."""
+        logs, starts, steps = [], [], []
+        for i in range(self.w.size):
+            modes = Modes(self.relaxed[i], self.weights[i], self.rates[i])
+            keep = modes.weights > 0
+            least = max(modes.relaxed, LEAST_LEFT)
+            J, c, q = creep(Modes(least, modes.weights[keep], modes.rates[keep]))
+            T = CRACK / q.max()
+            opening, closing, edge = (np.maximum(J - one @ c, 1e-12) for one in passing(np.multiply.outer(T, q)))
+            zone = ZONE_SLOPE * self.E * self.w[i] / self.stress[i] ** 2
+            own = []
+            for eased, needs in ((opening, 1 / opening), (closing, edge**2 / closing)):
+                own.append((np.log(zone / eased / T), np.log(needs)))
+            even = np.linspace(own[0][0].min() - 1, own[0][0].max() + 1, 400)
+            shift = math.log(self.kappa[i])
+            both = []
+            for log_v, log_G in own:
+                order = np.argsort(log_v)
+                at = np.interp(even, log_v[order], log_G[order])
+                slowed = np.interp(even + shift, log_v[order], log_G[order])
+                both.append(at - slowed)
+            logs.append(both)
+            starts.append(even[0])
+            steps.append(even[1] - even[0])
+        return np.array(starts), np.array(steps), np.array(logs).transpose(1, 0, 2)
+
+    def _harder(self, rows: Array, v: Array) -> Array:
+        """Log of the factor on the range that makes up for a zone wider than the true one, at speeds ``v`` of its end,
+        positive outwards [m/s]."""
+        if self.crack is None:
+            return np.zeros(rows.size)
+        start, step, logs = self.crack
+        y = (np.log(np.maximum(np.abs(v), TINY)) - start[rows]) / step[rows]
+        y = np.clip(y, 0, logs.shape[2] - 1.001)
+        i, side = y.astype(int), (v > 0).astype(int)
+        low = logs[side, rows, i]
+        found: Array = low + (y - i) * (logs[side, rows, i + 1] - low)
+        return found
+
+    # ------------------------------------------------------------------ one step
+    def _step(self, rows: Array, h: Array) -> None:
+        """Prepare the steps ``h`` of the trials ``rows``."""
+        z = h[:, None] * self.rates[rows]
+        self.decay = np.exp(-z)
+        self.gain = np.where(z > 1e-12, -np.expm1(-z) / np.maximum(z, 1e-12), 1.0)
+        weights = self.weights[rows]
+        eased = np.sum(weights * self.gain, axis=1)
+        self.G = self.relaxed[rows] + eased
+        remembered = np.einsum("nm,nmx->nx", weights * self.decay, self.eta[rows])
+        self.H = remembered - eased[:, None] * self.W[rows]
+        self._profile(rows, self.shape[rows] - self.H / self.G[:, None])
+
+    def _profile(self, rows: Array, g: Array) -> None:
+        self.g = g
+        d = self.d[rows, None]
+        self.cum = np.zeros_like(g)
+        np.cumsum((g[:, 1:] + g[:, :-1]) * (d / 2), axis=1, out=self.cum[:, 1:])
+
+    def _rim(self, at: Array, rows: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
+        """delta, P over the modulus, the gap at c, and kappa mu of states with radii ``a`` and zones ``b``, for the
+        prepared steps ``at`` of the trials ``rows``."""
+        kernel, G, s0 = self.kernel, self.G[at], self.s0[rows]
+        assert kernel is not None
+        c, d = a + b, self.d[rows]
+        root = np.sqrt(b * (2 * a + b))
+        theta = np.arctan2(root, a)
+        psi = theta[:, None] * GAUSS[0]
+        x = np.concatenate([c[:, None] * np.cos(psi), a[:, None]], axis=1)
+        y = x / d[:, None]
+        i = np.minimum(y.astype(int), self.g.shape[1] - 2)
+        flat = (at * self.g.shape[1])[:, None] + i
+        line = self.g.ravel()
+        g = line[flat]
+        begin = g[:, -1]
+        g = g + (y - i) * (line[flat + 1] - g)
+        ga, arc = g[:, -1], theta * (g[:, :-1] @ GAUSS[1])
+        inside = self.cum.ravel()[flat[:, -1]] + (y[:, -1] - i[:, -1]) * d * (begin + ga) / 2
+        sector = (c**2 * theta - a * root) / 2
+        if not kernel.kappa.size:
+            delta = ga - s0 / G * root
+            P = 2 * self.E * (G * (delta * a - inside) - s0 * sector)
+            return delta, P, 2 / math.pi * (arc - delta * theta - s0 / G * b), np.empty((a.size, 0))
+        u = kernel.at(x)
+        ua, uz = u[:, -1], u[:, :-1]
+        M, beta = kernel.disc(a)
+        # int_0^a u g by Gauss, more nodes near the edge
+        x = a[:, None] * INNER_GAUSS[0]
+        y = x / d[:, None]
+        i = np.minimum(y.astype(int), self.g.shape[1] - 2)
+        flat = (at * self.g.shape[1])[:, None] + i
+        inner = line[flat] + (y - i) * (line[flat + 1] - line[flat])
+        gamma = a[:, None] * np.matmul((inner * INNER_GAUSS[1])[:, None], kernel.at(x))[:, 0]
+        rho = (c**2 * theta)[:, None] * np.matmul((GAUSS[1] * np.sin(psi) ** 2)[:, None], uz)[:, 0]
+        known = -G[:, None] * gamma - s0[:, None] * rho
+        edge = np.matmul(ua[:, None], M)[:, 0]
+        delta = (G * ga - s0 * root + np.sum(edge * known, axis=1)) / (G * (1 - np.sum(edge * beta, axis=1)))
+        mu = np.matmul(M, ((G * delta)[:, None] * beta + known)[..., None])[..., 0]
+        P = 2 * self.E * (G * (delta * a - inside) - np.sum(beta * mu, axis=1) - s0 * sector)
+        smooth = theta * (np.matmul(uz, mu[..., None])[..., 0] @ GAUSS[1])
+        return delta, P, 2 / math.pi * (arc - delta * theta - s0 / G * b + smooth / G), mu
+
+    def _newton(self, rows: Array, x: Array, a: Array, c: Array, h: Array) -> tuple[Array, ...]:
+        """a, c, delta, P, kappa mu and whether these are stable states at the device's places ``x``, near ``a`` and
+        ``c``, a time ``h`` later (infinite: in a jump)."""
+        n = rows.size
+        at, b = np.arange(n), c - a
+        good, done = np.ones(n, dtype=bool), np.zeros(n, dtype=bool)
+        result = [a.copy(), c.copy(), np.zeros(n), np.zeros(n), np.zeros((n, self.kernel.kappa.size))]  # type: ignore[union-attr]
+        length = self.w[rows] / self.sigma[rows]
+        if np.isfinite(h).all():
+            length = length * np.exp(self.harder[rows])
+        todo, last = at, np.zeros(n, dtype=bool)
+        for _ in range(NEWTON):
+            r, A, B = rows[todo], a[todo], b[todo]
+            e = 1e-4 * B
+            touching = A > 0
+            three = (np.concatenate([A, np.where(touching, A + e, A), A]),
+                     np.concatenate([B, np.where(touching, B - e, B), B + e]))  # fmt: skip
+            r3 = np.tile(r, 3)
+            delta, P, gap, mu = self._rim(np.tile(todo, 3), r3, *three)
+            wanted = np.tile(length[todo], 3)
+            delta = np.where(three[0] > 0, delta, delta + gap - wanted)
+            place = (delta + P / self.k[r3]).reshape(3, -1)
+            opens = np.log(np.maximum(gap / wanted, TINY)).reshape(3, -1)
+            off = place[0] - x[todo]
+            xa, xc = (place[1] - place[0]) / e, (place[2] - place[0]) / e
+            ga, gc = (opens[1] - opens[0]) / e, (opens[2] - opens[0]) / e
+            det = xa * gc - xc * ga
+            stable = np.where(touching, (gc > 0) & (det > 0), xc > 0)
+            safe = np.where(det != 0, det, 1.0)
+            da = np.where(touching, (xc * opens[0] - gc * off) / safe, 0.0)
+            dc = np.where(touching, (ga * off - xa * opens[0]) / safe, -off / np.where(xc != 0, xc, 1.0))
+            # closed at the axis, or open there
+            closing = ~touching & last[todo] & (gap.reshape(3, -1)[0] > wanted.reshape(3, -1)[0])
+            n1 = todo.size
+            finished = last[todo] & stable & ~closing
+            for target, value in zip(result, (A, A + B, delta[:n1], P[:n1], mu[:n1]), strict=True):
+                target[todo[finished]] = value[finished]
+            good[todo[~stable]] = False
+            moved = np.maximum(np.abs(da), np.abs(dc - da)) / B
+            part = np.minimum(1.0, MOVES / np.maximum(moved, TINY))
+            opened = touching & (A + part * da <= 0)
+            small = opened & (A < 1e-3 * B)
+            part = np.where(opened & ~small, np.minimum(part, (A - 5e-4 * B) / np.where(da < 0, -da, 1.0)), part)
+            a[todo] = np.where(small, 0.0, np.where(closing, 1e-3 * B, A + part * da))
+            b[todo] = np.where(small, A + B, np.where(closing, (1 - 1e-3) * B, B + part * (dc - da)))
+            last[todo] = (moved < 1e-3) & ~small & ~closing
+            done[todo[finished]] = True
+            outside = ~(a + b < self.reach[rows] * (1 - 1e-6)) | ~(b > 0)
+            good &= ~outside
+            todo = np.flatnonzero(good & ~done)
+            if not todo.size:
+                break
+        return (*result, good & done)
+
+    def _leap(self, rows: Array, x: Array, c: Array, inwards: bool) -> tuple[Array, ...]:
+        """The next stable state beyond the radius ``c`` of the prepared steps of no time; as of ``_newton``."""
+        n, m = rows.size, SEARCHED
+        ends = self.reach[rows, None] * (1 - 1e-5) * np.geomspace(1e-3, 1, m)
+        at, r = np.repeat(np.arange(n), m), np.repeat(rows, m)
+        end, length = ends.ravel(), (self.w / self.sigma)[r]
+        open_ = self._rim(at, r, 0 * end, end)[2] <= length  # the centre is open
+        # the wider the zone, the larger the gap: secants in logs from the width of a narrow one
+        b = np.minimum(ZONE_SLOPE * self.E * self.G[at] * self.w[r] / self.sigma[r] ** 2, end / 2)
+        power, before = np.full(b.size, 1.3), None
+        for _ in range(8):
+            off = np.log(np.maximum(self._rim(at, r, end - b, b)[2] / length, 1e-3))
+            if before is not None:
+                run = np.log(b / before[0])
+                slope = (off - before[1]) / np.where(np.abs(run) > 1e-12, run, 1.0)
+                power = np.where((np.abs(run) > 1e-9) & (slope > 0.3), slope, power)
+            before = b, off
+            b = np.minimum(b * np.exp(np.clip(-off / power, -2.0, 2.0)), end * (1 - 1e-9))
+        b = np.where(open_, end, b)
+        delta, P, gap, _ = self._rim(at, r, end - b, b)
+        delta = np.where(open_, delta + gap - length, delta)
+        off = (delta + P / self.k[r]).reshape(n, m) - x[:, None]
+        rising = (off[:, :-1] < 0) & (off[:, 1:] >= 0)
+        inside = ends[:, 1:] > c[:, None] if inwards else ends[:, 1:] < c[:, None]
+        rising &= inside
+        found = rising.any(axis=1)
+        j = np.argmax(rising, axis=1) if inwards else m - 2 - np.argmax(rising[:, ::-1], axis=1)
+        i = np.arange(n)
+        part = off[i, j] / np.where(off[i, j] != off[i, j + 1], off[i, j] - off[i, j + 1], 1.0)
+        end, a = ends, ends - b.reshape(n, m)
+        a, c = (one[i, j] + part * (one[i, j + 1] - one[i, j]) for one in (a, end))
+        *state, good = self._newton(rows, x, a, c, np.full(n, np.inf))
+        return (*state, good & found)
+
+    def _take(self, rows: Array, at: Array, state: tuple[Array, ...]) -> None:
+        """Let the bodies of the trials ``rows``, of the prepared steps ``at``, remember their new ``state``."""
+        a, c, delta, _, mu = (one[at] for one in state)
+        x = self.grid[rows]
+        pulled = -self.s0[rows, None] * np.sqrt(np.maximum((c[:, None] - x) * (c[:, None] + x), 0.0))
+        if mu.shape[1]:
+            pulled += np.matmul(self.u[rows], mu[..., None])[..., 0]
+        W = np.where(x < a[:, None], delta[:, None] - self.shape[rows], (pulled - self.H[at]) / self.G[at, None])
+        moved = W - self.W[rows]
+        self.eta[rows] = self.decay[at][..., None] * self.eta[rows] + self.gain[at][..., None] * moved[:, None]
+        self.W[rows] = W
+
+    # ------------------------------------------------------------------ the program
+    def run(self) -> list[Marched]:
+        """Follow all trials to the end, or to the loss of contact."""
+        n, points = self.grid.shape
+        self.W, self.eta = np.zeros((n, points)), np.zeros((n, self.rates.shape[1], points))
+        self.harder = np.zeros(n)
+        t, piece, begun = self._begin()
+        lost = np.full(n, np.inf)
+        state = [np.zeros(n) for _ in range(4)]  # a, c, delta, P
+        history = [(np.arange(n), t.copy(), *(one.copy() for one in state))]
+        active = np.isfinite(t)
+        span, fewest = np.diff(self.t), FEWEST / math.sqrt(self.tolerance)
+        shortest = np.minimum(1e-5 * np.ptp(self.t), 1e-3 / self.rates.max(axis=1))
+        jumped = np.zeros(n, dtype=int)
+        h, before, slope = np.zeros(n), np.zeros(n, dtype=bool), np.zeros((2, n))
+
+        def note(rows: Array) -> None:
+            history.append((rows, t[rows].copy(), *(one[rows].copy() for one in state)))
+
+        def jump(rows: Array, inwards: Array) -> None:
+            for way in (True, False):
+                some = rows[inwards == way]
+                if not some.size:
+                    continue
+                self._step(some, np.zeros(some.size))
+                there = self._leap(some, self._place(some, t[some]), state[1][some], way)
+                jumped[some] += 1
+                good = there[-1] & (jumped[some] < JUMPS_MOST)
+                self._take(some[good], np.flatnonzero(good), there[:5])
+                for target, value in zip(state, there[:4], strict=True):
+                    target[some] = np.where(good, value, 0.0)
+                gone = some[~good]
+                active[gone] = False
+                lost[gone] = np.where(np.isfinite(begun[gone]), t[gone], np.inf)
+                t[some] += JUMP_LASTS * np.ptp(self.t)
+                note(some)
+            self.harder[rows] = 0.0
+            h[rows], before[rows] = 1e-4 * span[piece[rows]], False
+
+        jump(np.flatnonzero(active), np.ones(int(active.sum()), dtype=bool))
+        for _ in range(MOST_ITERATIONS):
+            rows = np.flatnonzero(active)
+            if not rows.size:
+                break
+            a0, c0 = state[0][rows], state[1][rows]
+            rest = self.t[piece[rows] + 1] - t[rows]
+            step = np.minimum(h[rows], span[piece[rows]] / fewest)
+            step = np.where(step > rest * (1 - 1e-6), rest, np.where(2 * step > rest, rest / 2, step))
+            self._step(rows, step)
+            zone = c0 - a0
+            a = a0 + np.where(before[rows], slope[0, rows] * step, 0.0)
+            c = c0 + np.where(before[rows], slope[1, rows] * step, 0.0)
+            z = step[:, None] * self.rates[rows]
+            matters = np.clip(np.max(4 * self.weights[rows] * np.minimum(z, 1 / np.maximum(z, TINY)), axis=1), 0.05, 1)
+            reach = 2 * MOVES * zone / matters
+            a = np.where(a0 > 0, np.clip(a, np.maximum(a0 - reach, a0 / 2), a0 + reach), 0.0)
+            b = np.clip(c - a, zone / 2, 2 * zone)
+            wanted = a.copy(), a + b
+            *there, good = self._newton(rows, self._place(rows, t[rows] + step), a, a + b, step)
+            moved = np.abs(there[0] - a0) + np.abs(there[1] - c0)
+            missed = (np.abs(there[0] - wanted[0]) + np.abs(there[1] - wanted[1])) / zone * matters
+            missed = np.where(before[rows], missed, (moved / 0.1 / zone) ** 2 * self.tolerance * matters)
+            taken = good & (missed <= 4 * self.tolerance) & (moved <= 2 * reach)
+            ok = rows[taken]
+            if ok.size:
+                self._take(ok, np.flatnonzero(taken), tuple(there))
+                moving, part = (
+                    (there[1] - c0)[taken] / step[taken],
+                    -np.expm1(-np.abs(there[1] - c0)[taken] / 2 / zone[taken]),
+                )
+                self.harder[ok] += part * (self._harder(ok, moving) - self.harder[ok])
+                slope[:, ok] = (there[0] - a0)[taken] / step[taken], (there[1] - c0)[taken] / step[taken]
+                for target, value in zip(state, there[:4], strict=True):
+                    target[ok] = value[taken]
+                ended = step[taken] == rest[taken]
+                t[ok] = np.where(ended, self.t[piece[ok] + 1], t[ok] + step[taken])
+                before[ok] = ~ended
+                grow = np.clip(0.8 * np.sqrt(self.tolerance / np.maximum(missed[taken], TINY)), 0.4, 2.0)
+                h[ok] = step[taken] * grow
+                piece[ok] += ended
+                note(ok)
+                over = ended & (piece[ok] >= span.size)
+                active[ok[over]] = False
+                on = ok[ended & ~over]
+                h[on] = 1e-4 * span[piece[on]]
+            failed = rows[~taken]
+            h[failed] = step[~taken] * 0.4
+            stuck = failed[h[failed] < shortest[failed]]
+            if stuck.size:
+                jump(stuck, slope[1, stuck] > 0)
+        return self._gathered(history, begun, lost)
+
+    def _place(self, rows: Array, t: Array) -> Array:
+        """Positions of the device over those of first touch [m]."""
+        return np.interp(t, self.t, self.x) - self.zero[rows]
+
+    def _begin(self) -> tuple[Array, Array, Array]:
+        """When the surfaces come within the range [s], and in which piece; infinite where they do not."""
+        n = self.w.size
+        t, piece = np.full(n, np.inf), np.zeros(n, dtype=int)
+        for i in range(n):
+            off = self.x - self.zero[i] + self.length[i]
+            k = int(np.argmax(off > 0))
+            if off[k] > 0:
+                piece[i] = max(k - 1, 0)
+                t[i] = self.t[0] if k == 0 else self.t[k - 1] + (self.t[k] - self.t[k - 1]) * off[k - 1] / (
+                    off[k - 1] - off[k])  # fmt: skip
+        return t, piece, t.copy()
+
+    def _gathered(self, history: list[tuple[Array, ...]], begun: Array, lost: Array) -> list[Marched]:
+        rows = np.concatenate([one[0] for one in history])
+        columns = np.stack([np.concatenate([one[k] for one in history]) for k in range(1, 6)], axis=1)
+        return [Marched(columns[rows == i], float(begun[i]), float(lost[i]), self.t) for i in range(self.w.size)]
+
+
+_nodes, _weights = np.polynomial.legendre.leggauss(NODES)
+GAUSS = (_nodes + 1) / 2, _weights / 2
+INNER_GAUSS = tuple(
+    np.concatenate([begin * share + width * part for begin, width in ((0.0, 0.6), (0.6, 0.3), (0.9, 0.1))])
+    for part, share in zip(GAUSS, (1.0, 0.0), strict=True)
+)

@@ -49,10 +49,10 @@ def believed(found: Fit) -> bool:
 
 
 def held(found: Fit, sample: Sample) -> bool:
-    """Whether E* and w are near those of the ``sample``."""
-    near = []
-    for name, truth in (("E_star", sample.E_star), ("w", sample.w)):
-        item = found.estimate(name)
+    """Whether E* and w, where they are found, are near those of the ``sample``."""
+    near, truths = [], {"E_star": sample.E_star, "w": sample.w}
+    for item in (item for item in found.estimates if item.name in truths):
+        truth = truths[item.name]
         if item.low is not None and item.high is not None:
             half = (item.high - item.low) / 2 + math.hypot(*(item.model or {}).values())
             near.append(abs(item.value - truth) < max(3 * half, 0.01 * truth))

@@ -365,7 +365,7 @@ OVER_TIME = (
                  "force curves are fitted together; needs t, delta, P."),
     click.option("--relaxation", type=click.Choice(list(RELAXATIONS)),
                  help="Viscoelastic specimen: modulus, law and contact point from t, delta, P of indentation, dwell "
-                 "and retraction; with --free w and --fix stress=... or range=... of adhesive cycles."),
+                 "and retraction; with --free w of whole force curves that adhere."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
 ) if RATE_LAWS else ()  # fmt: skip
 

@@ -1170,7 +1170,11 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit
             if best is None or (not ended, misfit) < best[0]:
                 best = (not ended, misfit), least
         if best is not None and (best[0] <= (False, enough * model.noise) or not enough):
-            fitted = yield from _finished(model, best[1], loss)
+            try:
+                fitted = yield from _finished(model, best[1], loss)
+            except SolveError as error:
+                wrong = error
+                continue
             # with all unknowns: an edge that rests throughout may be a valley beside that of one that recedes
             if fitted.names == model.names or not enough:
                 return fitted

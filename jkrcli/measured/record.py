@@ -900,11 +900,12 @@ def about_whole(
     values = few.by_terms | near.model.values(near.x)
     if not values.keys() >= set(few.names):
         return {}
-    for end in (yield from roughly(few, few.unknowns(values), FIT_BLUNT[1:2])):
+    ends = yield from roughly(few, few.unknowns(values), FIT_BLUNT[1:2])
+    for end in ends:
         there, here = few.off(end.x, FIT_BLUNT[1]), near.model.few.off(near.x, FIT_BLUNT[1])
         if there @ there / there.size <= FIT_ENOUGH**2 * (here @ here) / here.size:
             return few.values(end.x)
-    return None
+    return None if ends else {}
 
 
 def _with_known(body: FittedBody, settings: Settings) -> FittedBody:

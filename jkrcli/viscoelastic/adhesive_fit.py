@@ -250,7 +250,7 @@ def _corners(t: Array, z: Array) -> tuple[Array, Array]:
 def _lever(curve: Curve) -> tuple[float, Array]:
     """The stiffness [N/m] and the places [m] of the device; where the stiffness is not known and the tip does not move
     in straight pieces, that with which the device did: z = delta + P/k."""
-    if curve.stiffness is not None and math.isfinite(float(curve.stiffness)):
+    if curve.stiffness is not None:
         return float(curve.stiffness), curve.device
     t, delta, P = curve.time, curve.depth, curve.load
     knots = _corners(t, delta)

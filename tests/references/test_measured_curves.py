@@ -19,7 +19,8 @@ NANITE = {"gel.csv": (348.0, 0.012), "spot.csv": (2.08e4, 0.024)}
 
 @pytest.mark.parametrize("name", NANITE)
 def test_modulus_of_a_measured_approach(jkr: Callable[..., Outcome], name: str) -> None:
-    """Measured: 348.0 Pa and 20.29 kPa. Both stiffen with depth: a half-space is rejected."""
+    """Measured: 348.0 Pa and 20.29 kPa. Both stiffen with depth: of one a half-space is rejected, of the other any slow
+    column takes some 60 % of the misfit, which names none and is in the error."""
     body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5")
     asked = ("--segment", "approach", "--fix", "w=0", "--json", "--no-plots", "-o", "found")
     done = jkr("fit", *body, *asked, str(TABLES / name))
@@ -27,11 +28,13 @@ def test_modulus_of_a_measured_approach(jkr: Callable[..., Outcome], name: str) 
     (curve,) = json.loads(done.out)["curves"]
     E, misfit = NANITE[name]
     assert curve["estimates"]["E:base"]["value"] == pytest.approx(E, rel=0.1)
-    misfits = ["misfit"] * (name == "gel.csv")  # beside noise of 15 pN
-    assert (curve["status"], curve["flags"]) == ("doubtful", [*misfits, "model rejected", "E* not determined"])
-    assert "moduli that change with the contact radius" in curve["verdict"]["named"]
+    if name == "gel.csv":  # beside noise of 15 pN
+        assert (curve["status"], curve["flags"]) == ("fitted", ["misfit"])
+    else:
+        assert (curve["status"], curve["flags"]) == ("doubtful", ["model rejected", "E* not determined"])
+        assert "moduli that change with the contact radius" in curve["verdict"]["named"]
     assert curve["sizes"]["misfit"] < misfit
-    assert curve["sizes"]["E_star_error"] > 0.3
+    assert curve["sizes"]["E_star_error"] > 0.15
     force = np.loadtxt(TABLES / name, delimiter=",", comments=("#", "height"), usecols=1) * 1e-9
     assert curve["scales"]["P"] < misfit * np.ptp(force)  # standard deviation of the residuals
 

@@ -387,7 +387,7 @@ ASKED = as_one(
     click.option("--segment", type=options.choice(SegmentName),
                  help="Directions to fit [default: both; with --law retract]."),
     click.option("--base-line", type=options.choice(BaseLineName), default="straight", show_default=True,
-                 help="Of a raw force curve; sine: optical interference is there for certain."),
+                 help="Of a raw force curve; sine: only models with a wave (interference)."),
     click.option("--branch", type=options.choice(BranchName), default="all", show_default=True,
                  help="compressive: rows under compression only."),
     click.option("--noise", multiple=True, type=options.SCALE,

@@ -37,7 +37,7 @@ NUISANCE_SEEN = 1e-4  # choice: relative, a part of an error below which it is n
 NUISANCE_LEAST = 0.01  # choice: of the range of the load, the pull-off force that sizes are compared with at least
 NUISANCE_VAGUE = 0.5  # choice: of ln E*, the standard error that tells nothing of it
 NUISANCE_LEFT = 13.8  # theory: of chi^2, odds of 1 in 1,000, up to which one is not excluded
-NUISANCE_TOLD = 30.0  # choice: of chi^2, the same, up to which values of the next hypothesis are told
+NUISANCE_TOLD = 30.0  # choice: rise of chi^2 up to which values of the next hypothesis are told
 
 
 Outcome: TypeAlias = Mapping[str, float]  # of a fit, SI, by name
@@ -199,8 +199,8 @@ def _hypotheses(body: FittedBody, record: ForceCurve, settings: Settings) -> Fou
     wave, if there are; none that leaves a direction without a base line, which others have. The first is fitted, and
     from there on those of the others that a few rows do not exclude.
 
-    The likelihood is that of all rows that any is fitted to, with noise of the colour that is likeliest for what each
-    leaves: slow noise bends base lines, too. None counts for more than one at ``NUISANCE_FAR``.
+    The likelihood is that of all rows that any is fitted to, with the noise that the free rows of each show: slow noise
+    bends base lines, too. No row counts for more than one at ``NUISANCE_FAR``.
     """
     assert record.held is not None
     sine = settings.base_line == "sine"

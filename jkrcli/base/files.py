@@ -38,6 +38,7 @@ TABLES = (  # how the first line of a table of ours begins: CSV has no place for
     b"line,depth_m,r_m,",
     b"fraction,delta_m,P_N,a_m",
     b"file,curve,status,",
+    b"sample,curves,fitted,",
     b"curve,t_s,P_N,P_fit_N,",
     b"curve,delta_m,P_N,P_fit_N",
     b"curve,law,",

@@ -52,7 +52,7 @@ GROUPS = {
         "start", "bound", "branch", "base-line", "noise", "loss", "confidence", "level", "samples", "seed", "uncertain",
         "window",
     ),
-    "Several force curves": ("shared", "own", "tip-radius"),
+    "Several force curves": ("shared", "own", "tip-radius", "sample"),
     "Speed and time": (
         "law", "relaxation", "terms", "rate", "rate-advance", "speed", "speed-approach", "hold", "dwell", "dwell-time",
         "program",
@@ -60,7 +60,8 @@ GROUPS = {
     "Numerics": ("tolerance", "slopes", "modulus-factor", "points", "rtol", "repeat"),
     "Limits": ("limit-memory", "limit-time", "hours", "workers", "scheduler"),
     "Output": (
-        "output", "force", "json", "no-plots", "plot", "quiet", "verbose", "dimensionless", "scale", "together", "help",
+        "output", "force", "json", "no-plots", "plot", "report", "quiet", "verbose", "dimensionless", "scale",
+        "together", "help",
     ),
 }  # fmt: skip
 # What the field calls what an option gives, where its name is no near miss.

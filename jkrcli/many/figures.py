@@ -13,12 +13,14 @@ from matplotlib.patheffects import withStroke
 
 from ..base.numerics import Array
 from ..report.plots import (
+    BLACK,
     COLORS,
     MIDDLE,
     NARROW,
     WIDE,
     Axes,
     Figure,
+    axis_of,
     drawing,
     legend_below,
     log_ticks,
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
 MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 LINES = ("-", "--", ":", "-.")
+GOLDEN = (math.sqrt(5) - 1) / 2  # theory: its multiples fill an interval evenly
 LETTER = 0.0135  # choice: width of a letter of the words beside lines, in shares of the axes
 
 
@@ -276,3 +279,41 @@ def _line(axes: Axes, line: Line) -> None:
     every = max(1, len(line.x) // 30)  # at most so many markers on a line
     axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
               markevery=every)  # fmt: skip
+
+
+# --------------------------------------------------------------------------------------------------
+# Samples of measured curves.
+
+WIDEST_POINTS = 0.3  # choice: of the distance of two boxes, over which the points of one are spread
+LONG_NAMES = 24  # choice: letters of the names under a panel, beyond which they stand aslant
+
+
+def boxes_figure(names: Sequence[str], quantities: Mapping[str, Sequence[tuple[Array, Sequence[float]]]]) -> Figure:
+    """A box (median, quartiles, whiskers to the last point within 1.5 of their distance) and all points of each sample,
+    a panel for each quantity; on a logarithmic axis where they span more than a decade. Beside the values stands, where
+    there is one, a mean with the ends of its interval: an open diamond."""
+    with panelled(WIDE if len(quantities) > 1 else NARROW, 3.2, len(quantities)) as (figure, places):
+        for axes, (name, each) in zip(places, quantities.items(), strict=True):
+            every, thin, heavy = (
+                np.concatenate([values for values, _ in each]),
+                {"lw": 0.8},
+                {"color": BLACK, "lw": 1.4},
+            )
+            factor, label = axis_of(name, every)
+            axes.boxplot([values / factor for values, _ in each], positions=range(len(names)), widths=0.6,
+                         showfliers=False, boxprops=thin, whiskerprops=thin, medianprops=heavy)  # fmt: skip
+            for i, (values, mean) in enumerate(each):
+                spread = WIDEST_POINTS * (np.arange(values.size) * GOLDEN % 1 * 2 - 1)
+                axes.plot(i + spread, values / factor, "o", color=COLORS[i % len(COLORS)], ms=2.5, mfc="none", mew=0.6)
+                if mean:
+                    reach = np.abs(np.array(mean[1:])[:, None] - mean[0])
+                    axes.errorbar([i + 0.42], [mean[0] / factor], reach / factor, fmt="D", color=BLACK, ms=4,
+                                  mfc="white", lw=1.0, capsize=2, zorder=4)  # fmt: skip
+            if (every > 0).all() and every.max() > 10 * every.min():
+                axes.set_yscale("log")
+                log_ticks(axes.yaxis)
+            aslant = len("".join(names)) > LONG_NAMES
+            axes.set_xticks(range(len(names)), labels=names, rotation=30 * aslant, ha="right" if aslant else "center")
+            axes.set(ylabel=label, xlim=(-0.6, len(names) - 0.4))
+            axes.grid(visible=False, axis="x")
+        return figure

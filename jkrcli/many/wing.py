@@ -1,4 +1,4 @@
-"""What the wing of many bodies registers: sweeps, maps, studies, the page with sliders."""
+"""What the wing of many bodies and samples registers: sweeps, maps, studies, the page with sliders, samples of fits."""
 
 from ..base.wings import Verb, Wing
 
@@ -11,5 +11,10 @@ WING = Wing(
         "study": Verb("More", "", "Maps and studies over many bodies.", "many.verbs"),
         "bench": Verb("More", "study", "Time the stages of a run.", "many.verbs"),
     },
+    options={"fit": ("--sample", "--report")},
     functions={"study_map": "many.maps"},
+    offers={
+        "samples of a fit": "many.samples:Samples",
+        "report of a fit": "many.lab_report:LabReport",
+    },
 )

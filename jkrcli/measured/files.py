@@ -87,6 +87,13 @@ def files_in(folder: Path) -> list[Path]:
                    and path.suffix.lower() not in NOT_MEASURED and not is_ours(path)), key=natural)  # fmt: skip
 
 
+def folders_of(path: Path) -> list[Path]:
+    """The folders in a folder that holds no file which may be measured, those of samples; else the path itself."""
+    inside = path.is_dir() and not files_in(path)
+    found = sorted(one for one in path.iterdir() if one.is_dir() and files_in(one)) if inside else []
+    return found or [path]
+
+
 def _each_in(folder: Path, reading: Reading) -> Iterator[Curve | InputError]:
     """The curves in the files of a folder: one that cannot be read comes as its error, too."""
     found, names = False, list[str]()

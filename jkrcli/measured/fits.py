@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import json
+import os
+import re
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,27 +19,28 @@ import click
 from ..base import files
 from ..base.errors import InputError, JkrError, SolveError, counted
 from ..base.executors import executor
-from ..base.files import beside, together, write_text
+from ..base.files import Piped, beside, together, write_text
 from ..base.numerics import LEVEL
 from ..base.process import SILENCE, duration, one_thread
 from ..base.registry import Result
-from ..base.wings import offered
+from ..base.wings import is_offered, offered
 from ..bodies.problem import RELAXATIONS
 from ..cli import options
 from ..cli.inputs import Flags, body_options
 from ..cli.options import Parallel, as_one, begin, flag, several, verb
-from ..cli.printing import give, note, progress, say, warn
+from ..cli.printing import command_line, give, note, progress, say, warn
 from ..methods.protocol import Forecast, Limits
 from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import files as measured
 from .curve import Curve, Reading
-from .files import holds_map, usable
+from .files import folders_of, holds_map, usable
 from .forward_model import FittedBody
 from .joint import joint_fit, shared_of, with_radii
 from .parameters import ALIAS, Answer
 from .procedure import Failure, fit_all, friction_warnings, memory_of, planned, preferences
 from .readings import (
+    NO_MODULUS,
     TABLE_CARRIED,
     TABLE_FIT_PER_CURVE,
     TABLE_FIT_PER_ROW,
@@ -47,7 +52,7 @@ from .readings import (
     fitted_body,
     reading_options,
 )
-from .report import Fits, alternatives_table, plan_table
+from .report import SYMBOLS, Fits, alternatives_table, plan_table
 from .result import Fit, attempted, left_out
 from .segmentation import segment_force_curve
 from .settings import (
@@ -106,12 +111,15 @@ class FitOptions:
     tip_radius: tuple[float, ...]
     surface: str | None
     uncertain: Pairs
+    sample: str | None = None
+    report: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class FitRequest:
     """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
-    ``body_words``: the ``body`` in words; ``inputs``: files not to write over."""
+    ``body_words``: the ``body`` in words; ``inputs``: files not to write over; ``samples``, ``report``: files on them,
+    if any."""
 
     body: FittedBody
     measured: Sequence[Path]
@@ -122,6 +130,8 @@ class FitRequest:
     body_words: str
     output: Output
     inputs: Sequence[Path]
+    samples: Files | None = None
+    report: Files | None = None
 
     def curves(self, beside: Sequence[Beside]) -> tuple[list[Curve], list[Beside]]:
         """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""
@@ -143,8 +153,52 @@ class FitRequest:
 
     def write(self, result: Result) -> None:
         """The files of a ``result``, and what is said of it."""
-        self.targets.write(result.columns, result.summary(), self.targets.draw(result.figure))
+        summary = dict(result.summary()) | selection(self.targets, self.inputs)
+        self.targets.write(result.columns, summary, self.targets.draw(result.figure))
         give(result, self.output.json, f"  written {self.targets}")
+
+
+def selection(targets: Files, inputs: Sequence[Path]) -> dict[str, list[str]]:
+    """What a summary says of the ``inputs``: their places as seen from its own; nothing of what came through a pipe."""
+    if any(isinstance(path, Piped) for path in inputs):
+        return {}
+    return {"inputs": [Path(os.path.relpath(path, targets.stem.parent)).as_posix() for path in inputs]}
+
+
+def refuse_another_selection(targets: Files, inputs: Sequence[Path], force: bool) -> None:
+    """InputError where the results of other inputs stand that nobody asked to replace."""
+    path, mine = targets[".json"], selection(targets, inputs).get("inputs")
+    if force or mine is None:
+        return
+    with contextlib.suppress(OSError, ValueError):
+        _, mark, rest = path.read_text(encoding="utf-8").partition('"inputs": ')
+        theirs = json.JSONDecoder().raw_decode(rest)[0] if mark else mine
+        if theirs != mine:
+            others = ", ".join([str(name) for name in theirs if name not in mine] or theirs)
+            raise InputError(f"{path}: holds results of other inputs ({others}): give another folder with -o, or "
+                             "--force to replace it")  # fmt: skip
+
+
+def sample_names(paths: Sequence[Path], pattern: str | None) -> Callable[[Path, str], str] | None:
+    """The name of the sample of a curve by the path that was given and the place of the curve, "folder/a.txt": what the
+    ``pattern`` finds there, its first group, or else the folder or map, where several are given; None: no samples."""
+    if pattern is None:
+        if len(paths) < 2 or not any(map(holds_map, paths)):
+            return None
+        short = [path.name if path.is_dir() else path.stem for path in map(Path.absolute, paths)]
+        names = dict(zip(paths, map(str, paths) if len(set(short)) < len(short) else short, strict=True))
+        return lambda path, where: names[path]
+    try:
+        compiled = re.compile(pattern)
+    except re.error as error:
+        raise InputError(f'fit: --sample: "{pattern}" is no regular expression ({error})') from None
+
+    def found(path: Path, where: str) -> str:
+        if (match := compiled.search(where)) is None:
+            raise InputError(f'{where}: has no sample, --sample "{pattern}" finds nothing in this name')
+        return match[1] if compiled.groups else match[0]
+
+    return found
 
 
 def fit_joint(request: FitRequest, settings: Settings) -> None:
@@ -178,6 +232,7 @@ Outcome: TypeAlias = "Fit | Failure"
 Pictures: TypeAlias = "list[tuple[Outcome, Files]]"
 FEWER = "fewer rows, curves or samples"
 FORECAST_FEW = 8  # choice: curves from which the time of a folder is forecast; fitted together they cost as all do
+CALIBRATED_BY = re.compile(r"\b(stiffness|sensitivity|deflection)\b")  # in a flag of a curve
 FORECAST_LOT = 0.05  # choice: seconds between curves that were not fitted together
 
 
@@ -213,29 +268,29 @@ def fit_curves(
 ) -> None:  # fmt: skip
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
 
-    output = request.output
-    curves, unread = usable(request.measured, request.reading)
-    each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
-    seconds = sum(each_curve)
+    output, asked = request.output, request.options
+    read = [usable([path], request.reading) for path in request.measured]
+    curves, unread = [one for found, _ in read for one in found], [line for _, lines in read for line in lines]
+    name, names, unread_names = sample_names(request.measured, asked.sample), list[str](), list[str]()
+    for path, (found, lines) in zip(request.measured, read, strict=True):
+        if name is not None and len(bodies) == 1:
+            names += [name(path, one.where) for one in found]
+            unread_names += [name(path, line.split(": ")[0]) for line in lines]
+    seconds = sum(TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     forecast = Forecast(len(bodies) * seconds, memory_of(curves, len(bodies), parallel[0]), 0.0)
-    begin(what := f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
-    each, few = [list[Outcome]() for _ in bodies], FORECAST_FEW if len(curves) > 2 * FORECAST_FEW else 0
-    for part in (curves[:1], curves[1 : few + 1]) if few else ():  # the first solves the bodies deep enough
-        start = time.process_time()
-        with executor(1) as here:
-            for one, items in zip(bodies, each, strict=True):
-                items += fit_all(one, part, settings, here)
-        seconds = (time.process_time() - start) / len(part) / len(bodies) * len(curves)
-    begin(what, replace(forecast, seconds=seconds * len(bodies)), limits, FEWER)
-    for one, items in zip(bodies, each, strict=True):
-        with executor(*parallel, mended, seconds) as pool:
-            items += fit_all(one, curves[len(items) :], settings, pool)
+    begin(f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
+    groups, each = [(bodies, curves, settings)], [list[Outcome]() for _ in bodies]
+    if asked.tip_radius:  # each file or folder by its tip
+        tips = zip(*(with_radii(one, asked.tip_radius, len(read)) for one in bodies), strict=True)
+        groups = [([*tip], found, _settings(replace(request, body=tip[0]), settings.contact))
+                  for tip, (found, _) in zip(tips, read, strict=True)]  # fmt: skip
+    for of_tip, part, how in groups:
+        fitted = _fit_group(of_tip, part, how, forecast, limits, parallel)
+        for one, items, more in zip(of_tip, each, fitted, strict=True):
+            items += [planned(one, item) if asked.plan and isinstance(item, Fit) else item for item in more]
     outcomes = [item for items in each for item in items]
-    if request.options.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
+    if asked.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
         raise InputError("fit: --rivals is for raw force curves, and none of these is one: leave it out")
-    if request.options.plan:
-        outcomes = [planned(one, item) if isinstance(item, Fit) else item
-                 for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
     reasons = unread + [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(request, each, bodies) if output.plots else []
     left, none, several = list[str](), list[str](), len(bodies) > 1
@@ -243,22 +298,47 @@ def fit_curves(
     what, words = ("which surface is preferred", prefer) if several else ("whether sticking matters", friction)
     told = attempted(what, lambda: list(words()), none, left)
     preferred, friction_words = (told, none) if several else (none, told)
-    result = Fits(outcomes, request.body_words, friction_words, unread)
-    count, more_files = _write(request, result, reasons, pictures, left)
+    result = Fits(outcomes, request.body_words, friction_words, unread, names, unread_names, len(asked.tip_radius) > 1)
+    count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves))
     for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
         warn(line)
     drawn = f", {counted(count, 'picture')}" if count else ""
     more = f"; the table has all {len(result.outcomes):,} curves" if len(result.fits) > SHOWN else ""
     give(result, output.json, f"  written {request.targets}{drawn}{more_files}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
-        if lines := [*(alternatives_table(item) if request.options.rivals else []), *plan_table(item)]:
+        if lines := [*(alternatives_table(item) if asked.rivals else []), *plan_table(item)]:
             say("\n".join(lines))
     for line in preferred:
         (note if output.json else say)(line)
 
 
+def _fit_group(
+    bodies: Sequence[FittedBody], curves: list[Curve], settings: Settings, forecast: Forecast, limits: Limits,
+    parallel: Parallel,
+) -> list[list[Outcome]]:  # fmt: skip
+    """The fits of all curves on each of the ``bodies``; of many curves the first tell how long the others take."""
+    each, few = [list[Outcome]() for _ in bodies], FORECAST_FEW if len(curves) > 2 * FORECAST_FEW else 0
+    seconds = forecast.seconds / len(bodies)
+    for part in (curves[:1], curves[1 : few + 1]) if few else ():  # the first solves the bodies deep enough
+        start = time.process_time()
+        with executor(1) as here:
+            for one, items in zip(bodies, each, strict=True):
+                items += fit_all(one, part, settings, here)
+        seconds = (time.process_time() - start) / len(part) / len(bodies) * len(curves)
+    begin(f"fit of {counted(len(curves), 'curve')}", replace(forecast, seconds=seconds * len(bodies)), limits, FEWER)
+    for one, items in zip(bodies, each, strict=True):
+        with executor(*parallel, mended, seconds) as pool:
+            items += fit_all(one, curves[len(items) :], settings, pool)
+    return each
+
+
 def _write(
-    request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures, left: list[str]
+    request: FitRequest,
+    result: Fits,
+    reasons: list[str],
+    pictures: Pictures,
+    left: list[str],
+    calibration: Sequence[str],
 ) -> tuple[int, str]:
     """Write table, summary, archive and pictures, but for what goes to ``left`` with the reason; how many pictures, and
     what is said of the page of curves and the map. InputError, when all that can be written is, where no curve could be
@@ -267,10 +347,11 @@ def _write(
 
     if not result.outcomes:
         raise InputError(some(reasons))
-    targets, output, summary = request.targets, request.output, result.summary()
+    targets, output = request.targets, request.output
+    summary = result.summary() | selection(targets, request.inputs)
     scan = archive.map_of(result.outcomes) if output.plots else None
     one_surface = len({item.surface for item in result.fits}) == 1
-    alone = scan is None and (len(result.outcomes) < archive.LEAST_CURVES or not one_surface)
+    alone = scan is None and (len(result.outcomes) < archive.LEAST_CURVES or not one_surface or bool(result.sample))
     of_map = None if alone or not output.plots else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
     several = output.plots and len(result.outcomes) > 1
     of_curves = output.files(Path(f"{targets.stem}-curves"), (".html",) if several else (), request.inputs)
@@ -279,6 +360,10 @@ def _write(
         targets.write(result.columns, summary, lines=lines)
         archive.write_fits(targets[".h5"], result.outcomes, result.body, lines)
         count = _draw(pictures, left) if pictures else 0
+        if result.samples and request.samples:
+            request.samples.write(result.samples.columns)
+            if output.plots:
+                _picture("the picture of the samples", request.samples, result.samples.figure, left)
         if several:
             from .curve_page import page
 
@@ -286,15 +371,63 @@ def _write(
             if text := attempted("the page of all curves", words, "", left):
                 write_text(of_curves[".html"], text)
             several = bool(text)
+        figures: dict[str, Callable[[], Any]] = {}
         if of_map is not None:
             from .figures import curves_figure, map_figure
 
             figure = partial(curves_figure, result.outcomes) if scan is None else partial(map_figure, scan)
             of_map = of_map if _picture("the map", of_map, figure, left) else None
+            figures = {"E*, w of each curve": figure}
+        elif len(result.outcomes) == 1 and result.fits and output.plots:
+            figures = {"the fitted curve": result.fits[0].figure}
+    beside_it = {targets[".csv"]: "E*, w and their errors of each curve", targets[".json"]: "all of it, by curve",
+                 targets[".h5"]: "readings and fitted curves"}  # fmt: skip
+    if result.samples and request.samples:
+        beside_it |= {request.samples[".csv"]: "the samples"}
+        beside_it |= {request.samples[".png"]: "E*, w of each sample"} if output.plots else {}
+    beside_it |= {of_curves[".html"]: "a page to click through all curves"} if several else {}
+    beside_it |= {of_map[".png"]: "the map"} if of_map else {}
+    if request.report is not None:
+        _report(request, result, figures, beside_it, [*calibration, *map(_uncertain, request.options.uncertain)])
     if not result.fits:
         raise InputError(some(reasons))
-    page_words = f", all curves in {of_curves}" if several else ""
-    return count, f"{page_words}, the map in {of_map}" if of_map else page_words
+    words = [f"samples in {request.samples}"] * bool(result.samples and request.samples)
+    words += [f"all curves in {of_curves}"] * several + [f"the map in {of_map}"] * bool(of_map)
+    words += [f"report in {request.report}"] * bool(request.report)
+    return count, "".join(f", {one}" for one in words)
+
+
+def _uncertain(pair: tuple[str, Any]) -> str:
+    return f"Standard uncertainty of {pair[0]}: {pair[1]}."
+
+
+def _calibration(curves: Sequence[Curve]) -> list[str]:
+    """How many curves were converted with which stiffness and sensitivity, in sentences."""
+    flags = Counter(flag for one in curves for flag in one.flags if CALIBRATED_BY.search(flag))
+    return [f"{flag[:1].upper()}{flag[1:]} ({counted(count, 'curve')})." for flag, count in flags.most_common(SHOWN)]
+
+
+def _report(
+    request: FitRequest, result: Fits, figures: dict[str, Callable[[], Any]], beside_it: dict[Path, str],
+    calibration: Sequence[str],
+) -> None:  # fmt: skip
+    """Write the report as a page and as Markdown."""
+    assert request.report is not None
+    page = next((path.name for path in beside_it if path.suffix == ".html"), "")
+    inputs = [one for path in dict.fromkeys([*request.inputs, *request.measured]) for one in
+              (measured.files_in(path) if path.is_dir() else [path])]  # fmt: skip
+    if result.samples and request.output.plots:
+        each = {
+            f"{SYMBOLS.get(name, name)} by sample": partial(result.samples.figure, name)
+            for name in result.samples.quantities
+        }
+        figures = each | figures
+    report = offered("report of a fit")(
+        result.columns, result.samples, result.unread, result.body, calibration, result.warnings, figures, inputs,
+        command_line(), {path.name: holds for path, holds in beside_it.items()}, page,
+    )  # fmt: skip
+    write_text(request.report[".html"], report.as_html())
+    write_text(request.report[".md"], report.as_markdown())
 
 
 def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[FittedBody]) -> Pictures:
@@ -369,6 +502,13 @@ OVER_TIME = (
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
 ) if RATE_LAWS else ()  # fmt: skip
 
+# Of samples, where a wing sums them up.
+OF_SAMPLES = (
+    click.option("--sample", help="Regular expression that finds the name of the sample in that of each file or curve "
+                 "[default: folders are samples]."),
+    click.option("--report", is_flag=True, help="Write a report, <BODY>-report.html and .md, of several files report."),
+) if is_offered("samples of a fit") else ()  # fmt: skip
+
 # Of the fit.
 ASKED = as_one(
     "asked",
@@ -410,11 +550,12 @@ ASKED = as_one(
     click.option("--own", multiple=True, type=NamesType(),
                  help="With --shared: those of each force curve, delta0,P0 [default: all other free ones]."),
     click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
-                 help="With --shared or surface_tension: tip radius of each file, or of all [default: BODY's]."),
+                 help="Tip radius of each file or folder, or of all [default: BODY's]."),
     click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
                  help="Of the body, instead of its own; both: under either, and what the data favour."),
     click.option("--uncertain", multiple=True, type=options.NAMED,
                  help="Standard deviation of an input, carried on: radius=3%, stiffness=10%; longest: range=1nm."),
+    *OF_SAMPLES,
 )  # fmt: skip
 
 # Of the body, of the fit, of the reading, of what is written.
@@ -440,15 +581,17 @@ def fit(
 
     BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
     measured: a force curve, or a table of two or three of a, delta, P; a folder is a map. Further unknowns by --free,
-    such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map <MAP>-fit.csv (a row per curve), .json, .h5 and
-    pictures of each curve and of all; of several a page to click through them.
+    such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map or file <MAP>-fit.csv, of several without a case
+    fit.csv (a row per curve), .json, .h5, pictures, of several curves a page to click through them. Several folders are
+    samples: samples.csv and samples.png compare them.
 
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     """
-    source, paths = body_and_measured(body, measured, flags)
-    inputs = (body, *measured)
+    source, given = body_and_measured(body, measured, flags)
+    paths = tuple(one for path in given for one in folders_of(path))
+    inputs = (body, *given) if isinstance(source, Path) else given
     # The kind of fit by its options; that of a surface tension shows in the parameters.
     if asked.relaxation is None and "relaxation" in _flat(asked.free):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
@@ -456,12 +599,19 @@ def fit(
     typed, kind = options.typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
     if kind != EACH:
         check_unused(kind, typed, flag)
-    # What is written, but for pictures of curves, whose names are known when they are read.
+    # What is written, but for pictures of curves, whose names are known when they are read: named after the case, the
+    # one map or the one file, after none of several files.
     timed = kind != EACH
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
-    named = measured[0] if len(measured) == 1 and holds_map(measured[0]) else body
-    stem = named.name if named.is_dir() else named.stem
-    targets = output.files(output.folder(body.parent) / f"{stem}-fit", endings, inputs)
+    named = given[0] if len(given) == 1 and (holds_map(given[0]) or body in given) else body
+    folder = output.folder(body.parent if len({path.parent for path in inputs}) == 1 else Path())
+    prefix = "" if len(given) > 1 and body in given else f"{named.name if named.is_dir() else named.stem}-"
+    targets = output.files(folder / f"{prefix}fit", endings, inputs)
+    refuse_another_selection(targets, inputs, output.force)
+    of_samples = None
+    if not timed and is_offered("samples of a fit") and sample_names(paths, asked.sample) is not None:
+        of_samples = output.files(folder / f"{prefix}samples", (".csv", ".png"), inputs)
+    of_report = output.files(folder / f"{prefix}report", (".html", ".md"), inputs) if asked.report else None
     for longest in [] if timed else beside(targets.stem, ["x" * files.SHORTEST]):
         output.files(longest, PICTURES, inputs)
     refits = refits_of(asked.confidence, asked.samples, len(asked.uncertain))
@@ -472,11 +622,13 @@ def fit(
     adheres = "w" in _flat(asked.free) or "w" in dict(asked.fix)
     if fitted.range_of_case and (kind == LAW or (kind == RELAXATION and not adheres)):
         raise InputError(f"fit: {kind} {NO_RANGE}")
-    words = str(source) if isinstance(source, Path) else fitted.problem.words
+    words = str(source) if isinstance(source, Path) else _specimen(fitted)
     # The parameters that are free beside the usual ones, those that records share or have each among them.
     known = (*USUALLY_FREE, ALIAS, *dict(asked.fix))
     own = [name for name in _flat((*asked.shared, *asked.own)) if name not in known]
-    request = FitRequest(fitted, paths, reading, [*_flat(asked.free), *own], asked, targets, words, output, inputs)
+    request = FitRequest(
+        fitted, paths, reading, [*_flat(asked.free), *own], asked, targets, words, output, inputs, of_samples, of_report
+    )
     if kind in (EACH, SHARED):
         kind = TENSION if has_tension(request) else kind
         check_unused(kind, typed, flag)
@@ -492,6 +644,12 @@ def fit(
     else:
         bodies = [fitted.on_surface(one) for one in SURFACES[asked.surface or fitted.problem.surface]]
         fit_curves(request, bodies, _settings(request, reading.contact), refits, limits, parallel)
+
+
+def _specimen(body: FittedBody) -> str:
+    """The specimen from options in words, but for what stands for a modulus and a depth that were not given."""
+    words = body.problem.words.partition(" to a contact radius of ")[0]
+    return words if body.moduli_known else words.replace(f"E = {NO_MODULUS}, ", "")
 
 
 def _settings(request: FitRequest, contact: str) -> Settings:

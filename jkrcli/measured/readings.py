@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .curve import Curve
     from .forward_model import FittedBody
 
+NO_MODULUS = "1 MPa"  # choice: of a specimen whose modulus is not given; no result depends on it
 SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the data may ask for more
 
 
@@ -48,7 +49,7 @@ def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody
 
     if isinstance(source, Path):
         return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
-    of_flags = partial(case_of, "fit", source, "a case or solution file", "1 MPa")
+    of_flags = partial(case_of, "fit", source, "a case or solution file", NO_MODULUS)
     radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     radius = radius or 5e-6  # choice: [m], of a tip that has none

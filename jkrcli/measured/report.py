@@ -55,26 +55,44 @@ NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a small
 @dataclass(frozen=True, eq=False)
 class Fits(Several):
     """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
-    them together."""
+    them together; ``sample`` of each curve, and ``unread_samples`` of each line in ``unread``, where there are samples;
+    ``own_tips``: whether each has a tip of its own."""
 
     outcomes: Sequence[Fit | Failure]
     body: str
     remarks: Sequence[str] = ()
     unread: Sequence[str] = ()  # lines on curves and files that could not be read
+    sample: Sequence[str] = ()
+    unread_samples: Sequence[str] = ()
+    own_tips: bool = False
 
-    @property
+    @cached_property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        return columns(self.outcomes)
+        table = columns(self.outcomes)
+        if not self.sample:
+            return table
+        return {name: table[name] for name in ALWAYS} | {"sample": [*self.sample]} | table
+
+    @cached_property
+    def samples(self) -> Any:
+        """What is said of samples (``many/samples.py``); None where there are none."""
+        summed_up = offered("samples of a fit") if self.sample else None
+        return summed_up and summed_up(self.columns, self.unread_samples, self.own_tips)
 
     @cached_property
     def fits(self) -> list[Fit]:
         return [item for item in self.outcomes if isinstance(item, Fit)]
 
     def summary(self) -> dict[str, Any]:
-        return summary(self.outcomes, self.body)
+        whole = summary(self.outcomes, self.body)
+        for curve, name in zip(whole["curves"], self.sample, strict=False):
+            curve["sample"] = name
+        return whole | ({"samples": self.samples.summary()} if self.samples else {})
 
     @property
     def parts(self) -> list[list[str]]:
+        if self.samples:
+            return [self.samples.words()]
         if len(self.fits) == 1:
             return [fit_words(self.fits[0])]
         each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]

@@ -147,15 +147,16 @@ class Settings:
 EACH, LAW, RELAXATION, SHARED = "each", "--law", "--relaxation", "--shared"
 EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
     "law": (LAW,), "relaxation": (RELAXATION,), "terms": (RELAXATION,), "shared": (SHARED,), "own": (SHARED,),
-    "tip_radius": (SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
+    "tip_radius": (EACH, SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
     "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
     "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, SHARED, LAW, RELAXATION), "samples": (EACH,),
     "seed": (EACH,), "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
     "contact": (EACH, SHARED, LAW, RELAXATION), "slopes": (EACH, SHARED, LAW),
+    "sample": (EACH,), "report": (EACH,),
 }  # fmt: skip
 NOT = {("contact", "fitted"): (LAW, RELAXATION), ("confidence", "bootstrap"): (SHARED, LAW, RELAXATION)}
 GOES_WITH = {
-    "terms": ("relaxation", " prony"), "own": ("shared", ""), "tip_radius": ("shared", " or --free surface_tension"),
+    "terms": ("relaxation", " prony"), "own": ("shared", ""),
     "samples": ("confidence", " bootstrap"), "seed": ("confidence", " bootstrap"),
 }  # fmt: skip
 NO_OPTIONS = ("parameters", "named", "range_at_most", "tension_at_most")  # of the settings, which follow from others

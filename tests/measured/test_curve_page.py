@@ -72,7 +72,7 @@ def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: l
     fitted, failed = curves_of(found.read_text(encoding="utf-8"))
     assert (fitted["status"], failed["status"]) == ("fitted", UNUSABLE)
     assert {line["kind"] for line in fitted["lines"]} == {"measured", "fitted"}
-    estimates = json.loads(next(Path("out").glob("*-fit.json")).read_text())["curves"][0]["estimates"]
+    estimates = json.loads(next(Path("out").glob("fit.json")).read_text())["curves"][0]["estimates"]
     assert fitted["contact"] == [[estimates["delta0"]["value"], estimates["P0"]["value"]]]
     assert failed["lines"]
     assert failed["words"]

@@ -131,7 +131,7 @@ def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
         (("--shared", "w", "--loss", "huber"), "--shared does not take --loss huber"),
         (("--shared", "w", "--law", "power"), "--law does not take --shared"),
         (("--shared", "w", "--tip-radius", "1 um", "--tip-radius", "2 um", "--tip-radius", "3 um"), "got 3"),
-        (("--tip-radius", "1 um"), "--tip-radius: applies only with --shared"),
+        (("--own", "w"), "--own: applies only with --shared"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_shared_is_one_line(jkr: Callable, words: tuple[str, ...], said: str) -> None:

@@ -1,0 +1,223 @@
+"""A report of a fit: one self-contained page (HTML), and the same as Markdown, to print and to file with the data.
+
+Question, specimen, calibration, samples, curves that were left out with their reasons, figures, and what it takes to
+repeat the fit: command, versions, checksums of the files.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import platform
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import resources
+from importlib.metadata import version
+from pathlib import Path
+from string import Template
+from typing import Any, TypeAlias
+from urllib.parse import quote
+
+from .. import __version__
+from ..base.errors import counted
+from ..report.result import Figure
+from .samples import COMMON, FITTED, SYMBOLS, UNREAD, Samples, shown
+
+PAGE = Template(resources.files(__package__).joinpath("lab_report.html").read_text(encoding="utf-8"))
+PACKAGES = ("numpy", "scipy", "h5py", "matplotlib")
+
+
+@dataclass(frozen=True)
+class Link:
+    """Where a file beside the report is, in few ``words``, and what it ``holds``."""
+
+    to: str
+    words: str
+    holds: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells under a line of ``names``; ``folded``: its words where it is shown on request, and in print."""
+
+    names: Sequence[str]
+    rows: Sequence[Sequence[str | Link]]
+    folded: str = ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file of a figure, with what it shows in ``words``; ``width`` in which it is drawn [inch]."""
+
+    content: bytes
+    width: float
+    words: str
+
+
+Block: TypeAlias = str | Table | Link | Sequence[Picture]  # text: a paragraph
+Sections: TypeAlias = Sequence[tuple[str, Sequence[Block]]]
+
+
+@dataclass(frozen=True, eq=False)
+class LabReport:
+    """What a report is made of: the ``table`` of the fit, its ``samples`` if there are any, lines on what could not be
+    read, the specimen ``body`` in words, ``calibration`` and ``remarks`` in sentences, ``figures`` by what they show,
+    the ``files`` that were read, the ``command``, and files beside the report with what they hold; ``page``: of these
+    the one to click through the curves."""
+
+    table: Mapping[str, Sequence[Any]]
+    samples: Samples | None
+    unread: Sequence[str]
+    body: str
+    calibration: Sequence[str]
+    remarks: Sequence[str]
+    figures: Mapping[str, Callable[[], Figure]]
+    files: Sequence[Path]
+    command: str
+    beside: Mapping[str, str]
+    page: str = ""
+
+    @property
+    def title(self) -> str:
+        of = f" of {counted(len(self.samples.names), 'sample')}" if self.samples else ""
+        return f"{counted(len(self.table['curve']), 'force curve')}{of}"
+
+    @property
+    def whole(self) -> Samples:
+        """The samples; of curves without samples one of all."""
+        count = len(self.table["curve"])
+        return self.samples or Samples(
+            {"sample": ["all curves"] * count, **self.table}, ["all curves"] * len(self.unread)
+        )
+
+    @cached_property
+    def sections(self) -> Sections:
+        """The report by its headings."""
+        names = self.whole.names if self.samples else []
+        differ = f", and whether they differ between {', '.join(names)}" if len(names) > 1 else ""
+        pictures = [_picture(figure(), words) for words, figure in self.figures.items()]
+        shown: list[tuple[str, Sequence[Block]]] = [("Figures", [pictures])] if pictures else []
+        return [
+            ("Question", [f"Reduced modulus E* and work of adhesion w of {self.title}{differ}."]),
+            ("Specimen", [f"{self.body[:1].upper()}{self.body[1:]}."]),
+            ("Calibration", self.calibration or ["No uncertainty of an input was given (--uncertain)."]),
+            ("Results", self.results()),
+            *shown,
+            ("Left out", self.left_out()),
+            *([("Remarks", list(self.remarks))] if self.remarks else []),
+            ("Files", [Link(name, name, holds) for name, holds in self.beside.items()]),
+            ("To repeat it", self.provenance()),
+        ]
+
+    def results(self) -> list[Block]:
+        """The table by sample, and the ratios of all pairs."""
+        whole, level = self.whole, f"{100 * self.whole.level:g} %"
+        blocks: list[Block] = [f"{whole.words()[0]}."]
+        for name, spreads in whole.spreads.items():
+            symbol, (factor, unit) = SYMBOLS.get(name, name), whole.unit(name)
+
+            def words(*values: float | None, factor: float = factor) -> str:
+                return " to ".join("" if value is None else shown(value / factor) for value in values)
+
+            rows, pairs = list[list[str]](), list[list[str]]()
+            for sample, one in spreads.items():
+                ends = words(*one.interval) if one.interval else ""
+                common = [f"{100 * one.common.get(kind, 0.0):.2g} %" for kind in COMMON]
+                quartiles = words(*one.quartiles)
+                rows.append([sample, f"{one.n}", words(one.median), quartiles, words(one.mean), ends, *common])
+            for each in whole.differences[name]:
+                ratio, g = (
+                    "{:.3g} to {:.3g}".format(*ends) if ends else "" for ends in (each.interval, each.g_interval)
+                )
+                size = "" if each.g is None else f"{each.g:.2g}"
+                pairs.append([each.sample, each.against, f"{each.ratio:.3g}", ratio, size, g])
+            heads = ["sample", "n", f"{symbol} ({unit}), median", "quartiles", "geometric mean", level]
+            blocks.append(Table([*heads, *(f"{kind} ±" for kind in COMMON)], rows))
+            of_pairs = [
+                f"{symbol} of",
+                "over",
+                "ratio",
+                f"{level}, all pairs together",
+                "Hedges' g",
+                f"{level}, all pairs",
+            ]
+            blocks += [Table(of_pairs, pairs)] * bool(pairs)
+        return blocks
+
+    def left_out(self) -> list[Block]:
+        """Each curve that is not in the results, with the reason, and its place on the page of all curves."""
+        table, rows = self.table, list[list[str | Link]]()
+        for i in (i for i, status in enumerate(table["status"]) if status != FITTED):
+            more = str(table["grade_reason"][i] or "") if "grade_reason" in table else ""
+            why = str(table["reason"][i]).removeprefix(f"{table['file'][i]}: ") or ", ".join(
+                filter(None, (self.whole.reason(i), more))
+            )
+            name = str(table["curve"][i])
+            rows.append([str(table["file"][i]), Link(f"{self.page}#{i + 1}", name) if self.page else name, why])
+        rows += [[line.split(": ")[0], UNREAD, line] for line in self.unread]
+        return [Table(["file", "curve", "reason"], rows)] if rows else ["No curve."]
+
+    def provenance(self) -> list[Block]:
+        """Command, versions, checksums."""
+        versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+        sums = [[str(path), hashlib.sha256(path.read_bytes()).hexdigest()] for path in self.files]
+        return [self.command, f"jkr {__version__}, Python {platform.python_version()}, {versions}.",
+                Table(["file", "SHA-256"], sums, folded=f"Checksums of {counted(len(sums), 'file')}")]  # fmt: skip
+
+    def as_html(self) -> str:
+        """The page, whole in one file."""
+        parts = (f"<section><h2>{html.escape(title)}</h2>{''.join(map(_html, blocks))}</section>"
+                 for title, blocks in self.sections)  # fmt: skip
+        return PAGE.substitute(title=html.escape(self.title), body="\n".join(parts), version=__version__)
+
+    def as_markdown(self) -> str:
+        """The same in Markdown, which refers to the pictures beside it."""
+        pictures = "\n".join(f"![{holds}]({name})" for name, holds in self.beside.items() if name.endswith(".png"))
+        parts = (f"## {title}\n\n" + "\n\n".join(filter(None, (_markdown(block) or pictures for block in blocks)))
+                 for title, blocks in self.sections)  # fmt: skip
+        return "\n\n".join([f"# {self.title}", *parts, f"<!-- jkr {__version__} -->\n"])
+
+
+def _picture(figure: Figure, words: str) -> Picture:
+    from ..report import plots
+
+    with tempfile.TemporaryDirectory() as folder:
+        plots.save(figure, [path := Path(folder) / "figure.png"])
+        return Picture(path.read_bytes(), float(figure.get_figwidth()), words)
+
+
+def _html(block: Block) -> str:
+    if isinstance(block, str):
+        return f"<p>{html.escape(block)}</p>"
+    if isinstance(block, Link):
+        return f"<p>{_cell(block)}: {html.escape(block.holds)}</p>"
+    if isinstance(block, Table):
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in block.names)
+        rows = "".join(f"<tr>{''.join(f'<td>{_cell(cell)}</td>' for cell in row)}</tr>\n" for row in block.rows)
+        table = f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+        return f"<details><summary>{html.escape(block.folded)}</summary>{table}</details>" if block.folded else table
+    pictures = (f'<figure><img width="{96 * one.width:.0f}" alt="{html.escape(one.words)}" src="data:image/png;base64,'
+                f'{base64.b64encode(one.content).decode()}"><figcaption>{html.escape(one.words)}</figcaption></figure>'
+                for one in block)  # fmt: skip
+    return f'<div class="figures">{"".join(pictures)}</div>'
+
+
+def _cell(cell: str | Link) -> str:
+    if isinstance(cell, str):
+        return html.escape(cell)
+    return f'<a href="{html.escape(quote(cell.to, safe="#/"))}">{html.escape(cell.words)}</a>'
+
+
+def _markdown(block: Block) -> str:
+    if isinstance(block, str):
+        return block
+    if isinstance(block, Link):
+        return f"- [{block.words}]({block.to}): {block.holds}"
+    if not isinstance(block, Table):
+        return ""
+    rows = ([cell if isinstance(cell, str) else f"[{cell.words}]({cell.to})" for cell in row] for row in block.rows)
+    lines = [f"| {' | '.join(block.names)} |", f"|{' --- |' * len(block.names)}"]
+    return "\n".join([*lines, *("| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in rows)])

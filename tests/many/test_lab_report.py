@@ -1,0 +1,85 @@
+"""The report of a fit: whole in one file, with the reason of each curve that is left out, to be repeated."""
+
+from __future__ import annotations
+
+import hashlib
+import html
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from test_samples import SPECIMEN, write
+
+from jkrcli.base.files import is_ours
+
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+FREE = "".join(
+    f"{i / 100},{(37 * i) % 11},{'retract' if i > 99 else 'approach'}\n" for i in (*range(100), *range(99, 0, -1))
+)
+
+
+@pytest.fixture(name="report")
+def _report(jkr: Callable, tmp_path: Path) -> str:
+    """Three samples, of which the last has a curve out of contact and a file that cannot be read."""
+    for number, name in enumerate(("ctrl", "drug A", "drug<B>")):
+        (tmp_path / name).mkdir()
+        for i in range(2):
+            write(tmp_path / name / f"c{i}.txt", (1 + number) * 1e-3 * (1 + 0.1 * i), i)
+    (tmp_path / "drug<B>/free.txt").write_text(f"# springConstant: 0.3\npiezo (um),force (pN),segment\n{FREE}")
+    (tmp_path / "drug<B>/notes.txt").write_text("measured on Monday\n")
+    done = jkr("fit", *SPECIMEN, "ctrl", "drug A", "drug<B>", "-o", "out", "--uncertain", "stiffness=10%", "--report")
+    assert done.code == 0, done.err
+    assert "report in out/report{.html,.md}" in " ".join(done.out.split())
+    return Path("out/report.html").read_text(encoding="utf-8")
+
+
+def test_a_report_is_whole_and_names_what_was_left_out_and_why(report: str) -> None:
+    assert not re.search(r'(?:src|href)="(?:https?:|//)', report)
+    assert report.count("data:image/png;base64,") == 2  # E*, w by sample
+    said = html.unescape(report)
+    for words in (
+        "7 force curves of 3 samples", "between ctrl, drug A, drug<B>", "jkr fit --radius '5 um'", "numpy ",
+        "Stiffness 0.3 N/m from the header of the file", "Standard uncertainty of stiffness: 10%.", "drug<B>/notes.txt",
+        "no contact: the load never leaves its base line", "Paraboloid R = 5 um on a half-space (nu = 0.5)",
+    ):  # fmt: skip
+        assert words in said
+    assert hashlib.sha256(Path("ctrl/c0.txt").read_bytes()).hexdigest() in said
+    assert "1 MPa" not in said  # which stands for a modulus that nobody gave
+    (row,) = re.findall(r'href="(fit-curves\.html#\d+)">free<', report)
+    assert row == "fit-curves.html#7"  # its place on the page of all curves
+    assert is_ours(Path("out/report.html"))
+    assert is_ours(Path("out/report.md"))
+
+
+def test_the_report_in_markdown_says_the_same(report: str) -> None:
+    text = Path("out/report.md").read_text(encoding="utf-8")
+    assert re.findall(r"<h2>(.*?)</h2>", report) == re.findall(r"^## (.*)$", text, re.M)
+    assert "![E*, w of each sample](samples.png)" in text
+    rows = [line.count("|") for line in text.splitlines() if line.startswith("| ")]
+    assert rows.count(4) >= 3  # head and two curves that were left out
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium and chromium-driver are not installed")
+def test_report_and_page_of_curves_fit_a_phone_and_a_screen(report: str) -> None:
+    webdriver = pytest.importorskip("selenium.webdriver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    try:
+        for width in (400, 1280):
+            metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+            for page in ("report.html", "fit-curves.html#7"):
+                browser.get(Path("out").absolute().as_uri() + f"/{page}")
+                assert browser.execute_script("return document.documentElement.scrollWidth") <= width, page
+            assert browser.find_element("id", "place").text == "7 of 7"  # the curve that the report points to
+            assert browser.find_element("id", "picture").size["width"] > 0.6 * width
+        assert browser.get_log("browser") == []
+    finally:
+        browser.quit()

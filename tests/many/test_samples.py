@@ -1,0 +1,182 @@
+"""Samples of a fit: means and differences by classical formulas, files that are named after none of several inputs."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from force_curves import Instrument, record
+from scipy import stats
+
+from jkrcli.base.files import is_ours
+from jkrcli.many.samples import Samples, difference, spread_of
+
+R, K = 5e-6, 0.3
+SPECIMEN = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
+WORKS = {"ctrl": 1e-3, "drug": 2e-3}
+
+
+def write(path: Path, w: float, seed: int, radius: float = R, far: float = 1.5e-6) -> None:
+    force = 1.5 * math.pi * w * radius
+    made = record(2e5, radius, 0.2 * w, w, Instrument(K, 250, far, 2 * force, 0.005 * force), seed)
+    rows = zip(made["z"] * 1e6, made["P"] * 1e9, made["segment"], strict=True)
+    text = "".join(f"{z:.7g},{P:.7g},{word}\n" for z, P, word in rows)
+    path.write_text(f"# springConstant: {K}\npiezo (um),force (nN),segment\n{text}")
+
+
+@pytest.fixture(name="folders")
+def _folders(tmp_path: Path) -> list[str]:
+    for name, w in WORKS.items():
+        (tmp_path / name).mkdir()
+        for i in range(3):
+            write(tmp_path / name / f"c{i}.txt", w * (1 + 0.05 * i), i)
+    (tmp_path / "drug/free.txt").write_text(
+        "# springConstant: 0.3\npiezo (um),force (nN),segment\n"
+        + "".join(
+            f"{abs(i) / 100},{math.sin(37 * i) / 9},{'retract' if i > 0 else 'approach'}\n" for i in range(-99, 99)
+        )
+    )
+    return [*WORKS]
+
+
+def read(path: str) -> list[dict[str, str]]:
+    with Path(path).open() as file:
+        return list(csv.DictReader(file))
+
+
+def table(**samples: list[float]) -> Mapping[str, list]:
+    rows = [(name, value) for name, values in samples.items() for value in values]
+    return {"sample": [name for name, _ in rows], "status": ["fitted"] * len(rows), "w_J_per_m2": [w for _, w in rows],
+            "w_calibration_J_per_m2": [0.1 * w for _, w in rows], "level": [0.95] * len(rows)}  # fmt: skip
+
+
+def test_the_mean_of_logarithms_has_the_interval_of_student() -> None:
+    values = np.array([1.0, 2.0, 4.0, 8.0])
+    one = spread_of(values, {"calibration": 0.1 * values}, 0.9)
+    assert one.mean == pytest.approx(math.sqrt(8))
+    low, high = stats.t.interval(0.9, 3, np.log(values).mean(), stats.sem(np.log(values)))
+    assert one.interval == pytest.approx((math.exp(low), math.exp(high)))
+    assert one.median == 3.0
+    assert one.common == {"calibration": pytest.approx(0.1)}
+
+
+def test_a_value_of_zero_has_no_geometric_mean() -> None:
+    one = spread_of(np.array([0.0, 1.0, 2.0]), {}, 0.95)
+    assert (one.mean, one.interval, one.median) == (None, None, 1.0)
+
+
+def test_a_ratio_has_the_interval_of_welch_and_a_tip_of_its_own_widens_it() -> None:
+    rng = np.random.default_rng(3)
+    x, y = np.exp(rng.normal(1, 0.2, 9)), np.exp(rng.normal(0, 0.6, 30))
+    one = difference(("x", "y"), x, y, 0.95)
+    test = stats.ttest_ind(np.log(x), np.log(y), equal_var=False)
+    assert np.log(one.interval) == pytest.approx(tuple(test.confidence_interval(0.95)), rel=1e-6)
+    assert one.ratio == pytest.approx(stats.gmean(x) / stats.gmean(y))
+    half = float(np.diff(np.log(one.interval))[0]) / 2
+    own = difference(("x", "y"), x, y, 0.95, own=0.3)
+    assert float(np.diff(np.log(own.interval))[0]) / 2 == pytest.approx(math.hypot(half, 0.3))
+
+
+def test_hedges_g_of_one_pooled_deviation() -> None:
+    """Logs 0, 2 and 1, 3: a pooled standard deviation of sqrt(2), a difference of 1, J = 1 - 3/7."""
+    one = difference(("x", "y"), np.exp([1.0, 3.0]), np.exp([0.0, 2.0]), 0.95)
+    g = (1 - 3 / 7) / math.sqrt(2)
+    assert one.g == pytest.approx(g)
+    assert one.g_interval[1] - g == pytest.approx(1.959964 * math.sqrt(1 + g**2 / 8), rel=1e-6)
+
+
+def test_what_does_not_scatter_has_a_ratio_and_no_standardised_difference() -> None:
+    one = difference(("x", "y"), np.array([2.0, 2.0]), np.array([1.0, 1.0]), 0.95)
+    assert (one.ratio, one.interval, one.g, one.g_interval) == (2.0, (2.0, 2.0), None, None)
+
+
+def test_intervals_of_all_pairs_hold_together_and_a_common_factor_cancels() -> None:
+    samples = {"a": [1.0, 1.1, 1.3], "b": [2.0, 2.2, 2.1], "c": [3.0, 3.9, 3.3]}
+    found = Samples(table(**samples))
+    pairs = {(one.sample, one.against): one for one in found.differences["w"]}
+    assert list(pairs) == [("b", "a"), ("c", "a"), ("c", "b")]
+    alone = difference(("b", "a"), *(np.array(samples[name]) for name in "ba"), 1 - 0.05 / 3)
+    assert pairs["b", "a"].interval == pytest.approx(alone.interval)
+    twice = Samples(table(**{name: [1.2 * w for w in values] for name, values in samples.items()}))
+    assert [one.ratio for one in twice.differences["w"]] == pytest.approx([one.ratio for one in pairs.values()])
+    assert "common error (calibration, model) apart: 10 % of w" in found.words()[0]
+
+
+def test_intervals_of_a_mean_hold_it_as_often_as_they_say() -> None:
+    rng, inside = np.random.default_rng(7), 0
+    for _ in range(400):
+        low, high = spread_of(np.exp(rng.normal(0, 0.3, 6)), {}, 0.9).interval or (1.0, 1.0)
+        inside += low < 1 < high
+    assert 0.86 < inside / 400 < 0.94  # binomial: 0.9 ± 0.015
+
+
+def test_folders_are_samples_with_a_table_a_picture_and_six_lines(jkr, folders: list[str]) -> None:
+    done = jkr("fit", *SPECIMEN, *folders, "-o", "results", "--uncertain", "stiffness=10%")
+    assert done.code == 0, done.err
+    rows = read("results/samples.csv")
+    assert [(row["sample"], row["curves"], row["fitted"], row["why"]) for row in rows] == [
+        ("ctrl", "3", "3", ""), ("drug", "4", "3", "1 no contact"),
+    ]  # fmt: skip
+    for row in rows:
+        assert float(row["w_low_J_per_m2"]) < 1.05 * WORKS[row["sample"]] < float(row["w_high_J_per_m2"])
+        assert float(row["E_star_calibration_relative"]) == pytest.approx(0.196, rel=0.02)
+    assert float(rows[1]["w_ratio"]) == pytest.approx(2, rel=0.02)
+    curves = read("results/fit.csv")
+    assert [row["sample"] for row in curves] == ["ctrl"] * 3 + ["drug"] * 4
+    assert json.loads(Path("results/fit.json").read_text())["samples"]["differences"]["w"][0]["against"] == "ctrl"
+    assert is_ours(Path("results/samples.csv"))
+    assert is_ours(Path("results/samples.png"))
+    lines = done.out.splitlines()
+    assert lines[0].startswith("2 samples: 6 of 7 curves fitted, 1 left out (1 no contact)")
+    assert any(line.startswith("  drug over ctrl: E* x 1.00 (") for line in lines)
+
+
+def test_results_of_another_selection_are_replaced_by_force_alone(jkr, folders: list[str]) -> None:
+    words = ("fit", *SPECIMEN, "--no-plots", "-o", "results")
+    assert jkr(*words, *folders).code == 0
+    assert jkr(*words, *folders).code == 0  # the same again
+    before = Path("results/fit.csv").read_text()
+    Path("more").mkdir()
+    shutil.copy("ctrl/c0.txt", "more")
+    done = jkr(*words, "ctrl", "more")
+    assert (done.code, "holds results of other inputs (../drug)" in done.err) == (2, True), done.err
+    assert Path("results/fit.csv").read_text() == before
+    assert jkr(*words, "ctrl", "more", "--force").code == 0
+    one = jkr("fit", *SPECIMEN, "--no-plots", "more", "-o", "results")
+    assert (one.code, Path("results/more-fit.csv").exists()) == (0, True), one.err
+
+
+def test_samples_by_name_and_folders_in_a_folder(jkr, folders: list[str]) -> None:
+    Path("day").mkdir()
+    for name in folders:
+        shutil.move(name, "day")
+    assert jkr("fit", *SPECIMEN, "--no-plots", "day", "-o", "out").code == 0
+    rows = read("out/day-samples.csv")
+    assert [row["sample"] for row in rows] == folders
+    words = ("fit", *SPECIMEN, "--no-plots", "day/ctrl", "-o", "out", "--sample")
+    assert jkr(*words, r"c(\d)\.txt").code == 0
+    assert [row["sample"] for row in read("out/ctrl-samples.csv")] == ["0", "1", "2"]
+    done = jkr(*words, "plate")
+    assert (done.code, 'c0.txt: has no sample, --sample "plate" finds nothing' in done.err) == (2, True), done.err
+
+
+def test_each_folder_by_its_own_tip(jkr, tmp_path: Path) -> None:
+    tips = {"small": 2e-6, "large": 10e-6}
+    for name, radius in tips.items():
+        (tmp_path / name).mkdir()
+        for i in range(2):
+            write(tmp_path / name / f"{i}.txt", 1e-3, i, radius)
+    by_tip = [word for radius in tips.values() for word in ("--tip-radius", f"{radius * 1e6:g} um")]
+    done = jkr("fit", *SPECIMEN, *tips, *by_tip, "--no-plots", "-o", "out", "--uncertain", "radius=10%")
+    assert done.code == 0, done.err
+    rows = list(csv.DictReader((tmp_path / "out/fit.csv").open()))
+    np.testing.assert_allclose([float(row["E_star_Pa"]) for row in rows], 2e5, rtol=0.03)
+    np.testing.assert_allclose([float(row["w_J_per_m2"]) for row in rows], 1e-3, rtol=0.03)
+    ratio = list(csv.DictReader((tmp_path / "out/samples.csv").open()))[1]
+    assert float(ratio["w_ratio_high"]) - float(ratio["w_ratio_low"]) > 0.3  # each tip has an error of its own

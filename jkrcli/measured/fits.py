@@ -33,8 +33,9 @@ from ..methods.protocol import Forecast, Limits
 from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import files as measured
+from .batch import read_batch
 from .curve import Curve, Reading
-from .files import folders_of, holds_map, usable
+from .files import folders_of, holds_map
 from .forward_model import FittedBody
 from .joint import joint_fit, shared_of, with_radii
 from .parameters import ALIAS, Answer
@@ -269,7 +270,8 @@ def fit_curves(
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
 
     output, asked = request.output, request.options
-    read = [usable([path], request.reading) for path in request.measured]
+    batch = read_batch(request.measured, request.reading)
+    read = batch.read
     curves, unread = [one for found, _ in read for one in found], [line for _, lines in read for line in lines]
     name, names, unread_names = sample_names(request.measured, asked.sample), list[str](), list[str]()
     for path, (found, lines) in zip(request.measured, read, strict=True):
@@ -298,7 +300,8 @@ def fit_curves(
     what, words = ("which surface is preferred", prefer) if several else ("whether sticking matters", friction)
     told = attempted(what, lambda: list(words()), none, left)
     preferred, friction_words = (told, none) if several else (none, told)
-    result = Fits(outcomes, request.body_words, friction_words, unread, names, unread_names, len(asked.tip_radius) > 1)
+    remarks = [*batch.notes, *friction_words]
+    result = Fits(outcomes, request.body_words, remarks, unread, names, unread_names, len(asked.tip_radius) > 1)
     count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves))
     for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
         warn(line)

@@ -44,6 +44,11 @@ class Map:
     images: Mapping[str, Array]
     positions: bool = True
 
+    @property
+    def words(self) -> str:
+        """How many columns and rows."""
+        return f"{self.x.size} x {self.y.size}"
+
 
 def map_of(outcomes: Sequence[Fit | Failure]) -> Map | None:
     """The map that the curves make; None where they were not taken on a grid, or several share a pixel."""

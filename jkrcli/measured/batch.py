@@ -19,6 +19,7 @@ from ..base.numerics import Array
 from ..tables import split_name
 from .curve import NOT_SUBTRACTED, TURNED, Curve, Reading
 from .files import usable
+from .grids import placed
 from .instruments import toward
 
 SHOWN = 5  # choice: names in a sentence
@@ -33,24 +34,28 @@ AS_OTHERS = "sign as in the other files"
 
 @dataclass(frozen=True)
 class Batch:
-    """What was read of each path: its curves and lines on what could not be; ``notes`` on what was settled."""
+    """What was read of each path: its curves and lines on what could not be; ``notes`` on what was settled, ``places``:
+    by what the curves of each path lie on a grid, "" where they do on none."""
 
     read: Sequence[tuple[list[Curve], list[str]]]
     notes: tuple[str, ...] = ()
+    places: tuple[str, ...] = ()
 
 
-def read_batch(paths: Sequence[Path], reading: Reading) -> Batch:
-    """The curves at all paths, by one decision on sign, constants and units; InputError, with the remedy, where the
-    files contradict each other."""
+def read_batch(paths: Sequence[Path], reading: Reading, grid: tuple[int, int] | None = None) -> Batch:
+    """The curves at all paths, by one decision on sign, constants and units, those of maps on their grids, of columns
+    and rows as specified; InputError, with the remedy, where the files contradict each other."""
     notes = list[str]()
     read = [_with_constants(path, *usable([path], reading), reading, notes) for path in paths]
     curves = [curve for found, _ in read for curve in found]
     signs, odd = ({} if "delta" in reading.flip else _signs(curves, notes)), _odd_units(curves, reading)
-    settled = list[tuple[list[Curve], list[str]]]()
-    for found, lines in read:
+    settled, places = list[tuple[list[Curve], list[str]]](), list[str]()
+    for path, (found, lines) in zip(paths, read, strict=True):
         kept = [_turned(one) if signs.get(id(one)) else one for one in found if id(one) not in odd]
+        kept, words = placed(path, kept, grid)
         settled.append((kept, [*lines, *(odd[id(one)] for one in found if id(one) in odd)]))
-    return Batch(settled, tuple(notes))
+        places.append(words)
+    return Batch(settled, tuple(notes), tuple(places))
 
 
 def _names(places: Sequence[str]) -> str:

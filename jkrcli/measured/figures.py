@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from ..base.errors import Unknown
 from ..base.numerics import DRAWN, Array
+from ..base.units import show
 from ..report import plots
 from ..report.plots import Axes, Figure, axis_of, enlarged, log_ends, log_ticks, panelled, pretty, unit_of
 from .archive import DOUBTFUL, FITTED, IMAGES, STATUSES, UNUSABLE, Map, status_of
@@ -28,6 +29,7 @@ STATUS_LOOKS = {FITTED: (plots.BLUE, "o"), DOUBTFUL: (plots.ORANGE, "^"), UNUSAB
 BRANCH_GAP = 0.3  # choice: of the largest contact radius, a step of the fitted line beyond which it is not joined
 ARROW_ROWS = 8  # choice: fewest rows of a branch in contact for an arrow
 MARKS = {"a": (plots.GREEN, "s"), "delta": (plots.BLUE, "^"), "P": (plots.ORANGE, "o")}
+GREY_CELL = "0.8"  # choice: of a map's place without a value, which no colour of the scale is
 MARKERS = 300  # choice: measured points that are drawn; more hide the line
 
 
@@ -178,19 +180,33 @@ def joint_figure(joint: JointFit) -> Figure:
 
 
 # --------------------------------------------------------------------------------------------------
-# The figure of a map: an image per quantity, one cell per pixel, pixels without a value left white.
+# The figure of a map: an image per quantity, one cell per pixel, pixels without a value grey.
 
 
 def map_figure(scan: Map) -> Figure:
-    """Six images over the positions of the curves, over columns and rows where none are known."""
-    length, word = unit_of("length", np.ptp(scan.x), np.ptp(scan.y)) if scan.positions else (1.0, "")
-    x, y = (f"$x$ ({word})", f"$y$ ({word})") if scan.positions else ("column", "row")
-    with panelled(plots.WIDE, 4.0, len(scan.images), columns=3, grid=False) as (figure, panels):
+    """Six images with a bar of their scale where positions are known, else over columns and rows."""
+    with panelled(plots.WIDE, 4.2, len(scan.images), columns=3, grid=False) as (figure, panels):
         for i, (panel, (name, image)) in enumerate(zip(panels, scan.images.items(), strict=False)):
-            _image(figure, panel, scan, name, image, length)
-            panel.set_xlabel(x if i + 3 >= len(scan.images) else "")
-            panel.set_ylabel(y if i % 3 == 0 else "")
+            _image(figure, panel, scan, name, image)
+            if scan.positions:
+                panel.set(xticks=[], yticks=[])
+                _scale_bar(panel, scan)
+                continue
+            panel.set_xlabel("column" if i + 3 >= len(scan.images) else "")
+            panel.set_ylabel("row" if i % 3 == 0 else "")
+            for axis in (panel.xaxis, panel.yaxis):
+                axis.set_major_locator(MaxNLocator(4, integer=True))
         return figure
+
+
+def _scale_bar(axes: Axes, scan: Map) -> None:
+    """A bar of a round length, a quarter of the map's width or more, under the image."""
+    low, high = axes.get_xlim()
+    ten = 10.0 ** math.floor(math.log10((high - low) / 4))
+    length = next(n * ten for n in (2, 5, 10) if n * ten >= (high - low) / 4)
+    place = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+    axes.plot([low, low + length], [-0.05, -0.05], color=plots.BLACK, lw=2, solid_capstyle="butt", **place)
+    axes.text(low + length * 1.05, -0.05, pretty(show(length, "length", 2)), va="center", size=8, **place)
 
 
 def curves_figure(outcomes: Sequence[Fit | Failure]) -> Figure:
@@ -224,23 +240,25 @@ def curves_figure(outcomes: Sequence[Fit | Failure]) -> Figure:
         return figure
 
 
-def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array, length: float) -> None:
-    """The ``image`` of one quantity over positions in units of ``length`` [m]."""
+def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array) -> None:
+    """The ``image`` of one quantity; places without a value are grey."""
     known = image[np.isfinite(image)]
     factor, unit = (1.0, "") if IMAGES[name] == "number" else unit_of(IMAGES[name], known if known.size else 1.0)
     unknown = name == "quality" or not known.size
     ends = (
         (0.0, 2.0) if name == "status" else (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))
     )  # single pixels do not flatten the rest
-    x, y = scan.x - scan.x[0], scan.y - scan.y[0]
+    x, y = (scan.x - scan.x[0], scan.y - scan.y[0]) if scan.positions else (scan.x, scan.y)
     pitch = max(np.ptp(at) / (at.size - 1) for at in (x, y) if at.size > 1)
-    cells = (_edges(at, float(pitch)) / length for at in (x, y))
+    cells = (_edges(at, float(pitch)) for at in (x, y))
+    axes.set_facecolor(GREY_CELL)
     drawn = axes.pcolormesh(*cells, image / factor, shading="flat", cmap="viridis",
                             vmin=ends[0], vmax=ends[1], rasterized=True)  # fmt: skip
     bar = figure.colorbar(drawn, ax=axes, format=ScalarFormatter(useOffset=False))
+    bar.locator = MaxNLocator(4)
     if name == "status":
         bar.set_ticks(range(len(STATUSES)), labels=STATUSES)
-    label = plots.LABELS.get(name, name.replace("_", " "))
+    label = "$w$" if name == "w" else plots.LABELS.get(name, name.replace("_", " "))
     axes.set_title(f"{label} ({unit})" if unit else label)
     axes.set_aspect("equal")
 

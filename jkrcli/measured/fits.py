@@ -112,6 +112,7 @@ class FitOptions:
     tip_radius: tuple[float, ...]
     surface: str | None
     uncertain: Pairs
+    grid: tuple[int, int] | None
     sample: str | None = None
     report: bool = False
 
@@ -270,7 +271,7 @@ def fit_curves(
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
 
     output, asked = request.output, request.options
-    batch = read_batch(request.measured, request.reading)
+    batch = read_batch(request.measured, request.reading, asked.grid)
     read = batch.read
     curves, unread = [one for found, _ in read for one in found], [line for _, lines in read for line in lines]
     name, names, unread_names = sample_names(request.measured, asked.sample), list[str](), list[str]()
@@ -302,7 +303,7 @@ def fit_curves(
     preferred, friction_words = (told, none) if several else (none, told)
     remarks = [*batch.notes, *friction_words]
     result = Fits(outcomes, request.body_words, remarks, unread, names, unread_names, len(asked.tip_radius) > 1)
-    count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves))
+    count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves), ", ".join(batch.places))
     for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
         warn(line)
     drawn = f", {counted(count, 'picture')}" if count else ""
@@ -336,13 +337,9 @@ def _fit_group(
 
 
 def _write(
-    request: FitRequest,
-    result: Fits,
-    reasons: list[str],
-    pictures: Pictures,
-    left: list[str],
-    calibration: Sequence[str],
-) -> tuple[int, str]:
+    request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures, left: list[str],
+    calibration: Sequence[str], places: str,
+) -> tuple[int, str]:  # fmt: skip
     """Write table, summary, archive and pictures, but for what goes to ``left`` with the reason; how many pictures, and
     what is said of the page of curves and the map. InputError, when all that can be written is, where no curve could be
     used."""
@@ -355,9 +352,13 @@ def _write(
     scan = archive.map_of(result.outcomes) if output.plots else None
     one_surface = len({item.surface for item in result.fits}) == 1
     alone = scan is None and (len(result.outcomes) < archive.LEAST_CURVES or not one_surface or bool(result.sample))
-    of_map = None if alone or not output.plots else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
+    kind = "curves" if scan is None else "map"
+    of_map = (
+        None if alone or not output.plots else output.files(Path(f"{targets.stem}-{kind}"), PICTURES, request.inputs)
+    )
     several = output.plots and len(result.outcomes) > 1
     of_curves = output.files(Path(f"{targets.stem}-curves"), (".html",) if several else (), request.inputs)
+    on_map = "curves in their order" if scan is None else f"the map ({scan.words}, {places})"
     with together():
         lines = [files.json_line(one) for one in summary["curves"]]
         targets.write(result.columns, summary, lines=lines)
@@ -379,8 +380,8 @@ def _write(
             from .figures import curves_figure, map_figure
 
             figure = partial(curves_figure, result.outcomes) if scan is None else partial(map_figure, scan)
-            of_map = of_map if _picture("the map", of_map, figure, left) else None
-            figures = {"E*, w of each curve": figure}
+            of_map = of_map if _picture(on_map, of_map, figure, left) else None
+            figures = {on_map: figure}
         elif len(result.outcomes) == 1 and result.fits and output.plots:
             figures = {"the fitted curve": result.fits[0].figure}
     beside_it = {targets[".csv"]: "E*, w and their errors of each curve", targets[".json"]: "all of it, by curve",
@@ -389,13 +390,13 @@ def _write(
         beside_it |= {request.samples[".csv"]: "the samples"}
         beside_it |= {request.samples[".png"]: "E*, w of each sample"} if output.plots else {}
     beside_it |= {of_curves[".html"]: "a page to click through all curves"} if several else {}
-    beside_it |= {of_map[".png"]: "the map"} if of_map else {}
+    beside_it |= {of_map[".png"]: on_map} if of_map else {}
     if request.report is not None:
         _report(request, result, figures, beside_it, [*calibration, *map(_uncertain, request.options.uncertain)])
     if not result.fits:
         raise InputError(some(reasons))
     words = [f"samples in {request.samples}"] * bool(result.samples and request.samples)
-    words += [f"all curves in {of_curves}"] * several + [f"the map in {of_map}"] * bool(of_map)
+    words += [f"all curves in {of_curves}"] * several + [f"{on_map} in {of_map}"] * bool(of_map)
     words += [f"report in {request.report}"] * bool(request.report)
     return count, "".join(f", {one}" for one in words)
 
@@ -493,6 +494,17 @@ class NamesType(options.ParsedType):
         return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
+class GridType(options.ParsedType):
+    """Columns and rows of a grid."""
+
+    name = "COLUMNSxROWS"
+
+    def parsed(self, text: str) -> Any:
+        if not (match := re.fullmatch(r"\s*([1-9]\d{0,4})\s*[x×]\s*([1-9]\d{0,4})\s*", text)):
+            raise ValueError(f'must be columns x rows, such as 6x5, got "{text}"')
+        return int(match[1]), int(match[2])
+
+
 # Of laws over time, where a wing fits them.
 RATE_LAWS = offered("laws of w over speed") or ()
 OVER_TIME = (
@@ -558,6 +570,8 @@ ASKED = as_one(
                  help="Of the body, instead of its own; both: under either, and what the data favour."),
     click.option("--uncertain", multiple=True, type=options.NAMED,
                  help="Standard deviation of an input, carried on: radius=3%, stiffness=10%; longest: range=1nm."),
+    click.option("--grid", type=GridType(), help="Columns and rows of a map whose files lie row by row, 6x5 [default: "
+                 "positions in headers, or names]."),
     *OF_SAMPLES,
 )  # fmt: skip
 

@@ -20,7 +20,7 @@ from ..base.files import opened
 from ..base.numerics import Array
 from ..base.process import check_size
 from ..tables import LONGEST, MOST_COLUMNS, PIECE, WORDS, TextTable, split_name, unit_power
-from .curve import APPROACH, RETRACT
+from .curve import APPROACH, RETRACT, Pixel
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}
 DIRECTIONS, OTHERS = ({word: way for way in (APPROACH, RETRACT) for word in WORDS[kind][way]}
@@ -31,6 +31,10 @@ DEPTHS, DEFLECTIONS = WORDS["instruments"]["depths"], WORDS["instruments"]["defl
 WHOLE = WORDS["measured"]["also"]["t"]  # times of a record whose segments have their own too
 ENDS = 0.1  # choice: of a range, what is an end of the way, and up to which a load is free
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
+# "# x: 1.5 um", "X Position [nm] = 3", and of JPK "# xPosition: 1.2e-06", which is SI
+OF_HEAD = re.compile(
+    rf"\W*([xy])[ _-]*(position|pos|offset)?\s*(?:[\[(]\s*(\S+?)\s*[\])])?\s*[:=]\s*{NUMBER}\s*(\S*?)\W*\Z",
+    re.IGNORECASE)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -162,6 +166,18 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
         if plain(name) in WORDS["constants"].get(kind, ()) and value > 0 and not unknown:
             values.setdefault(kind, value * size)
     return values
+
+
+def position_in(head: Sequence[str]) -> Pixel | None:
+    """The position that the header of a file names [m], in a grid that is not known yet; None where it names none."""
+    found: dict[str, float] = {}
+    for line in head[:MOST_COLUMNS]:
+        if len(line) <= LONGEST and (match := OF_HEAD.match(line.strip())):
+            axis, of_program, unit, number, behind = match.groups()
+            known = unit_power(unit or behind or ("m" if of_program else ""))
+            if known is not None and known[0] == "length":
+                found.setdefault(axis.lower(), float(number) * 10.0 ** known[1])
+    return Pixel(0, 0, found["x"], found["y"]) if len(found) == 2 else None
 
 
 # --------------------------------------------------------------------------------------------------

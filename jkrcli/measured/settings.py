@@ -152,7 +152,7 @@ EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
     "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, SHARED, LAW, RELAXATION), "samples": (EACH,),
     "seed": (EACH,), "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
     "contact": (EACH, SHARED, LAW, RELAXATION), "slopes": (EACH, SHARED, LAW),
-    "sample": (EACH,), "report": (EACH,),
+    "sample": (EACH,), "report": (EACH,), "grid": (EACH,),
 }  # fmt: skip
 NOT = {("contact", "fitted"): (LAW, RELAXATION), ("confidence", "bootstrap"): (SHARED, LAW, RELAXATION)}
 GOES_WITH = {

@@ -321,6 +321,7 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
         told = f"of its {len(table.names)} columns {', '.join(unread[:SHOWN])}"
         choice_flags = [*choice_flags, f"{told} {'holds' if len(unread) == 1 else 'hold'} words, which are not read"]
     flags = (*layout_flags, *choice_flags, *value_flags, *unit_flags, *as_read.left_out, *segment_flags)
+    at = None if "curve" in columns.chosen else instruments.position_in(table.head)
     for name, recorded in _groups(table, columns.chosen, stem):
         kept, left_out = _without_gaps(table, recorded, whole)
         rows, turned = _in_time(kept, whole.get("t"), segments)
@@ -337,7 +338,7 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
             if "diameter" in values:
                 values["a"] = values.pop("diameter") / 2
             a, delta, P, t = map(values.get, QUANTITIES)
-            curve = Curve(name, a, delta, P, t, words, origin)
+            curve = Curve(name, a, delta, P, t, words, origin, pixel=at)
             yield columns.with_sign(curve, (*flags, *left_out, *turned)), columns.stiffness
         except InputError as error:
             yield error, columns.stiffness

@@ -18,7 +18,7 @@ VALUES = {
     "start": "w=1 mJ/m^2", "bound": "w=..1", "segment": "retract", "base_line": "sine", "branch": "compressive",
     "noise": "P=1 nN", "loss": "huber", "confidence": "profile", "samples": "50", "seed": "3", "rivals": None,
     "plan": None, "model": "auto", "surface": "both", "uncertain": "radius=3%", "contact": "estimate",
-    "slopes": "integral", "sample": "one", "report": None,
+    "slopes": "integral", "sample": "one", "report": None, "grid": "2x2",
 }  # fmt: skip
 
 

@@ -60,7 +60,7 @@ def test_a_scan_becomes_images_one_row_per_pixel(jkr, tmp_path: Path) -> None:
     scan(tmp_path / "scan.h5")
     outcome = jkr(*BY_FLAGS, tmp_path / "scan.h5", "-o", tmp_path / "out")
     assert outcome.code == 0, outcome.err
-    assert "the map in " in outcome.out
+    assert "the map (2 x 2, places by the instrument) in " in " ".join(outcome.out.split())
     rows = list(csv.DictReader((tmp_path / "out/scan-fit.csv").open()))
     assert [(int(row["map_column"]), int(row["map_row"])) for row in rows] == list(W)
     assert [row["status"] for row in rows] == ["fitted"] * 3 + ["unusable"]

@@ -1,0 +1,91 @@
+"""Where curves were taken: grids from the instrument, from positions in headers, from names, or as specified."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..base.numerics import Array
+from .curve import Curve, Pixel
+from .files import files_in
+
+# "r03c07", "row3_col7"; "c7r3"; "x7y3"; the last two numbers, "map_0_1"
+OF_NAME = (
+    (re.compile(r"(?<![a-z])r(?:ow)?[ _-]?(\d+)[ _-]?c(?:ol(?:umn)?)?[ _-]?(\d+)", re.IGNORECASE), "rc", "row, column"),
+    (re.compile(r"(?<![a-z])c(?:ol(?:umn)?)?[ _-]?(\d+)[ _-]?r(?:ow)?[ _-]?(\d+)", re.IGNORECASE), "cr", "column, row"),
+    (re.compile(r"(?<![a-z])x[ _-]?(\d+)[ _-]?y[ _-]?(\d+)", re.IGNORECASE), "cr", "column, row"),
+    (re.compile(r"(\d+)[_-](\d+)\D*\Z"), "rc", "row, column"),
+)  # fmt: skip
+LEAST_PLACES = 4  # choice: curves that make a map
+FILLED = 0.5  # choice: share of the places of a grid that hold a curve, so that two numbers in names are places
+SAME_PLACE = 0.25  # choice: of the pitch, by which positions in one line of a grid may differ
+
+
+def placed(path: Path, curves: list[Curve], shape: tuple[int, int] | None) -> tuple[list[Curve], str]:
+    """The curves of one path on their grid, row by row, and by what; as they are, and "", where they have no places.
+
+    ``shape``: columns and rows of a grid on which the files lie row by row, those that cannot be read included.
+    """
+    if shape is not None:
+        return _by_rank(path, curves, shape), "row by row as specified"
+    pixels = [one.pixel for one in curves if one.pixel is not None]
+    if pixels and len({(at.column, at.row) for at in pixels}) == len(curves):
+        return curves, "places by the instrument"
+    if len(curves) < LEAST_PLACES or (pixels and len(pixels) < len(curves)):
+        return curves, ""
+    places, words = (_by_position(pixels), "positions in headers") if pixels else _by_names(curves)
+    if places is None:
+        return curves, ""
+    order = sorted(range(len(curves)), key=lambda i: (places[i].row, places[i].column))
+    return [replace(curves[i], pixel=places[i]) for i in order], words
+
+
+def _by_rank(path: Path, curves: list[Curve], shape: tuple[int, int]) -> list[Curve]:
+    names = [str(file) for file in files_in(path)] if path.is_dir() else [one.where for one in curves]
+    if len(names) != shape[0] * shape[1]:
+        raise InputError(
+            f"{path}: holds {len(names)} curves, --grid {shape[0]}x{shape[1]} has {shape[0] * shape[1]} places"
+        )
+    ranks = [names.index(str(one.origin) if path.is_dir() else one.where) for one in curves]
+    return [replace(one, pixel=Pixel(rank % shape[0], rank // shape[0]))
+            for one, rank in zip(curves, ranks, strict=True)]  # fmt: skip
+
+
+def _by_position(pixels: Sequence[Pixel]) -> list[Pixel] | None:
+    """The places on a grid of curves at known positions; None where two share a place or they form no grid."""
+    column, row = (_lines(np.array([getattr(at, axis) for at in pixels])) for axis in ("x", "y"))
+    places = [replace(at, column=int(i), row=int(j)) for at, i, j in zip(pixels, column, row, strict=True)]
+    return places if _is_grid(places) else None
+
+
+def _lines(values: Array) -> Array:
+    """The number of the line of a grid on which each value lies: lines are further apart than values on one of them."""
+    order = np.argsort(values)
+    gaps = np.diff(values[order])
+    apart = gaps > SAME_PLACE * float(np.max(gaps, initial=0.0))
+    lines = np.empty(values.size, dtype=int)
+    lines[order] = np.concatenate([[0], np.cumsum(apart)])
+    return lines
+
+
+def _by_names(curves: Sequence[Curve]) -> tuple[list[Pixel] | None, str]:
+    for pattern, order, words in OF_NAME:
+        matches = [pattern.search(one.name) for one in curves]
+        if all(matches):
+            pairs = [(int(match[1]), int(match[2])) for match in matches if match]
+            places = [Pixel(*(pair if order == "cr" else pair[::-1])) for pair in pairs]
+            if _is_grid(places):
+                return places, f"{words} in names"
+    return None, ""
+
+
+def _is_grid(places: Sequence[Pixel]) -> bool:
+    """Whether all places differ and fill most of several columns and rows."""
+    columns, rows = ({getattr(at, name) for at in places} for name in ("column", "row"))
+    alone = len({(at.column, at.row) for at in places}) == len(places)
+    return alone and min(len(columns), len(rows)) > 1 and len(places) >= FILLED * len(columns) * len(rows)

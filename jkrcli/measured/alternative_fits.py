@@ -26,7 +26,7 @@ from .fitted_record import FittedRecord
 from .force_curve import FIT_BLUNT, ForceCurveFit, ForceCurveModel, fit, misfit_at, roughly, starts_of, windowed
 from .free_rows import FREE_BENDS
 from .hypotheses import ADHESION_ENDLESS, ALTERNATIVES, amount_of_range, amount_of_tension
-from .least_squares import STATISTICS_IMPROBABLE, in_time
+from .least_squares import STATISTICS_IMPROBABLE, Spectrum, in_time
 from .lockstep import Flow, alone, ask, beside, quiet
 from .model_changes import (
     AMOUNT,
@@ -396,7 +396,9 @@ def fit_alternatives(
 def _likeliest(alternatives: RecordAlternatives) -> Iterator[Score]:
     """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
     an amount that is not small says much. The range of adhesion stands for a long one, which has a column alone."""
-    detected = [one for one in alternatives.scores if one.taken > SCORE_TIED or one in alternatives.named]
+    entries = {one.name for one in ALTERNATIVES}
+    scores = [one for one in alternatives.scores if one.name in entries]
+    detected = [one for one in scores if one.taken > SCORE_TIED or one in alternatives.named]
     ranked = sorted(detected, key=lambda one: -one.taken)
     of_range = next((one for one in alternatives.scores if one.name == RANGE), None)
     for family in dict.fromkeys(one.family for one in ranked):
@@ -477,11 +479,15 @@ def fall_of(record: FittedRecord, here: FittedRecord) -> float:
 
     def left(one: FittedRecord, other: FittedRecord) -> float:
         rows = one.off_folds & np.isin(one.model.rows, other.model.rows[other.off_folds])
-        r = one.residuals[rows]
-        r = noise.whitened(in_time(r, one.model.rows[rows], noise) if noise.slow else r)
-        return float(r @ r)
+        return chi2_of(one.residuals[rows], one.model.rows[rows], noise)
 
     return left(record, here) - left(here, record)
+
+
+def chi2_of(residuals: Array, rows: Array, noise: Spectrum) -> float:
+    """chi^2 of what is left of some ``rows`` of a record, by the ``noise`` of its free rows."""
+    r = noise.whitened(in_time(residuals, rows, noise) if noise.slow else residuals)
+    return float(r @ r)
 
 
 RANGE_LOWER = 4.0  # theory: chi^2 of one unknown at 95 %, by which a minimum with a longer range is to be lower

@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -81,7 +82,7 @@ def _with_constants(
             others = ", ".join(f"{value:g}" for value in sorted(values)[:SHOWN])
             raise InputError(f"{path}: {len(again)} files name no {name} ({_names(again)}), the others name {others}: "
                              f"give --{name}")  # fmt: skip
-    constants = {name: values.pop() for name, values in found.items()}
+    constants: dict[str, Any] = {name: values.pop() for name, values in found.items()}
     more, unread = list[Curve](), list[str]()
     for file in map(Path, again):
         some, left = usable([file], replace(reading, **constants))
@@ -102,7 +103,7 @@ def _signs(curves: Sequence[Curve], notes: list[str]) -> dict[int, bool]:
         if (title := next(filter(None, map(OF_COLUMN.match, one.flags)), None)) and {"delta", "P"} <= set(one.measured):
             groups[split_name(title[1])[0]].append(one)
     turned = dict[int, bool]()
-    for title, alike in groups.items():
+    for name, alike in groups.items():
         read = np.array([-1 if any(TURNED in flag for flag in one.flags) else 1 for one in alike])
         votes = read * np.array([_vote(one) for one in alike])  # of the sign that the column itself has
         counts = {sign: int(np.count_nonzero(votes == sign)) for sign in (1, -1)}
@@ -111,15 +112,13 @@ def _signs(curves: Sequence[Curve], notes: list[str]) -> dict[int, bool]:
             continue  # each as it was read
         if counts[-sign] > max(1, MIXED * counts[sign]):
             others = [one.where for one, vote in zip(alike, votes, strict=True) if vote == -sign]
-            raise InputError(f'"{title}" has one sign in {counts[sign]} files and the other in {len(others)} '
+            raise InputError(f'"{name}" has one sign in {counts[sign]} files and the other in {len(others)} '
                              f"({_names(others)}): put these into a folder of their own")  # fmt: skip
         changed = [one for one, each in zip(alike, read, strict=True) if each != sign]
         turned |= {id(one): True for one in changed}
         if changed:
             what = "all files" if len(changed) == len(alike) else _names([one.where for one in changed])
-            notes.append(
-                f'sign of "{title}" by {counts[sign]} files that show where the specimen is, changed in {what}'
-            )
+            notes.append(f'sign of "{name}" by {counts[sign]} files that show where the specimen is, changed in {what}')
     return turned
 
 

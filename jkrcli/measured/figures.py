@@ -204,7 +204,7 @@ def _scale_bar(axes: Axes, scan: Map) -> None:
     low, high = axes.get_xlim()
     ten = 10.0 ** math.floor(math.log10((high - low) / 4))
     length = next(n * ten for n in (2, 5, 10) if n * ten >= (high - low) / 4)
-    place = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+    place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
     axes.plot([low, low + length], [-0.05, -0.05], color=plots.BLACK, lw=2, solid_capstyle="butt", **place)
     axes.text(low + length * 1.05, -0.05, pretty(show(length, "length", 2)), va="center", size=8, **place)
 

@@ -307,8 +307,8 @@ def fit_curves(
     for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
         warn(line)
     drawn = f", {counted(count, 'picture')}" if count else ""
-    more = f"; the table has all {len(result.outcomes):,} curves" if len(result.fits) > SHOWN else ""
-    give(result, output.json, f"  written {request.targets}{drawn}{more_files}{more}")
+    rest = f"; the table has all {len(result.outcomes):,} curves" if len(result.fits) > SHOWN else ""
+    give(result, output.json, f"  written {request.targets}{drawn}{more_files}{rest}")
     for item in result.fits[:SHOWN] if not output.json else []:
         if lines := [*(alternatives_table(item) if asked.rivals else []), *plan_table(item)]:
             say("\n".join(lines))
@@ -395,10 +395,10 @@ def _write(
         _report(request, result, figures, beside_it, [*calibration, *map(_uncertain, request.options.uncertain)])
     if not result.fits:
         raise InputError(some(reasons))
-    words = [f"samples in {request.samples}"] * bool(result.samples and request.samples)
-    words += [f"all curves in {of_curves}"] * several + [f"{on_map} in {of_map}"] * bool(of_map)
-    words += [f"report in {request.report}"] * bool(request.report)
-    return count, "".join(f", {one}" for one in words)
+    where = [f"samples in {request.samples}"] * bool(result.samples and request.samples)
+    where += [f"all curves in {of_curves}"] * several + [f"{on_map} in {of_map}"] * bool(of_map)
+    where += [f"report in {request.report}"] * bool(request.report)
+    return count, "".join(f", {one}" for one in where)
 
 
 def _uncertain(pair: tuple[str, Any]) -> str:

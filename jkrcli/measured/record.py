@@ -16,6 +16,7 @@ from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.executors import Pool
 from ..base.numerics import FEWEST_ROWS, HALF_WIDTH, MOST_SOLVES, MOST_STEPS, ROUNDED, SAME, TINY, UNSEEN, Array
 from ..base.units import show
+from ..base.wings import offered
 from ..bodies.problem import Problem
 from ..methods.radii import ROOM
 from .alternative_fits import fall_of, fit_alternatives, record_alternatives, with_free_range, with_range_of
@@ -189,13 +190,17 @@ VERDICT_LARGE = 0.5
 VERDICT_LEAST = (0.002, 0.01)
 
 
-def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fit]:
-    """The result with its verdict: that of a ``fit`` of all directions of the record."""
+def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Curve) -> Flow[Fit]:
+    """The result with its verdict: that of a ``fit`` of all directions of the record, whose rows are the ``curve``."""
     settings = result.settings
     told = math.isfinite(settings.range_at_most)
     record = FittedRecord(body, fit, Known(settings.longest_range, settings.tension_at_most, settings.level, told))
     remarks = list[str]()
     alternatives = yield from record_alternatives(record, partial(_with_size, result.sizes or {}, remarks))
+    over_time, answer = offered("relaxation under adhesion"), None
+    if over_time:
+        alternatives, answer, words = over_time(record, curve, alternatives)
+        remarks += [words] * bool(words)
     new = {name: sentence for name, sentence in _flags(alternatives, fit) if name not in result.flags}
     moves = left_out(record)
     if E_star_approach := next((item.value for item in result.estimates if item.name == "E_star_approach"), None):
@@ -205,7 +210,7 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Flow[Fi
     estimates = tuple(_with_part(item, alternatives, moves) for item in result.estimates)
     sizes = {**(result.sizes or {}), **{f"{name}_by_direction": size for name, size in moves.items()}}
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
-    verdict = Verdict(alternatives, *_by_formula(body.problem, fit))
+    verdict = Verdict(alternatives, *_by_formula(body.problem, fit), answer=answer)
     return replace(
         result, estimates=estimates, sizes=sizes, flags=(*result.flags, *new), verdict=verdict,
         warnings=(*warnings, *remarks[:1], *result.warnings),
@@ -233,10 +238,13 @@ def replace_by_best_alternative(
     if verdict is None or not verdict.alternatives.named:
         return plain
     full = fit_alternatives(FittedRecord(body, fit), models, verdict.alternatives)
-    verdict = replace(verdict, fitted=tuple(one for one, _ in full))
+    verdict = replace(verdict, fitted=tuple(one for one, _ in full)).with_answer
     if not verdict.tied:
         return replace(plain, verdict=verdict)
-    results = {one.name: result_of(found) for one, found in full if one.taken}
+    taken, answer = {one.name for one in verdict.tied}, verdict.answer
+    results = {one.name: result_of(found) for one, found in full if one.name in taken}
+    if answer is not None and answer.alternative.name in taken:
+        results[answer.alternative.name] = answer(result_of(fit), fit)
     result = results[verdict.tied[0].name]
     estimates = tuple(_with_ties(item, verdict.tied, results) for item in result.estimates)
     return replace(result, estimates=estimates, verdict=verdict)
@@ -551,7 +559,7 @@ def as_fit(
         estimates=estimates, free=free, covariance=intervals.covariance_of(free) if best.ended else None,
         samples=intervals.sampled(free), data={"delta": curve.depth[rows], "P": curve.load[rows]}, rows=rows,
         left_out=_left_out(record, rows.size), a=a[order], residuals=best.off[order][None] / best.sigma,
-        scales={"P": best.sigma}, scatter=1.0, dof=dof, structure=structure(best.off[a > 0]), line=_line(best),
+        scales={"P": best.sigma}, scatter=1.0, dof=dof, structure=structure(best.off[a > 0]), line=line_of(best),
         evaluations=best.least.steps, settings=settings, flags=tuple(flags), sizes=sizes,
         adhesion=None if back is None else known(back.adhesion), directions=_directions(record, best, settings),
         jkr=jkr,
@@ -677,7 +685,7 @@ def _renewed(best: ForceCurveFit, rng: np.random.Generator) -> Callable[[State],
     return lambda state: state.moved(other)
 
 
-def _line(best: ForceCurveFit) -> dict[str, Array]:
+def line_of(best: ForceCurveFit) -> dict[str, Array]:
     """The fitted readings in one stroke, in by the first direction and out by the second: a, delta and P."""
     model = np.concatenate([part.P for part in best.model.stretches]) + best.off
     z = np.concatenate([part.z for part in best.model.stretches])
@@ -763,7 +771,7 @@ def fit_record(
     result = result_of(whole, joint)
     apart = partial(_of_directions, of, result_of, joint, result)
     result = yield from later(result, "each direction by its own modulus", apart)
-    plain = yield from later(result, "alternative models", partial(attach_verdict, result, whole, joint))
+    plain = yield from later(result, "alternative models", partial(attach_verdict, result, whole, joint, curve))
     if settings.model != AUTO:
         return plain, joint
     straight = [record.holding(record.held.straight)] if record.held is not None and record.held.bends else []

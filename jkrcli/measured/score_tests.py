@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from operator import itemgetter
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -144,23 +145,43 @@ class FittedAlternative:
     straight: bool = False
 
 
+class Answering(Protocol):
+    """What an ``alternative`` that is no change of a record's model makes of a plain fit, and of what it was fitted
+    by."""
+
+    @property
+    def alternative(self) -> FittedAlternative: ...
+
+    def __call__(self, plain: Any, fit: ForceCurveFit) -> Any: ...
+
+
 @dataclass(frozen=True)
 class Verdict:
     """The ``alternatives`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by
     name and its ``E_star`` [Pa], None where the tip has no radius. ``fitted``: alternatives that were fitted in full,
     best first; if the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be
-    distinguished.
+    distinguished. ``answer``: that by an alternative that is no change of the model, where it was asked for.
     """
 
     alternatives: RecordAlternatives
     formula: str
     E_star: float | None
     fitted: tuple[FittedAlternative, ...] = ()
+    answer: Answering | None = None
 
     @property
     def tied(self) -> tuple[FittedAlternative, ...]:
         """Those that are taken, the best one first."""
         return tuple(one for one in self.fitted if one.taken)
+
+    @property
+    def with_answer(self) -> Verdict:
+        """With the answer among those that were fitted; those that leave more by ``SCORE_TIED`` are not taken."""
+        if self.answer is None:
+            return self
+        fitted = sorted((*self.fitted, self.answer.alternative), key=lambda one: (not one.taken, -one.falls))
+        least = fitted[0].falls - SCORE_TIED
+        return replace(self, fitted=tuple(replace(one, taken=one.taken and one.falls > least) for one in fitted))
 
     @property
     def families(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ WING = Wing(
         "a law of w over speed": "viscoelastic.rate:rate_law_of",
         "contact of a law over speed": "viscoelastic.rate:RateContact",
         "hypotheses over time": "viscoelastic.hypotheses:HYPOTHESES",
+        "relaxation under adhesion": "viscoelastic.relaxing_alternative:with_relaxation",
         "law over speed": "viscoelastic.rate_fit:law_along",
         "summary of a law over speed": "viscoelastic.report:through_summary",
         "words of a law over speed": "viscoelastic.report:through_words",

@@ -1,0 +1,133 @@
+"""A viscoelastic specimen that adheres, as an alternative of a raw record: a first look asks, a fit of the whole record
+answers.
+
+No column says what memory does to an adhesive contact: w acts at the moduli of the edge's speed, which passes for a
+change of w, of the tip or of positions. So whatever rejects a record's model asks for it. In full the body is a
+standard solid with w and its cohesive stress, through all rows in their order of time (``adhesive_fit.py``).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base.errors import JkrError
+from ..base.numerics import HALF_WIDTH, LEVEL, Array, f_chance
+from ..base.units import show
+from ..measured.alternative_fits import chi2_of
+from ..measured.curve import Curve
+from ..measured.fitted_record import FittedRecord
+from ..measured.force_curve import ForceCurveFit
+from ..measured.grade import misfits
+from ..measured.least_squares import STATISTICS_IMPROBABLE
+from ..measured.model_changes import MEMORY
+from ..measured.parameters import FittedValue
+from ..measured.record import UNEXPLAINED, line_of
+from ..measured.result import Fit
+from ..measured.score_tests import (
+    DETECTED,
+    SCORE_TIED,
+    FittedAlternative,
+    RecordAlternatives,
+    Score,
+    chance_of,
+    least_taken,
+)
+
+RELAXING = "relaxation under adhesion"
+RELAXING_ROWS = 4000  # choice: of even steps, from which the fit is made at most; the others count as these do
+# theory: Schwarz's criterion, what an unknown costs of chi^2 is the log of the rows; ratio, time and stress stand for
+# w of the approach
+RELAXING_MORE = 2
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxingAnswer:
+    """The fit of a record by a viscoelastic specimen that adheres: as an ``alternative``, its ``estimates``, and what
+    it leaves ``off`` the rows [N] that it is compared on, nan in others."""
+
+    alternative: FittedAlternative
+    estimates: tuple[FittedValue, ...]
+    off: Array
+
+    def __call__(self, plain: Fit, fit: ForceCurveFit) -> Fit:
+        """The answer in place of the ``plain`` one, by the ``fit`` of the same rows."""
+        own = {item.name: item for item in self.estimates}
+        others = tuple(own.pop(item.name, item) for item in plain.estimates if item.name not in OF_ONE_MODULUS)
+        here = replace(fit, off=np.where(np.isfinite(self.off), self.off, fit.off))
+        return replace(
+            plain, estimates=(*others, *own.values()), free=tuple(item.name for item in self.estimates if item.free),
+            covariance=None, samples=None, line=line_of(here),
+            residuals=here.off[np.argsort(fit.model.rows, kind="stable")][None] / fit.sigma,
+            flags=tuple(flag for flag in plain.flags if flag != UNEXPLAINED),
+            sizes={**(plain.sizes or {}), **misfits(here, fit.model.noise)},
+            warnings=tuple(line for line in plain.warnings if not line.startswith(f"{UNEXPLAINED}:")),
+        )  # fmt: skip
+
+
+OF_ONE_MODULUS = ("w_approach",)  # estimates that a history has none of
+
+
+def with_relaxation(
+    record: FittedRecord, curve: Curve, found: RecordAlternatives
+) -> tuple[RecordAlternatives, RelaxingAnswer | None, str]:
+    """The alternatives ``found`` by one step with that of a viscoelastic specimen that adheres among the named, the
+    first where it leaves no more than noise; its answer, and a sentence. As they are where none is named, the record
+    does not adhere, no time is read, or it leaves as much as they do."""
+    most = max((one.taken for one in found.named), default=math.inf)
+    adheres = len(record.model.stretches) > 1 and record.model.stretches[-1].tension > 0
+    if not found.named or not adheres or curve.t is None or record.model.positions or record.model.known:
+        return found, None, ""
+    from .relaxation_fit import relaxation_fit
+    from .timed_record import relaxation_settings
+
+    settings = relaxation_settings("sls", [], ["w"], record.body.problem.E_star, level=LEVEL)
+    step = math.ceil(len(curve) / RELAXING_ROWS)
+    few = np.arange(0, len(curve), step)
+    try:
+        fit = relaxation_fit(record.body, curve.rows(few), settings)
+    except JkrError:  # no such history resembles the record
+        return found, None, ""
+    ratio, certain = fit.value("ratio"), fit.estimate("ratio").error or math.inf
+    if 1 - ratio < HALF_WIDTH * certain:  # a cohesive stress alone takes as much
+        return found, None, ""
+    off = np.full(len(curve), np.nan)
+    off[few] = fit.response - curve.load[few]
+    off = off[record.model.rows]
+    rows = record.off_folds & np.isfinite(off)
+    before, left = (chi2_of(one[rows], record.model.rows[rows], record.fit.spread.noise)
+                    for one in (record.residuals, off))  # fmt: skip
+    falls = step * (before - left) - RELAXING_MORE * math.log(step * np.count_nonzero(rows))
+    if falls < step * SCORE_TIED or falls < least_taken(most):
+        return found, None, ""
+
+    # One that leaves no more than noise is the first; beside another misfit it may be a part of it
+    dof = max(int(np.count_nonzero(rows)) - len(fit.free), 1)
+    chance = f_chance(dof, max(found.loose, 1), left / dof)
+    alternative = FittedAlternative(
+        RELAXING, MEMORY, falls, chance, chance > STATISTICS_IMPROBABLE, fit.value("E_star"), fit.value("w"),
+        {"fall": 1 - ratio, "relaxation_time": fit.value("time")},
+    )  # fmt: skip
+    score = _score(record, alternative, certain, found)
+    named = (*found.named, score)
+    if alternative.taken and falls > most - SCORE_TIED:
+        named = (score, *(one for one in found.named if one.taken > least_taken(falls)))
+    words = (
+        f"{RELAXING}: E* = {show(alternative.E_star, 'modulus', 4)} at once, {ratio:.3g} of it at rest, "
+        f"over {show(fit.value('time'), 'time', 3)}, w = {show(alternative.w, 'work', 4)}: --relaxation sls --free w"
+    )
+    alternatives = replace(found, scores=(score, *found.scores), named=named)
+    return alternatives, RelaxingAnswer(alternative, fit.estimates, off), words
+
+
+def _score(record: FittedRecord, one: FittedAlternative, error: float, found: RecordAlternatives) -> Score:
+    """The same as other alternatives are told: the moduli fall by ``one``'s amount in the end, E* and w are those at
+    once."""
+    amount = one.quantities["fall"]
+    by_E, by_w = (math.log(new / old) / amount for new, old in ((one.E_star, record.E_star), (one.w, record.work)))
+    return Score(
+        RELAXING, MEMORY, "fall", False, amount, error, chance_of(record.fit, one.falls), one.falls,
+        min(one.falls / found.misfit, 1.0), by_E, by_w, 0.0, 1.0, DETECTED, record.known.quantile,
+    )  # fmt: skip

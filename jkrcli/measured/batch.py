@@ -163,7 +163,7 @@ def _odd(curves: Sequence[Curve], name: str, reading: Reading) -> Iterator[tuple
         return
     usual = float(np.median([*spans.values()]))
     odd = [one for one in curves if usual and spans.get(id(one)) and not
-           1 / UNIT_APART < spans[id(one)] / usual < UNIT_APART]  # fmt: skip
+           1 / UNIT_APART < spans[id(one)] / usual < UNIT_APART and (name == "delta" or _vote(one))]  # fmt: skip
     for one in odd if len(odd) <= MIXED * len(spans) else []:
         ratio = spans[id(one)] / usual
         words = f"its {name} spans {ratio:.1g} times that of the other files: is the unit wrong?"

@@ -14,25 +14,29 @@ import numpy as np
 from .. import __version__
 from ..base.errors import InputError, Unknown
 from ..base.numerics import Array
+from ..base.units import show
 from . import report as inverse
 from .archive import UNUSABLE, status_of
+from .grade import UNFIT
 from .procedure import Failure
+from .report import SYMBOLS
 from .result import Fit
 from .segmentation import ForceCurve, segment_force_curve
 
 PAGE = Template(resources.files(__package__).joinpath("curve_page.html").read_text(encoding="utf-8"))
-PAGE_POINTS = 800_000  # choice: points of all curves together; 4,000 curves with their words make 9 MB
+PAGE_POINTS = 740_000  # choice: points of all curves together; 4,000 curves with their words make 9 MB
 PAGE_MOST, PAGE_FEWEST = 800, 100  # choice: of one curve, as many as a screen shows; enough to see a jump and a fit
 SIXTEEN_BITS = 65535  # theory: the largest number of 16 bits, finer than a screen
 NAMES = {"delta": ("displacement", "m"), "P": ("load", "N"), "a": ("contact radius", "m")}
 
 
-def page(curves: Sequence[ForceCurve | Fit | Failure], title: str) -> str:
-    """Return the page of the ``curves``, thinned so that 4,000 make about 9 MB."""
+def page(curves: Sequence[ForceCurve | Fit | Failure], title: str, overview: bool = False) -> str:
+    """Return the page of the ``curves``, thinned so that 4,000 make about 9 MB; it begins with the first of them, or
+    with an ``overview``: all of them, small, and a table."""
     points = int(np.clip(PAGE_POINTS // max(len(curves), 1), PAGE_FEWEST, PAGE_MOST))
     shown = [_fitted(item, points) if isinstance(item, Fit) else _looked_at(item, points) for item in curves]
     text = json.dumps(shown, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
-    return PAGE.substitute(title=html.escape(title), curves=text, version=__version__)
+    return PAGE.substitute(title=html.escape(title), curves=text, version=__version__, overview="true" * overview)
 
 
 def _fitted(fit: Fit, points: int) -> dict[str, Any]:
@@ -46,6 +50,11 @@ def _fitted(fit: Fit, points: int) -> dict[str, Any]:
     return {
         "name": fit.name or fit.file,
         "status": status_of(fit),
+        "grade": [fit.grade.word, fit.grade.reason] if fit.grade else [status_of(fit), ", ".join(fit.flags)],
+        "cells": {
+            SYMBOLS.get(one.name, one.name): show(one.value, one.dimension, 3)
+            for one in (fit.estimate("E_star"), fit.work)
+        },
         "words": inverse.fit_words(fit),
         **_axes(x, y),
         "lines": [
@@ -64,8 +73,8 @@ def _looked_at(item: ForceCurve | Failure, points: int) -> dict[str, Any]:
         try:
             record = segment_force_curve(item.curve)
         except InputError:
-            return {"name": name, "status": UNUSABLE, "words": reasons, **_axes("delta", "P"), "lines": [],
-                    "base": [], "contact": []}  # fmt: skip
+            return {"name": name, "status": UNUSABLE, "grade": [UNFIT, reasons[0]], "cells": {}, "words": reasons,
+                    **_axes("delta", "P"), "lines": [], "base": [], "contact": []}  # fmt: skip
     assert isinstance(record, ForceCurve)
     z, P = record.curve.device, record.curve.P
     assert P is not None
@@ -73,9 +82,15 @@ def _looked_at(item: ForceCurve | Failure, points: int) -> dict[str, Any]:
     ends = [(side, z[side.segment.rows].min(), z[side.segment.rows].max()) for side in based]
     status = UNUSABLE if isinstance(item, Failure) else ", ".join(record.flags) or "no remark"
     what = "displacement" if record.curve.stiffness is None else "position z of the instrument"
+    grade = (
+        [UNFIT, next(iter(record.flags), reasons[0])] if isinstance(item, Failure) else [*inverse.look_grade(record)]
+    )
+    forces = {side.segment.kind: side.adhesion for side in based if not isinstance(side.adhesion, Unknown)}
     return {
         "name": name,
         "status": status,
+        "grade": grade,
+        "cells": {"adhesion force": show(forces["retract"], "load", 3)} if "retract" in forces else {},
         "words": reasons + inverse.look_words(record),
         **_axes("delta", "P"),
         "x": what,

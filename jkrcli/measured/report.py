@@ -30,8 +30,9 @@ from ..tables import some
 from . import files as measured
 from . import range_alternative, text_formats
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
+from .batch import read_batch
 from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
-from .grade import GOOD, UNFIT, change_words, size_words
+from .grade import GOOD, GRADES, LOOK, UNFIT, change_words, size_words
 from .joint import JointFit
 from .model_changes import OF_ALTERNATIVES
 from .parameters import FittedValue
@@ -749,30 +750,39 @@ def work_words(item: WorkAlong) -> list[str]:
 # What a measured file holds, in words and as JSON: reading, segments, base lines, touch, jumps, adhesion, flags.
 
 NO_BASE_LINE = Unknown("there is no base line")
+HOPELESS = ("no contact", "wrong way", "no force curve")  # flags of records of which no fit is taken
 
 
 @dataclass(frozen=True, eq=False)
 class Look(Result):
     """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``; ``tip``: of which a
-    rough modulus is computed."""
+    rough modulus is computed; ``notes`` on what the files of a folder settled together."""
 
     path: Path
     records: Sequence[ForceCurve]
     unusable: Sequence[str]
     tip: Indenter | None = None
+    notes: Sequence[str] = ()
 
     @classmethod
     def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None) -> Look:
         """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
         stands in for them."""
         reading.refuse_contact("look")
-        curves: list[Curve | InputError] = []
+        reading, curves, notes = replace(reading, incomplete=True), list[Curve | InputError](), tuple[str, ...]()
         try:
-            for curve in measured.each(path, replace(reading, incomplete=True)):
-                curves.append(curve)  # those before an error stay
+            if path.is_dir():
+                batch = read_batch(measured.folders_of(path), reading)
+                lines = [line for _, unread in batch.read for line in unread]
+                curves += [*(one for found, _ in batch.read for one in found), *map(InputError, lines)]
+                notes = batch.notes
+            else:
+                for curve in measured.each(path, reading):
+                    curves.append(curve)  # those before an error stay
         except InputError as error:
             curves.append(error)
-        taken_apart = iter(segment_force_curves([curve for curve in curves if isinstance(curve, Curve)]))
+        read = [curve for curve in curves if isinstance(curve, Curve)]
+        taken_apart = iter(segment_force_curves(read, quick=len(read) > SHOWN))
         records: list[ForceCurve] = []
         unusable: list[str] = []
         for curve in curves:
@@ -783,7 +793,7 @@ class Look(Result):
                 unusable += found.lines
             else:
                 raise found
-        return cls(path, records, unusable, tip)
+        return cls(path, records, unusable, tip, notes)
 
     def summary(self) -> dict[str, Any]:
         curves = []
@@ -800,19 +810,27 @@ class Look(Result):
     def words(self) -> list[str]:
         lines = [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
         if (count := len(self.records)) > 1:
-            flagged = sum(bool(record.flags) for record in self.records)
-            head = [f"{counted(count, 'curve')}, {flagged} of them with remarks: {self.path}"]
+            grades = Counter(look_grade(record)[0] for record in self.records)
+            reasons = Counter(reason for record in self.records if (reason := look_grade(record)[1]))
+            told = ", ".join(f"{grades[word]} {word}" for word in GRADES if grades[word])
+            head = [f"{counted(count, 'curve')}: {told}{_counted(reasons)}: {self.path}"]
             lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
         return lines + [f"  ... and {counted(count - SHOWN, 'more curve')} (all with --json)"] * (count > SHOWN)
 
     @property
     def warnings(self) -> Sequence[str]:
-        return self.unusable
+        return [*self.unusable, *self.notes]
 
     def figure(self) -> Figure:
         from .figures import record_figure
 
         return record_figure(self.records)
+
+
+def look_grade(record: ForceCurve) -> tuple[str, str]:
+    """Whether a record can be fitted as it is, by its flags, and the flag that says why not."""
+    hopeless = next((flag for flag in record.flags if flag in HOPELESS), "")
+    return (UNFIT, hopeless) if hopeless else (LOOK, next(iter(record.flags))) if record.flags else (GOOD, "")
 
 
 def as_dict(record: ForceCurve) -> dict[str, Any]:

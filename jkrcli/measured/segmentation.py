@@ -277,13 +277,13 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
     return alone(examined(curve))
 
 
-def segment_force_curves(curves: Sequence[Curve]) -> list[ForceCurve | Exception]:
+def segment_force_curves(curves: Sequence[Curve], quick: bool = False) -> list[ForceCurve | Exception]:
     """The parts of each of some curves, by ``segment_force_curve``; its error where one cannot be examined, whatever
-    the others are."""
-    return together([examined(curve) for curve in curves])
+    the others are. ``quick``: without what free rows hold beside a base line."""
+    return together([examined(curve, quick) for curve in curves])
 
 
-def examined(curve: Curve) -> Flow[ForceCurve]:
+def examined(curve: Curve, quick: bool = False) -> Flow[ForceCurve]:
     """The parts of a measured curve, as a flow; InputError where it holds no displacement and load, or too few rows."""
     if curve.delta is None or curve.P is None:
         left_out = [f"{curve.where}: {flag}" for flag in curve.flags if NO_UNIT in flag]
@@ -305,7 +305,8 @@ def examined(curve: Curve) -> Flow[ForceCurve]:
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = yield from _directions(z, P, sides)
     code = resolution(whole.load)
-    held = yield from _free_rows(z, P, directions, code, curve.stiffness, _sunk(z, P, directions))
+    sunk = 0.0 if quick else _sunk(z, P, directions)
+    held = None if quick else (yield from _free_rows(z, P, directions, code, curve.stiffness, sunk))
     saturated = saturation(curve)
     if held is not None:
         curve, whole = (_less(one, held.taken, held.of_signal) for one in (curve, whole))

@@ -12,7 +12,7 @@ from ..base.errors import InputError, counted
 from ..base.files import together, write_text
 from ..cli import inputs, options
 from ..cli.printing import answer, give, progress
-from ..report.result import PICTURES, Output, Results
+from ..report.result import PICTURES, SHOWN, Output, Results
 from ..resolve.analysis import nonadhesive
 from . import readings
 from .curve import Use
@@ -34,7 +34,8 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
 
     Prints how columns and units were read; of each curve its segments, base line and noise, contact point, jumps,
     adhesion force, and what is wrong with it. With --radius a rough E* and w. Draws <stem>-look.png and .svg;
-    of several curves also a page to click through them, <stem>-look.html, of several files curves-look.html.
+    of several curves also a page with all of them, small, their grades in a table, and each large, <stem>-look.html, of
+    several files curves-look.html.
 
     \b
     jkr look curve.jpk-force --radius "5 um"
@@ -62,7 +63,10 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
             from .curve_page import page
 
             write_text(
-                curves[".html"], page(records, f"{counted(len(records), 'curve')}: {', '.join(map(str, files[:3]))}")
+                curves[".html"],
+                page(
+                    records, f"{counted(len(records), 'curve')}: {', '.join(map(str, files[:3]))}", len(records) > SHOWN
+                ),
             )
             pictures.append(str(curves))
     whole = Results(results, [line for result in results for line in result.warnings], "files")

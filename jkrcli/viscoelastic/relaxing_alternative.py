@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base.errors import JkrError
-from ..base.numerics import HALF_WIDTH, LEVEL, Array, f_chance
+from ..base.numerics import LEVEL, Array, f_chance
 from ..base.units import show
 from ..measured.alternative_fits import chi2_of
 from ..measured.curve import Curve
@@ -78,7 +78,8 @@ def with_relaxation(
     does not adhere, no time is read, or it leaves as much as they do."""
     most = max((one.taken for one in found.named), default=math.inf)
     adheres = len(record.model.stretches) > 1 and record.model.stretches[-1].tension > 0
-    if not found.named or not adheres or curve.t is None or record.model.positions or record.model.known:
+    told = record.model.positions or record.model.works or "ln_s" in record.model.known  # by the user, or w is 0
+    if not found.named or not adheres or curve.t is None or told:
         return found, None, ""
     from .relaxation_fit import relaxation_fit
     from .timed_record import relaxation_settings
@@ -90,9 +91,9 @@ def with_relaxation(
         fit = relaxation_fit(record.body, curve.rows(few), settings)
     except JkrError:  # no such history resembles the record
         return found, None, ""
-    ratio, certain = fit.value("ratio"), fit.estimate("ratio").error or math.inf
-    if 1 - ratio < HALF_WIDTH * certain:  # a cohesive stress alone takes as much
-        return found, None, ""
+    at_once = fit.estimate("E_star")
+    if not (at_once.low and fit.modulus(np.ptp(curve.time, keepdims=True))[0, 2] < at_once.low):
+        return found, None, ""  # nothing is certain to relax: a cohesive stress alone takes as much
     off = np.full(len(curve), np.nan)
     off[few] = fit.response - curve.load[few]
     off = off[record.model.rows]
@@ -107,15 +108,15 @@ def with_relaxation(
     dof = max(int(np.count_nonzero(rows)) - len(fit.free), 1)
     chance = f_chance(dof, max(found.loose, 1), left / dof)
     alternative = FittedAlternative(
-        RELAXING, MEMORY, falls, chance, chance > STATISTICS_IMPROBABLE, fit.value("E_star"), fit.value("w"),
-        {"fall": 1 - ratio, "relaxation_time": fit.value("time")},
+        RELAXING, MEMORY, falls, chance, chance > STATISTICS_IMPROBABLE, at_once.value, fit.value("w"),
+        {"fall": 1 - fit.value("ratio"), "relaxation_time": fit.value("time")},
     )  # fmt: skip
-    score = _score(record, alternative, certain, found)
+    score = _score(record, alternative, fit.estimate("ratio").error or math.inf, found)
     named = (*found.named, score)
     if alternative.taken and falls > most - SCORE_TIED:
         named = (score, *(one for one in found.named if one.taken > least_taken(falls)))
     words = (
-        f"{RELAXING}: E* = {show(alternative.E_star, 'modulus', 4)} at once, {ratio:.3g} of it at rest, "
+        f"{RELAXING}: E* = {show(alternative.E_star, 'modulus', 4)} at once, {fit.value('ratio'):.3g} of it at rest, "
         f"over {show(fit.value('time'), 'time', 3)}, w = {show(alternative.w, 'work', 4)}: --relaxation sls --free w"
     )
     alternatives = replace(found, scores=(score, *found.scores), named=named)

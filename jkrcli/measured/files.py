@@ -13,15 +13,17 @@ from ..base.errors import InputError, did_you_mean
 from ..base.files import is_ours, packed
 from ..base.hdf5 import format_of
 from ..base.numerics import SHOWN, Array
+from ..base.units import show
 from . import afm_formats, instruments, text_formats
 from . import instruments as archive
-from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
+from .curve import APPROACH, ARBITRARY, LEAST_ROWS, AsRead, Curve, Reading
 from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise, with_zero_points
 
 __all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 MAP_ENDINGS = (".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".h5")
+UNIT_WRONG = 10.0  # choice: of the way of a device, by which loads cannot bend it; calibrations err by less
 # What lies beside measurements in a folder, and is none.
 NOT_MEASURED = (".toml", ".json", ".png", ".svg", ".pdf", ".jpg", ".tif", ".html", ".md", ".py", ".ipynb", ".log")
 
@@ -218,6 +220,12 @@ def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> C
         return of_its_device(converted)
     if converted.P is None:
         raise InputError(f"{curve.where}: holds no load: the instrument's deflection P/stiffness cannot be subtracted")
+    # The device cannot be bent by much more than its position moves
+    way, bent = float(np.ptp(converted.delta)), float(np.ptp(converted.P)) / stiffness
+    if bent > UNIT_WRONG * way > 0 and not any(ARBITRARY in flag for flag in converted.flags):
+        sizes = f"({stiffness:g} N/m) by {show(bent, 'length', 2)} while it moves by {show(way, 'length', 2)}"
+        raise InputError(f"{curve.where}: loads bend the instrument {sizes}: a unit or the stiffness is wrong, give "
+                         "--unit delta=um, --unit P=nN or --stiffness")  # fmt: skip
     twice = stiffness_of_noise(converted.delta, converted.P) is not None
     flags = (*converted.flags, SUBTRACTED_TWICE) if twice else converted.flags
     return replace(converted, delta=converted.delta - converted.P / stiffness, stiffness=stiffness, flags=flags)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,7 +69,10 @@ def test_a_folder_of_mixed_files_is_read_right_or_refused_as_a_whole(number: int
         (curve,) = [one for one in curves if one.name == f"{i:02}"] or [None]
         if file.unit == "nm":
             assert curve is None
-            assert any(f"{i:02}.txt: its delta spans" in line and "--unit delta" in line for line in unread)
+            assert any(
+                line.startswith(f"{tmp_path / f'{i:02}.txt'}: ") and re.search(r"--unit\s+delta", line)
+                for line in unread
+            )
             continue
         assert curve is not None
         assert curve.stiffness == K
@@ -90,6 +94,16 @@ def test_one_file_alone_would_have_been_read_with_the_sign_of_its_noise(tmp_path
         File(1).write(tmp_path / f"in{i}.txt", "piezo", i)
     [(curves, _)] = read_batch([tmp_path], Reading()).read
     assert {float(np.sign(one.device[199] - one.device[0])) for one in curves} == {1.0}
+
+
+def test_a_way_of_a_thousandth_of_the_others_is_named_where_nothing_bends(tmp_path: Path) -> None:
+    for i in range(10):
+        File(1, unit="nm" if i == 4 else "um").write(tmp_path / f"{i}.txt", "piezo", i)
+    [(curves, [line])] = read_batch([tmp_path], Reading(stiffness="rigid")).read
+    assert [one.name for one in curves] == [f"{i}" for i in range(10) if i != 4]
+    assert line == f"{tmp_path / '4.txt'}: its delta spans 0.001 times that of the other files: is the unit wrong? " + (
+        "Fit it alone with --unit delta=UNIT"
+    )
 
 
 def test_different_constants_are_asked_for_and_a_sign_as_specified_is_kept(tmp_path: Path) -> None:

@@ -557,3 +557,33 @@ def test_heads_of_further_intervals_are_no_rows(tmp_path: Path) -> None:
     assert not any("without a number" in flag for flag in curve.flags)
     with pytest.raises(InputError, match="line 58 must hold 5 numbers"):  # no intervals that are counted
         one(written(tmp_path, intervals((1, 1, 1))))
+
+
+@pytest.mark.parametrize("names", [("h (nm)", "P (nN)"), ("Pd (nm)", "Fn (nN)"), ("MEMS displ.[nm]", "MEMS force[nN]")])
+def test_names_of_nanoindenters(tmp_path: Path, names: tuple[str, str]) -> None:
+    curve = one(written(tmp_path, table((names[0], Z * 1e9), (names[1], LOAD * 1e9))))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_a_depth_is_no_thickness_beside_a_displacement(tmp_path: Path) -> None:
+    curve = one(written(tmp_path, table(("h (nm)", 0 * Z + 50), ("delta (nm)", Z * 1e9), ("P (nN)", LOAD * 1e9))))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+
+
+def test_an_exit_behind_a_hold_is_retraction(tmp_path: Path) -> None:
+    words = ["load"] * 3 + ["hold", "unload", "exit"]
+    rows = "\n".join(f"{z * 1e9},{P * 1e9},{word}" for z, P, word in zip(Z, LOAD, words, strict=True))
+    curve = one(written(tmp_path, f"depth (nm),load (nN),segment\n{rows}\n"))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 3 + ["hold", "retract", "retract"]
+
+
+def test_micrometres_labelled_nanometres_bend_the_device_by_more_than_it_moves(tmp_path: Path) -> None:
+    z, P = np.linspace(0, 1.8e-6, 50), np.linspace(0, 60e-9, 50) ** 1.0
+    head = "# springConstant: 0.3\n"
+    wrong = written(tmp_path, head + table(("piezo (nm)", z * 1e6), ("force (nN)", P * 1e9)))
+    with pytest.raises(InputError, match=r"bend the instrument \(0.3 N/m\) by 200 nm while it moves by 1.8 nm.*--unit"):
+        one(wrong)
+    curve = one(wrong, Reading(units={"delta": "um"}))
+    np.testing.assert_allclose(curve.device, z, atol=1e-15)

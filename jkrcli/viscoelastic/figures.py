@@ -11,7 +11,7 @@ from ..base.numerics import Array
 from ..base.units import show
 from ..measured.figures import MARKERS
 from ..report import plots
-from ..report.plots import Axes, Figure, axis_of, log_ticks, panelled, pretty
+from ..report.plots import Axes, Figure, axis_of, log_ticks, panelled, pretty, unit_of
 from .rate_fit import RateFit
 from .timed_record import RelaxationFit
 
@@ -42,19 +42,54 @@ def law_band(axes: Axes, v: Array, w: Array, low: Array, high: Array, colour: st
     log_ticks(axes.xaxis, axes.yaxis)
 
 
+PICTURE_FIRST = 1e-3  # choice: of how long a record lasts, the first time of E*(t) that is drawn
+PICTURE_RECORDS = 3  # choice: that are drawn at most
+
+
 def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
-    """What each of the first records held and what that made, over time, readings and model."""
-    shown = fits[:6]
-    with panelled(plots.WIDE, 2.8 * len(shown), 2 * len(shown), columns=2, legend=2) as (figure, axes):
-        for left, right, fit in zip(axes[::2], axes[1::2], shown, strict=True):
-            record, names = fit.record, ("P", "delta") if fit.record.loaded else ("delta", "P")
-            pairs = ((left, record.imposed, fit.imposed, names[0]), (right, record.response, fit.response, names[1]))
-            for place, read, model, name in pairs:
-                (time, t_label), (factor, label) = axis_of("t", record.t), axis_of(name, read)
-                thin = 1 + read.size // MARKERS
+    """Of each of the first records the load over time and over the displacement, readings and model, what the model
+    leaves of the response, and E*(t) with its band."""
+    shown = fits[:PICTURE_RECORDS]
+    with panelled(plots.WIDE, 5.0 * len(shown), 4 * len(shown), columns=2, legend=3) as (figure, axes):
+        for i, fit in enumerate(shown):
+            over_time, over_depth, left, moduli = axes[4 * i : 4 * i + 4]
+            record, (delta, P) = fit.record, _delta_and_P(fit.record.imposed, fit.record.response, fit)
+            model_delta, model_P = _delta_and_P(fit.imposed, fit.response, fit)
+            (time, t_label), (depth, delta_label), (load, P_label) = (
+                axis_of(name, values) for name, values in (("t", record.t), ("delta", delta), ("P", P))
+            )
+            some = slice(None, None, 1 + P.size // MARKERS)
+            for place, x, model_x in (
+                (over_time, record.t / time, record.t / time), (over_depth, delta / depth, model_delta / depth)
+            ):  # fmt: skip
                 seen: dict[str, Any] = {"ms": 3, "color": plots.SKY, "mfc": "none", "label": "readings"}
-                place.plot(record.t[::thin] / time, read[::thin] / factor, "o", **seen)
-                place.plot(record.t / time, model / factor, color=plots.ORANGE, lw=1.2, label="model")
-                place.set(xlabel=t_label, ylabel=label)
-            left.set_title(pretty(str(fit.relaxation)), fontsize=8)
+                place.plot(x[some], P[some] / load, "o", **seen)
+                place.plot(model_x, model_P / load, color=plots.ORANGE, lw=1.2, label="model")
+            over_time.set(xlabel=t_label, ylabel=P_label)
+            over_depth.set(xlabel=delta_label, ylabel=P_label)
+            over_time.set_title(pretty(str(fit.relaxation)), fontsize=8)
+            off = fit.response - record.response
+            factor, unit = unit_of("length" if record.loaded else "load", off[np.isfinite(off)])
+            left.plot(record.t / time, off / factor, ".", color=plots.BLUE, ms=1.5)
+            left.axhline(0, color=plots.BLACK, lw=0.6)
+            left.set(xlabel=t_label, ylabel=f"model - readings ({unit})")
+            _relaxed_moduli(moduli, fit)
         return figure
+
+
+def _delta_and_P(imposed: Array, response: Array, fit: RelaxationFit) -> tuple[Array, Array]:
+    return (response, imposed) if fit.record.loaded else (imposed, response)
+
+
+def _relaxed_moduli(axes: Axes, fit: RelaxationFit) -> None:
+    """E*(t) after a step of the strain, with its band, over as long as the record lasts."""
+    lasting = float(np.ptp(fit.record.t))
+    t = np.geomspace(PICTURE_FIRST * lasting, lasting, 60)
+    E, low, high = fit.modulus(t).T
+    (time, t_label), (unit, E_label) = axis_of("t", t), axis_of("E_star", E)
+    axes.fill_between(t / time, low / unit, high / unit, color=plots.GREEN, alpha=0.25, lw=0,
+                      label=f"{fit.settings.level:.0%} band")  # fmt: skip
+    axes.semilogx(t / time, E / unit, color=plots.GREEN)
+    axes.set(xlabel=t_label, ylabel=f"{E_label}, relaxation")
+    axes.set_ylim(bottom=0)
+    log_ticks(axes.xaxis)

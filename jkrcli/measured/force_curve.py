@@ -1149,8 +1149,8 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit
     only its shape shows how far its edge rests.
     """
     wrong = SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
-    alone, ends, best = "turn" in model.names, list[Least](), None
-    for enough in (FIT_EXPLAINED, 0.0)[alone:]:
+    retracts, ends, best = "turn" in model.names, list[Least](), None
+    for enough in (FIT_EXPLAINED, 0.0)[retracts:]:
         if enough:
             found = yield from roughly(model.few, next(starts_of(model)), FIT_BLUNT[1:2])
         else:
@@ -1187,9 +1187,9 @@ def _rough_ends(model: ForceCurveModel) -> Flow[list[Least]]:
     few, own = model.few, dict[str, dict[str, float]]()
     begun = [(few, x, folds) for x in starts_of(model) for folds in (FIT_BLUNT[1:2], FIT_BLUNT[:2])]
     for part in model.stretches if len(model.stretches) > 1 else ():
-        alone = replace(model, stretches=(part,))
+        single = replace(model, stretches=(part,))
         with contextlib.suppress(SolveError):
-            begun += [(alone.few, x, FIT_BLUNT[:2]) for x in starts_of(alone)]
+            begun += [(single.few, x, FIT_BLUNT[:2]) for x in starts_of(single)]
     found = yield from beside([roughly(*one) for one in begun])
     ends = [(one, end) for (one, _, _), each in zip(begun, found, strict=True) for end in each]
     for one, end in sorted(ends, key=lambda pair: -pair[1].cost):  # of each direction the least comes last

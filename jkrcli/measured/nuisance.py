@@ -2,7 +2,7 @@
 
 Sizes and ranges of what acts beside the contact are unknowns of the fit, so that its covariance holds how well they are
 known. Whether an attraction stays in contact or ends at touch, by which law, whether a level is a spring that contact
-stretches, and whether there is any, are hypotheses: the record is fitted by the likeliest, by chi^2 and by what is
+stretches, and whether there is any, are hypotheses: the record is fitted by the likeliest, by the rows and by what is
 likely before the data; estimates are averages over all at their odds, and the spread is a part of the model's error.
 """
 
@@ -31,20 +31,20 @@ from .result import Fit, attempted, later
 from .segmentation import ForceCurve
 from .settings import Settings
 
-NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which a hypothesis is none of these data
+NUISANCE_EXCLUDED = 100.0  # choice: of -2 ln L, ten standard errors, beyond which one is none of these data
 NUISANCE_FAR = 3.0  # choice: standard deviations of a row, beyond which it counts no more: a jump a row late is none
 NUISANCE_SEEN = 1e-4  # choice: relative, a part of an error below which it is none
 NUISANCE_LEAST = 0.01  # choice: of the range of the load, the pull-off force that sizes are compared with at least
 NUISANCE_VAGUE = 0.5  # choice: of ln E*, the standard error that tells nothing of it
-NUISANCE_LEFT = 13.8  # theory: of chi^2, odds of 1 in 1,000, up to which one is not excluded
-NUISANCE_TOLD = 30.0  # choice: rise of chi^2 up to which values of the next hypothesis are told
+NUISANCE_LEFT = 13.8  # theory: of -2 ln L, odds of 1 in 1,000, up to which one is not excluded
+NUISANCE_TOLD = 30.0  # choice: of -2 ln L, up to which values of the next hypothesis are told
 
 
 Outcome: TypeAlias = Mapping[str, float]  # of a fit, SI, by name
 Whole: TypeAlias = tuple[FittedBody, ForceCurveFit]  # the body as far as it was solved
 
 
-Found: TypeAlias = "tuple[list[Hypothesis], list[float], list[str]]"  # with rises of chi^2, and words
+Found: TypeAlias = "tuple[list[Hypothesis], list[float], list[str]]"  # with rises of -2 ln L, and words
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ class Hypothesis:
 
     @cached_property
     def cost(self) -> float:
-        """What its terms cost, of chi^2: -2 times the logs of their odds, and of how much of what is likely of them
+        """What its terms cost, of -2 ln L: those of their odds, and of how much of what is likely of them
         before the data is left (Laplace's approximation); of sizes by Cauchy's distribution, whose tail is heavy."""
         tension = max((known(side.adhesion) or 0.0 for side in self.record.directions), default=0.0)
         span = float(np.ptp(self.record.curve.load))
@@ -194,7 +194,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
 
 
 def _hypotheses(body: FittedBody, record: ForceCurve, settings: Settings) -> Found:
-    """What the free rows may hold, the likeliest first, and by how much chi^2 of each is higher, with what its terms
+    """What the free rows may hold, the likeliest first, and by how much -2 ln L of each is higher, with what its terms
     cost; sentences on those that no curve fits with, JkrError where that is so of all. Of a sine only those with a
     wave, if there are; none that leaves a direction without a base line, which others have. The first is fitted, and
     from there on those of the others that a few rows do not exclude.

@@ -130,9 +130,11 @@ def judgement(record: ForceCurve, best: ForceCurveFit) -> tuple[dict[str, str], 
     contact = best.error("z0") / depth if "z0" in best.names else 0.0
     sizes, flags = misfits(best, noise), {} if best.ended else {UNDETERMINED: GIVEN_UP.format(best.least.steps)}
     if sizes["misfit"] > FLAG_MISFIT or (best.spread.excess - 1 > FLAG_EXCESS and is_misfit(sizes)):
+        free, touching = (np.append(best.off[rows] ** 2, 0.0).mean() for rows in (best.a == 0, best.a > 0))
         flags["misfit"] = (
             f"the residuals are {sizes['misfit']:.2%} of the range of the load, {best.spread.excess:.0f} "
-            "times what the noise of the free rows explains: another body, indenter or adhesion"
+            "times what the noise of the free rows explains: "
+            + ("no line describes the free rows" if free > touching else "another body, indenter or adhesion")
         )
     if noise / span > FLAG_VAGUE:
         flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"

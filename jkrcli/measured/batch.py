@@ -6,6 +6,7 @@ as the spring constant in its header, all of them settle together; a file that d
 
 from __future__ import annotations
 
+import math
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
@@ -29,6 +30,7 @@ MIXED = 0.1  # choice: share of the files that may deviate; of more the files ar
 LEAST_VOTES = 5  # choice: files that must agree before the sign of a column's name is overruled
 UNIT_APART = 300.0  # choice: ratio of the ways of two files beyond which one of their units is taken to be wrong
 CONSTANT = re.compile(r"\b(stiffness|sensitivity) ([-+.\de]+) (?:N/m|m/V)")  # in a flag of a curve
+WITH_ERROR = re.compile(r"\b(stiffness|sensitivity) \S+ (?:N/m|m/V) ± (\S+) %")  # of a constant in a header
 OF_COLUMN = re.compile(r'displacement from column \d+ "([^"]*)"')
 AS_OTHERS = "sign as in the other files"
 
@@ -65,6 +67,16 @@ def _names(places: Sequence[str]) -> str:
 
 
 # ---------------------------------------------------------------------- constants of the device
+def header_errors(curves: Sequence[Curve]) -> dict[str, float]:
+    """The largest relative standard error of each constant that headers name with one, where all curves are of a device
+    with a stiffness, whose loads it changes."""
+    found = dict[str, float]()
+    if all(one.stiffness not in (None, math.inf) for one in curves):
+        for name, size in (pair for one in curves for flag in one.flags for pair in WITH_ERROR.findall(flag)):
+            found[name] = max(found.get(name, 0.0), float(size) / 100)
+    return found
+
+
 def _with_constants(
     path: Path, curves: list[Curve], lines: list[str], reading: Reading, notes: list[str]
 ) -> tuple[list[Curve], list[str]]:

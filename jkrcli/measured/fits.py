@@ -33,7 +33,7 @@ from ..methods.protocol import Forecast, Limits
 from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import files as measured
-from .batch import read_batch
+from .batch import header_errors, read_batch
 from .curve import Curve, Reading
 from .files import folders_of, holds_map
 from .forward_model import FittedBody
@@ -282,11 +282,14 @@ def fit_curves(
     seconds = sum(TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     forecast = Forecast(len(bodies) * seconds, memory_of(curves, len(bodies), parallel[0]), 0.0)
     begin(f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
+    of_headers = {name: size for name, size in header_errors(curves).items() if name not in settings.uncertain}
+    settings = replace(settings, uncertain={**of_headers, **settings.uncertain})
     groups, each = [(bodies, curves, settings)], [list[Outcome]() for _ in bodies]
     if asked.tip_radius:  # each file or folder by its tip
-        tips = zip(*(with_radii(one, asked.tip_radius, len(read)) for one in bodies), strict=True)
-        groups = [([*tip], found, _settings(replace(request, body=tip[0]), settings.contact))
-                  for tip, (found, _) in zip(tips, read, strict=True)]  # fmt: skip
+        tips = [*zip(*(with_radii(one, asked.tip_radius, len(read)) for one in bodies), strict=True)]
+        of_tips = [_settings(replace(request, body=tip[0]), settings.contact) for tip in tips]
+        groups = [([*tip], found, replace(how, uncertain={**of_headers, **how.uncertain}))
+                  for tip, (found, _), how in zip(tips, read, of_tips, strict=True)]  # fmt: skip
     for of_tip, part, how in groups:
         fitted = _fit_group(of_tip, part, how, forecast, limits, parallel)
         for one, items, more in zip(of_tip, each, fitted, strict=True):

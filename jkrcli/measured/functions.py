@@ -18,6 +18,7 @@ from ..base.process import one_thread
 from ..bodies.indenters import Indenter
 from ..resolve.analysis import nonadhesive
 from . import procedure
+from .batch import header_errors
 from .curve import Curve, Reading, Use
 from .files import from_columns
 from .files import read as read_curves
@@ -95,7 +96,9 @@ def identify(
         reading = replace(reading, contact="as-is")
     curve = curve_of(named if measured is None else measured, reading)
     source = body_of(body, slopes)
-    result = one_thread()(procedure.fit)(source, curve, settings_of(source, free, fix or {}, **options))
+    settings = settings_of(source, free, fix or {}, **options)
+    settings = replace(settings, uncertain={**header_errors([curve]), **settings.uncertain})
+    result = one_thread()(procedure.fit)(source, curve, settings)
     return replace(result, body=body_words(body, source))
 
 
@@ -276,7 +279,7 @@ def _reading(where: str, options: Mapping[str, Any]) -> Reading:
 
 
 @checked
-def look(path: AnyPath, tip: Indenter | None = None, **reading: Any) -> Look:
+def look(path: AnyPath, tip: Indenter | None = None, rigid: bool = False, **reading: Any) -> Look:
     """Tell what a measured file holds: segments, base line, contact, jumps, adhesion force; no body is needed.
 
     Parameters
@@ -285,6 +288,8 @@ def look(path: AnyPath, tip: Indenter | None = None, **reading: Any) -> Look:
         The file.
     tip : indenter, optional
         ``Sphere(5e-6)``: with a rough modulus, too.
+    rigid : bool, optional
+        Whether the specimen is rigid: then ``rigid`` of the result is the sensitivity that follows.
     **reading
         Fields of `Reading`.
 
@@ -298,7 +303,7 @@ def look(path: AnyPath, tip: Indenter | None = None, **reading: Any) -> Look:
     InputError
         Where a field of the reading is wrong.
     """
-    return one_thread()(Look.at)(Path(path), _reading("look", reading), tip)
+    return one_thread()(Look.at)(Path(path), _reading("look", reading), tip, rigid)
 
 
 @checked

@@ -31,6 +31,9 @@ DEPTHS, DEFLECTIONS = WORDS["instruments"]["depths"], WORDS["instruments"]["defl
 WHOLE = WORDS["measured"]["also"]["t"]  # times of a record whose segments have their own too
 ENDS = 0.1  # choice: of a range, what is an end of the way, and up to which a load is free
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
+# A number with its error; and a line for the error of what is named before
+WITH_ERROR = re.compile(rf"{NUMBER}\s*(?:±|\+/?-)\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%)?\s*")
+OF_ERROR = re.compile(rf"\W*(.*?)[\s_-]*(?:error|uncertainty|std)\s*[:=]\s*{NUMBER}\s*(%|\S+/\S+)\s*\Z", re.IGNORECASE)
 # "# x: 1.5 um", "X Position [nm] = 3", and of JPK "# xPosition: 1.2e-06", which is SI
 OF_HEAD = re.compile(
     rf"\W*([xy])[ _-]*(position|pos|offset)?\s*(?:[\[(]\s*(\S+?)\s*[\])])?\s*[:=]\s*{NUMBER}\s*(\S*?)\W*\Z",
@@ -125,12 +128,12 @@ def segment_of(line: str) -> str | None:
     return named[0] if len(named) == 1 and not others and not re.match(r"\s*[-+.\d]", line) else None
 
 
-def constants(head: tuple[str, ...]) -> Mapping[str, float]:
+def constants(head: Sequence[str]) -> Mapping[str, float]:
     """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; in the words of JPK and
     Bruker a bare 1 stands for unknown."""
     values: dict[str, float] = {}
     for whole in head[:MOST_COLUMNS]:
-        line = re.sub(r"\s+", lambda blank: "\t" if "\t" in blank[0] else " ", whole)
+        line = WITH_ERROR.sub(r"\1 ", re.sub(r"\s+", lambda blank: "\t" if "\t" in blank[0] else " ", whole))
         if len(line) > LONGEST:
             continue
         of_program = line
@@ -166,6 +169,23 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
         if plain(name) in WORDS["constants"].get(kind, ()) and value > 0 and not unknown:
             values.setdefault(kind, value * size)
     return values
+
+
+def constant_errors(head: Sequence[str]) -> Mapping[str, float]:
+    """Relative standard errors of the ``constants`` that the head of a file names: behind the number, "0.30 ± 0.02
+    N/m", or on a line of their own, "spring constant error: 5 %"."""
+    errors: dict[str, float] = {}
+    known = constants(head)
+    for line in (line for line in head[:MOST_COLUMNS] if len(line) <= LONGEST):
+        if match := WITH_ERROR.search(line):
+            errors |= {name: float(match[2]) / (100 if match[3] else float(match[1])) for name in constants([line])}
+        elif match := OF_ERROR.match(line):
+            name, number, unit = match.groups()
+            for kind, names in WORDS["constants"].items():
+                size = constants([f"{names[0]}: {number} {unit}"]).get(kind) if unit != "%" else None
+                if plain(name) in names and kind in known and (unit == "%" or size):
+                    errors[kind] = float(number) / 100 if size is None else size / known[kind]
+    return errors
 
 
 def position_in(head: Sequence[str]) -> Pixel | None:

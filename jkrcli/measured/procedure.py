@@ -22,6 +22,7 @@ from ..bodies.problem import RADIUS, changed, checked_names
 from ..methods.radii import ROOM
 from ..resolve.resolve import sticking_effect, sticking_warnings
 from ..series.vocabulary import NO_UNIT
+from .batch import header_errors
 from .checks import warnings_of
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from .force_curve import FIT_ENOUGH, ForceCurveFit, fitting
@@ -541,10 +542,12 @@ def preparing(body: FittedBody, curve: Curve, settings: Settings) -> Flow[Prepar
             )
         curve, settings = contact_rows(body, record, settings)
     requested = settings
-    if idle := [name for name in settings.uncertain if name in CALIBRATED]:
+    of_device = [name for name in settings.uncertain if name in CALIBRATED]
+    if idle := [name for name in of_device if name not in header_errors([curve])]:
         raise InputError(
             f"{curve.where}: --uncertain {idle[0]} is for raw force curves of an instrument, it has no effect here"
         )
+    settings = replace(settings, uncertain={k: v for k, v in settings.uncertain.items() if k not in of_device})
     if settings.tension_at_most:
         raise InputError(f"{curve.where}: --bound {TENSION} is for raw force curves, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve

@@ -38,6 +38,7 @@ from .model_changes import OF_ALTERNATIVES
 from .parameters import FittedValue
 from .procedure import Failure
 from .result import Fit, JKRBeside
+from .rigid import Sensitivity, mean, sensitivity_of
 from .score_tests import FittedAlternative, RecordAlternatives
 from .segmentation import Direction, ForceCurve, saturation, saturation_words, segment_force_curves
 from .surface_tension import TensionFit
@@ -756,16 +757,18 @@ HOPELESS = ("no contact", "wrong way", "no force curve")  # flags of records of 
 @dataclass(frozen=True, eq=False)
 class Look(Result):
     """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``; ``tip``: of which a
-    rough modulus is computed; ``notes`` on what the files of a folder settled together."""
+    rough modulus is computed; ``notes`` on what the files of a folder settled together; ``rigid``: on a rigid
+    specimen, the sensitivity that follows."""
 
     path: Path
     records: Sequence[ForceCurve]
     unusable: Sequence[str]
     tip: Indenter | None = None
     notes: Sequence[str] = ()
+    rigid: Sensitivity | None = None
 
     @classmethod
-    def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None) -> Look:
+    def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None, rigid: bool = False) -> Look:
         """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
         stands in for them."""
         reading.refuse_contact("look")
@@ -793,7 +796,8 @@ class Look(Result):
                 unusable += found.lines
             else:
                 raise found
-        return cls(path, records, unusable, tip, notes)
+        of_rigid = mean([sensitivity_of(record) for record in records]) if rigid and records else None
+        return cls(path, records, unusable, tip, notes, of_rigid)
 
     def summary(self) -> dict[str, Any]:
         curves = []
@@ -805,16 +809,23 @@ class Look(Result):
             elif glance is not None:
                 rough = {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
             curves.append(as_dict(record) | rough)
-        return {"file": str(self.path), "level": LEVEL, "curves": curves, "unusable": list(self.unusable)}
+        whole = {"file": str(self.path), "level": LEVEL, "curves": curves, "unusable": list(self.unusable)}
+        return whole | ({"rigid": asdict(self.rigid)} if self.rigid else {})
 
     def words(self) -> list[str]:
-        lines = [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
+        lines = [self.rigid.words()] if self.rigid else []
+        lines += [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
         if (count := len(self.records)) > 1:
             grades = Counter(look_grade(record)[0] for record in self.records)
             reasons = Counter(reason for record in self.records if (reason := look_grade(record)[1]))
             told = ", ".join(f"{grades[word]} {word}" for word in GRADES if grades[word])
             head = [f"{counted(count, 'curve')}: {told}{_counted(reasons)}: {self.path}"]
-            lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
+            lines = [
+                *lines[: bool(self.rigid)],
+                *head,
+                *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]),
+                *lines[bool(self.rigid) :],
+            ]
         return lines + [f"  ... and {counted(count - SHOWN, 'more curve')} (all with --json)"] * (count > SHOWN)
 
     @property

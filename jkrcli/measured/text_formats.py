@@ -510,7 +510,7 @@ class Columns:
         factor = math.prod(1.0 if value is None else value for value in known.values())
         if options:
             return factor, f"{title} is {kind}: loads in {ARBITRARY} {options}"
-        constants = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
+        constants = ", ".join(f"{key} {value:g} {UNITS_OF[key]}{self._error(key)}" for key, value in known.items())
         return factor, f"load from {title}, {kind}, with {constants}"
 
     def _on_stiffness(self) -> list[str]:
@@ -529,11 +529,17 @@ class Columns:
         if of_user is None and of_head is None:
             return [NOT_SUBTRACTED] if "P" in self.chosen else []
         if of_user is None:
-            return [f"stiffness {of_head:g} N/m from the header of the file, its deflection is subtracted"]
+            error = self._error("stiffness")
+            return [f"stiffness {of_head:g} N/m{error} from the header of the file, its deflection is subtracted"]
         if of_head is None or math.isclose(of_head, of_user, rel_tol=1e-6):
             return []
         told = "rigid" if of_user == math.inf else f"{of_user:g} N/m"
         return [f"stiffness {told}{OVERRULED}{of_head:g} N/m"]
+
+    def _error(self, name: str) -> str:
+        """The relative standard error of a constant that the head names with one, in words."""
+        errors = {} if getattr(self.reading, name) else instruments.constant_errors(self.table.head)
+        return f" ± {100 * errors[name]:.3g} %" if name in errors else ""
 
     def with_sign(self, curve: Curve, flags: tuple[str, ...]) -> Curve:
         """The curve with its displacement toward the specimen by the name of its column, else by its load; as in

@@ -27,9 +27,10 @@ if TYPE_CHECKING:
 @options.verb("files...")
 @readings.tip_options
 @readings.reading_options
+@click.option("--rigid", is_flag=True, help="The specimen is rigid (glass): print the sensitivity of the deflection.")
 @options.into_folder()
 @options.output_options(plots="Draw nothing.", json="Print everything as JSON.")
-def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output: Output) -> None:
+def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output: Output, rigid: bool) -> None:
     """Show what measured FILES hold: the first thing to do with a force curve; no specimen is needed.
 
     Prints how columns and units were read; of each curve its segments, base line and noise, contact point, jumps,
@@ -53,7 +54,7 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
     results, pictures = [], list[str]()
     with together():
         for path, target in zip(files, targets, strict=True):
-            result = Look.at(path, reading, tip)
+            result = Look.at(path, reading, tip, rigid)
             results.append(result)
             if result.records and output.plots:
                 target.write(figure=result.figure())

@@ -1,0 +1,104 @@
+"""Calibration: the sensitivity from a rigid specimen, and errors of constants that headers name."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from force_curves import Instrument, record
+
+from jkrcli.measured.functions import identify, look
+from jkrcli.measured.instruments import constant_errors, constants
+
+S, K = 45.2e-9, 0.3
+SPECIMEN = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
+
+
+def glass(path: Path, seed: int, drag: float = 0.0) -> Path:
+    """Volts over the position of the piezo on glass; ``drag``: relative, between approach and retraction."""
+    rng = np.random.default_rng(seed)
+    z = np.linspace(-500e-9, 150e-9, 600)
+    bent = np.concatenate([np.maximum(z, 0) * (1 + drag), (np.where(z > -10e-9, z, 0) * (1 - drag))[::-1]])
+    volts = bent / S + 0.002 * rng.normal(size=bent.size) + 0.3
+    rows = "".join(f"{x * 1e9:.4f},{v:.6f}\n" for x, v in zip(np.concatenate([z, z[::-1]]), volts, strict=True))
+    path.write_text(f"# spring constant: {K} N/m\npiezo (nm),deflection (V)\n{rows}")
+    return path
+
+
+def gel(path: Path, head: str) -> Path:
+    made = record(2e5, 5e-6, 2e-4, 1e-3, Instrument(K, 200, 1.5e-6, 40e-9, 1e-10), 1)
+    rows = "".join(f"{z * 1e6:.7g},{P * 1e9:.7g},{word}\n"
+                   for z, P, word in zip(made["z"], made["P"], made["segment"], strict=True))  # fmt: skip
+    path.write_text(f"{head}\npiezo (um),force (nN),segment\n{rows}")
+    return path
+
+
+def test_the_slope_on_glass_is_the_sensitivity_whatever_was_assumed(tmp_path: Path) -> None:
+    path = glass(tmp_path / "glass.csv", 1)
+    for known in ({}, {"sensitivity": "40 nm/V"}, {"sensitivity": 60e-9, "stiffness": 1.0}):
+        found = look(path, rigid=True, **known).rigid
+        assert found is not None
+        assert found.value == pytest.approx(S, rel=2e-3)
+        assert abs(found.value / S - 1) < 4 * found.error / found.factor
+        assert found.straight
+
+
+def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path: Path) -> None:
+    found = look(glass(tmp_path / "glass.csv", 1, 0.01), rigid=True).rigid
+    assert found is not None
+    assert found.error / found.factor == pytest.approx(0.01, rel=0.1)
+    assert look(glass(tmp_path / "glass.csv", 1, 0.03), rigid=True).rigid.straight is False
+
+
+def test_a_gel_is_no_glass(jkr: Callable, tmp_path: Path) -> None:
+    done = jkr("look", gel(tmp_path / "gel.csv", f"# springConstant: {K}"), "--rigid", "--no-plots")
+    assert "the contact is curved: the specimen is not rigid" in done.out
+    assert "--factor P=" in done.out  # of loads, not of volts
+
+
+def test_files_on_glass_tell_one_sensitivity_which_a_fit_takes(jkr: Callable, tmp_path: Path) -> None:
+    (tmp_path / "glass").mkdir()
+    for seed in range(4):
+        glass(tmp_path / f"glass/{seed}.csv", seed)
+    done = jkr("look", "glass", "--rigid", "--no-plots")
+    assert done.out.startswith('rigid specimen: --sensitivity "45.')
+    told = json.loads(jkr("look", "glass", "--rigid", "--no-plots", "--json").out)["files"][0]["rigid"]
+    assert told["value"] == pytest.approx(S, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["# springConstant: 0.3 ± 0.03 N/m", "# k: 0.30 +- 0.03 N/m", "# k: 0.30 +/- 10 % N/m",
+     "# spring constant: 0.3 N/m\n# spring constant error: 10 %",
+     "# spring constant: 0.3 N/m\n# Spring constant uncertainty: 30 mN/m"],
+)  # fmt: skip
+def test_an_error_in_the_header_is_a_part_of_the_calibration(jkr: Callable, tmp_path: Path, head: str) -> None:
+    lines = head.splitlines()
+    assert constants(lines) == {"stiffness": pytest.approx(K)}
+    assert constant_errors(lines) == {"stiffness": pytest.approx(0.1)}
+    path = gel(tmp_path / "gel.csv", head)
+    done = jkr("fit", path, *SPECIMEN, "--no-plots", "--json")
+    told = json.loads(done.out)["curves"][0]["estimates"]["E_star"]
+    assert told["calibration"] == pytest.approx(0.196 * told["value"], rel=0.02)  # 1.96 times 10 %: E* goes with k
+    overruled = jkr("fit", path, *SPECIMEN, "--no-plots", "--json", "--uncertain", "stiffness=2%")
+    told = json.loads(overruled.out)["curves"][0]["estimates"]["E_star"]
+    assert told["calibration"] == pytest.approx(0.0392 * told["value"], rel=0.02)
+
+
+def test_python_takes_the_error_of_the_header_too(tmp_path: Path) -> None:
+    path = gel(tmp_path / "gel.csv", "# springConstant: 0.3 ± 0.03 N/m")
+    case = tmp_path / "gel.toml"
+    case.write_text("""[indenter]
+shape = "paraboloid"
+radius = "5 um"
+[specimen]
+half_space = { E = "150 kPa", nu = 0.5 }
+[loading]
+radius = "1 um"
+""")
+    found = identify(case, path)
+    E_star = found.estimate("E_star")
+    assert E_star.parts(0.95)["calibration"] == pytest.approx(0.196 * E_star.value, rel=0.02)

@@ -109,11 +109,11 @@ def _t(dof: float, level: float) -> float:
 @dataclass(frozen=True, eq=False)
 class Samples(Result):
     """Samples by the column ``sample`` of the ``table`` of a fit; ``unread``: the sample of each file or curve that
-    could not be read; ``own_tips``: whether each has a tip of its own, whose error their ratio holds."""
+    could not be read. Half-widths in columns ``own``, of the radius where each sample has its own tip, are common to a
+    sample alone: a ratio holds them."""
 
     table: Mapping[str, Sequence[Any]]
     unread: Sequence[str] = ()
-    own_tips: bool = False
 
     @cached_property
     def names(self) -> list[str]:
@@ -180,9 +180,14 @@ class Samples(Result):
             for against, sample in pairs:
                 values = [self.column(name, self.believed(one)) for one in (sample, against)]
                 x, y = (one[np.isfinite(one)] for one in values)
-                own = [spreads[one].common.get("calibration", 0.0) for one in (sample, against)]
-                found[name].append(difference((sample, against), x, y, level, math.hypot(*own) * self.own_tips))
+                own = math.hypot(*(self._own(name, self.believed(one)) for one in (sample, against)))
+                found[name].append(difference((sample, against), x, y, level, own))
         return found
+
+    def _own(self, name: str, rows: Sequence[int]) -> float:
+        """The relative half-width of what the curves of one sample alone have in common."""
+        shares = np.nan_to_num(self.column(name, rows, "own")) / self.column(name, rows)
+        return float(np.median(shares[np.isfinite(shares)]))
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]

@@ -625,6 +625,7 @@ def fit(
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
     named = given[0] if len(given) == 1 and (holds_map(given[0]) or body in given) else body
     folder = output.folder(body.parent if len({path.parent for path in inputs}) == 1 else Path())
+    named = named if named.name else named.absolute()  # "."
     prefix = "" if len(given) > 1 and body in given else f"{named.name if named.is_dir() else named.stem}-"
     targets = output.files(folder / f"{prefix}fit", endings, inputs)
     refuse_another_selection(targets, inputs, output.force)

@@ -20,6 +20,7 @@ from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show, show_within
 from ..base.wings import offered
 from ..bodies.indenters import Indenter
+from ..bodies.problem import RADIUS
 from ..report import archive
 from ..report.result import SHOWN, Figure, Several
 from ..report.tables import AT_LEVEL, DIMENSIONS, quantities, stacked, transpose_rows, with_unit
@@ -79,7 +80,8 @@ class Fits(Several):
     def samples(self) -> Any:
         """What is said of samples (``many/samples.py``); None where there are none."""
         summed_up = offered("samples of a fit") if self.sample else None
-        return summed_up and summed_up(self.columns, self.unread_samples, self.own_tips)
+        own = transpose_rows([_of_radius(item) for item in self.outcomes]) if self.own_tips else {}
+        return summed_up and summed_up({**self.columns, **own}, self.unread_samples)
 
     @cached_property
     def fits(self) -> list[Fit]:
@@ -201,6 +203,20 @@ def _interval(item: FittedValue, level: float) -> dict[str, float | None]:
     (low, high), parts = item.whole, item.parts(level)
     ends = {"err": math.hypot(*parts.values()) if parts else item.half_width(level), "low": low, "high": high}
     return ends | {kind: parts.get(kind) for kind in ("statistical", "calibration", "model")}
+
+
+def _of_radius(item: Fit | Failure) -> dict[str, float]:
+    """The half-widths of E* and w by the error of the tip's radius, as columns."""
+    if isinstance(item, Failure):
+        return {}
+    own = dict[str, float]()
+    for one in item.estimates:
+        by = one.systematic or {}
+        share = by.get(RADIUS, 0.0) / (math.hypot(*by.values()) or 1.0)
+        own[with_unit(f"{one.name}_own", one.dimension)] = share * one.parts(item.settings.level).get(
+            "calibration", 0.0
+        )
+    return own
 
 
 def _placed(item: Fit | Failure) -> dict[str, Any]:

@@ -47,6 +47,7 @@ def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output:
     if output.where is not None and not output.plots:
         raise InputError("look: --output has no effect with --no-plots: leave one out")
     tip = readings.tip_of("look", flags)
+    files = tuple(path if path.name else path.absolute() for path in files)  # "."
     targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
     readings.begin_reading("look", files)
     several = files[0] if len(files) == 1 else files[0].with_name("curves")

@@ -173,7 +173,9 @@ def test_each_folder_by_its_own_tip(jkr, tmp_path: Path) -> None:
         for i in range(2):
             write(tmp_path / name / f"{i}.txt", 1e-3, i, radius)
     by_tip = [word for radius in tips.values() for word in ("--tip-radius", f"{radius * 1e6:g} um")]
-    done = jkr("fit", *SPECIMEN, *tips, *by_tip, "--no-plots", "-o", "out", "--uncertain", "radius=10%")
+    words = ("fit", *SPECIMEN, *tips, *by_tip, "--no-plots", "--uncertain")
+    assert jkr(*words, "stiffness=10%", "-o", "shared").code == 0
+    done = jkr(*words, "radius=10%", "-o", "out")
     assert done.code == 0, done.err
     rows = list(csv.DictReader((tmp_path / "out/fit.csv").open()))
     np.testing.assert_allclose([float(row["E_star_Pa"]) for row in rows], 2e5, rtol=0.03)

@@ -23,6 +23,7 @@ from ..base.files import Piped, beside, together, write_text
 from ..base.numerics import LEVEL
 from ..base.process import SILENCE, duration, one_thread
 from ..base.registry import Result
+from ..base.units import show
 from ..base.wings import is_offered, offered
 from ..bodies.problem import RELAXATIONS
 from ..cli import options
@@ -395,7 +396,8 @@ def _write(
     beside_it |= {of_curves[".html"]: "a page to click through all curves"} if several else {}
     beside_it |= {of_map[".png"]: on_map} if of_map else {}
     if request.report is not None:
-        _report(request, result, figures, beside_it, [*calibration, *map(_uncertain, request.options.uncertain)])
+        of_inputs = [*calibration, *_tips(request), *map(_uncertain, request.options.uncertain)]
+        _report(request, result, figures, beside_it, of_inputs)
     if not result.fits:
         raise InputError(some(reasons))
     where = [f"samples in {request.samples}"] * bool(result.samples and request.samples)
@@ -406,6 +408,13 @@ def _write(
 
 def _uncertain(pair: tuple[str, Any]) -> str:
     return f"Standard uncertainty of {pair[0]}: {pair[1]}."
+
+
+def _tips(request: FitRequest) -> list[str]:
+    """The radius of the tip of each file or folder, where they have their own, in a sentence."""
+    pairs = zip(request.measured, request.options.tip_radius, strict=False)
+    each = [f"{path.name} {show(radius, 'length')}" for path, radius in pairs]
+    return [f"Tip radius: {', '.join(each)}."] * (len(each) > 1)
 
 
 def _calibration(curves: Sequence[Curve]) -> list[str]:

@@ -32,7 +32,7 @@ DOORS = {
         "measured/fits.py",
         "measured/readings.py",
         "viscoelastic/cycle.py",
-        "many/verbs.py",
+        "many/verbs.py", "many/inverse.py",
     ),
     "cvxopt": "methods/fem/elasticity.py",
     "distributed": "base/executors.py",

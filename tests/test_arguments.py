@@ -48,6 +48,7 @@ CALLED: dict[str, dict[str, Any]] = {  # right arguments of every public functio
     "check": {"case": "no.toml"}, "compare": {"first": "no.h5", "second": "no.h5"},
     "cycle": {"solved": "no.h5", "w": 0.04}, "cycle_relaxing": {"solved": "no.h5"},
     "cycle_at_speed": {"solved": "no.h5", "w": 0.04, "law": {"v0": 1e-6, "n": 0.5}},
+    "find_value": {"file": "no.toml", "key": "indenter.radius", "load": 1e-6},
     "fit": {"body": "no.toml"}, "identify": {"body": "no.toml"}, "load_case": {"path": "no.toml"},
     "identify_joint": {"body": "no.toml", "measured": ["no.csv"]},
     "identify_law": {"body": "no.toml", "measured": ["no.csv"]},

@@ -120,6 +120,7 @@ def _files(
 
 # Of a wing that knows what a measured force means, where it is there
 force_options: options.Options = offered("options of a measured pull-off") or options.several()
+find_option: options.Options = offered("option of the inverse question") or options.several()
 
 
 @options.verb("[files...]", "pull-off")
@@ -129,6 +130,7 @@ force_options: options.Options = offered("options of a measured pull-off") or op
               help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].'
 )  # fmt: skip
 @force_options
+@find_option
 @click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
               "instantly [default: at rest at P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta.")
@@ -138,18 +140,22 @@ force_options: options.Options = offered("options of a measured pull-off") or op
 def pull_off(
     files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], rest_load: float | None,
     rest_depth: float | None, how: options.CurveOptions, limits: Limits, flags: inputs.Flags, as_json: bool,
-    force: float | None = None, uncertain: tuple[tuple[str, str], ...] = (),
+    force: float | None = None, uncertain: tuple[tuple[str, str], ...] = (), sought: str | None = None,
 ) -> None:  # fmt: skip
     """Print pull-off and jump-in of each FILE, a case or a solution, or of a specimen from options, under load control,
     displacement control and each --stiffness, with the energy lost in a cycle.
 
-    With --load the other way round: the work of adhesion that a measured pull-off force means. A viscoelastic specimen
-    has several: very slow, very fast, loaded slowly and pulled at once.
+    With --load the other way round: the work of adhesion that a measured pull-off force means, or with --find any
+    number of the case. A viscoelastic specimen has several: very slow, very fast, loaded slowly and pulled at once.
 
     \b
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
     jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
+    jkr pull-off my.toml --load "50 nN" --find indenter.radius
     """
+    if sought is not None:
+        give(offered("the inverse question")(files, sought, force, works, stiffnesses, how.slopes), as_json)
+        return
     if force is not None and works:
         raise InputError("pull-off: give either --w or --load, not both")
     if force is not None or uncertain:

@@ -11,10 +11,12 @@ WING = Wing(
         "study": Verb("More", "", "Maps and studies over many bodies.", "many.verbs"),
         "bench": Verb("More", "study", "Time the stages of a run.", "many.verbs"),
     },
-    options={"fit": ("--sample", "--report")},
-    functions={"study_map": "many.maps"},
+    options={"fit": ("--sample", "--report"), "pull-off": ("--find",)},
+    functions={"study_map": "many.maps", "find_value": "many.inverse"},
     offers={
         "samples of a fit": "many.samples:Samples",
         "report of a fit": "many.lab_report:LabReport",
+        "option of the inverse question": "many.inverse:find_option",
+        "the inverse question": "many.inverse:find_by_words",
     },
 )

@@ -79,9 +79,11 @@ def work_on_half_space(indenter: Indenter, E_star: float, load: float) -> float:
 
 
 def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Solution]:
-    """The problem solved to wider and wider contacts, coarsely, at last to the radius that its half-space keeps without
-    load: on a layer over a rigid base, which is stiffer, adhesion holds a smaller one, on thin ones far smaller."""
-    E_star = modulus_factor * problem.E_star
+    """The problem solved to wider and wider contacts, coarsely, at last to the radius that a half-space of its softest
+    material keeps without load: adhesion holds a smaller one on anything stiffer, far smaller on thin layers."""
+    below = [layer.material for layer in problem.specimen.layers], getattr(problem.specimen.base, "material", None)
+    softest = min(problem.E_star, *(getattr(one, "E_star", math.inf) for one in (*below[0], below[1])))
+    E_star = modulus_factor * softest
     a, delta_H, P_H = half_space_radii(problem.indenter, E_star)
     _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
     widest = float(a[P <= 0].max(initial=a[0]))

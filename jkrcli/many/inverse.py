@@ -1,0 +1,244 @@
+"""The inverse question: which value of a number of the case gives a wanted pull-off force.
+
+The pull-off force F is a smooth function of any one number x of a case, often nearly a power of it, but it need not be
+monotone: on a coated body it is not over the tip's radius. So F is computed at ``FIND_SCAN`` values over the bounds,
+and wherever ln(F/F_wanted) changes its sign lies a root, found to ``FIND_EXACT`` by Brent's method. Roots nearer to
+each other than the scan's step are not seen.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from ..adhesion.curve import LOAD_CONTROL, control
+from ..adhesion.finite_range import RangeRequest
+from ..base.arguments import checked
+from ..base.errors import Estimate, InputError, JkrError, Unknown, known
+from ..base.numerics import Array
+from ..base.registry import Result
+from ..base.units import Control, Force, show, show_within
+from ..case.models import load_case, model_of
+from ..cli import options
+from ..cli.printing import announce
+from ..report.tables import transpose_rows
+from ..resolve.analysis import where_lost
+from ..resolve.histories import solved_for
+
+FIND_SCAN, FIND_STEPS = 25, 12  # choice: values over the bounds; evaluations for each root at most
+FIND_EXACT = 1e-9  # theory: of the logs, far below any error of the force
+FIND_WITHIN = 30.0  # choice: factor about the case's own value, within which is looked where no bounds are told
+DIMENSIONS = {"m": "length", "Pa": "modulus", "J_per_m2": "work", "rad": "angle"}  # of the keys of cases
+
+find_option = options.several(
+    click.option("--find", "sought", metavar="KEY[=LOW..HIGH]",
+                 help='With --load: the value of a number of the case that gives this pull-off force, such as '
+                 'indenter.radius="1 um..1 mm".'),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Root:
+    """A ``value`` of the key that gives the ``force`` [N], and its half-width, by that of the force."""
+
+    value: float
+    force: float
+    error: Estimate
+
+
+@dataclass(frozen=True, eq=False)
+class FoundValues(Result):
+    """The ``roots`` of a ``key`` of the case in ``file``, in SI by its ``unit``, which give the pull-off force ``load``
+    [N] under a device of ``stiffness`` [N/m]; what was looked at: ``values`` and their ``forces``, nan where the case
+    has none, and why, ``left_out``."""
+
+    file: Path
+    key: str
+    unit: str
+    load: float
+    stiffness: float
+    roots: Sequence[Root]
+    values: Array
+    forces: Array
+    left_out: str
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        name = f"{self.key}_{self.unit}" if self.unit else self.key
+        return transpose_rows(
+            [{name: root.value, "pull_off_N": root.force, "error": known(root.error)} for root in self.roots]
+        )
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "file": str(self.file), "key": self.key, "unit": self.unit, "load_N": self.load,
+            "stiffness_N_per_m": self.stiffness if math.isfinite(self.stiffness) else None,
+            "solutions": [{"value": root.value, "error": known(root.error)} for root in self.roots],
+            "scan": {"values": self.values.tolist(),
+                     "pull_off_N": [force if math.isfinite(force) else None for force in self.forces]},
+        }  # fmt: skip
+
+    def words(self) -> list[str]:
+        each = [f"{self.key} = {self._words(root.value, known(root.error))}" for root in self.roots]
+        several = f"{len(each)} solutions: " if len(each) > 1 else ""
+        low, high = (self._words(value) for value in self.values[[0, -1]].tolist())
+        return [
+            f"{several}{'; '.join(each)}: {self.file} under {control(self.stiffness)}",
+            f"  {self.values.size} values from {low} to {high} give {_forces(self.forces)}{self.left_out}; solutions "
+            f"nearer to each other than {self.step} are not seen",
+        ]
+
+    def _words(self, value: float, error: float | None = None) -> str:
+        dimension = DIMENSIONS.get(self.unit, "number")
+        return show(value, dimension, 6) if error is None else show_within(value, error, dimension, 6)
+
+    @property
+    def step(self) -> str:
+        """From one value to the next, in words."""
+        if self.values[0] <= 0:
+            return f"{self.values[1] - self.values[0]:.3g}"
+        return f"a factor {self.values[1] / self.values[0]:.3g}"
+
+
+def _forces(forces: Array) -> str:
+    """The least and the largest of pull-off forces, in words."""
+    return " to ".join(show(float(end(forces)), "load", 4) for end in (np.nanmin, np.nanmax))
+
+
+@checked
+def find_value(
+    file: str | Path, key: str, load: Force | Any, bounds: tuple[Any, Any] | None = None,
+    stiffness: Control | Any = LOAD_CONTROL, slopes: str = "auto",
+) -> FoundValues:  # fmt: skip
+    """Find the values of a number of a case that give a pull-off force.
+
+    Parameters
+    ----------
+    file : path
+        A case file with one work of adhesion.
+    key : str
+        Of a number in it, such as "indenter.radius", "specimen.layers[0].thickness" or "adhesion.w".
+    load : float or str
+        The pull-off force [N].
+    bounds : (low, high), optional
+        Between which is looked, numbers or texts with units; by default a factor 30 about the case's own value.
+    stiffness : float or str, optional
+        Of the device [N/m]; 0, the default, under load control.
+    slopes : str, optional
+        As of ``transform``.
+
+    Returns
+    -------
+    FoundValues
+        All solutions, the least first.
+
+    Raises
+    ------
+    InputError
+        Where the key is no number of the case, or no value gives that force: the forces that there are.
+    """
+    from .sweep_plan import unit_of, value_at, with_values
+
+    file = Path(file)
+    tables = load_case(file).model.model_dump(exclude_none=True)
+
+    def si(value: Any) -> float:
+        return float(value_at(model_of(with_values(tables, {key: value}), str(file), file.parent), key))
+
+    here: Any = None
+    with contextlib.suppress(KeyError, IndexError, TypeError):
+        here = value_at(model_of(tables, str(file), file.parent), key)
+    if isinstance(here, bool) or not isinstance(here, int | float):
+        raise InputError(f"--find: {key} is no number of {file}, as specimen.layers[0].thickness may be")
+    ends = (here / FIND_WITHIN, here * FIND_WITHIN) if bounds is None else tuple(map(si, bounds))
+    low, high = ends
+    if not low < high:
+        raise InputError(f"--find: {key} needs bounds LOW..HIGH that rise, got {low:g}..{high:g}")
+    log = low > 0
+    spread = np.geomspace(low, high, FIND_SCAN) if log else np.linspace(low, high, FIND_SCAN)
+    errors, refused = dict[float, Estimate](), list[str]()
+
+    def excess(x: float) -> float:
+        """ln(F/F_wanted) at a value, nan where the case has no pull-off or is none."""
+        try:
+            model = model_of(with_values(tables, {key: x}), str(file), file.parent)
+            works = model.adhesion.w
+            if len(works) != 1 or not works[0] > 0:
+                raise InputError(f"{file}: --find needs one w > 0 under [adhesion]")
+            solution = solved_for(model.problem(), works, slopes)
+            ((behaviour, error),) = where_lost(solution, works, [stiffness], slopes, 1.0, RangeRequest())[0][1]
+        except JkrError as reason:
+            refused.append(str(reason))
+            return math.nan
+        if isinstance(behaviour.pull_off, Unknown) or behaviour.pull_off.P >= 0:
+            lost = behaviour.pull_off
+            refused.append(lost.reason if isinstance(lost, Unknown) else "nothing pulls")
+            return math.nan
+        force = -behaviour.pull_off.P
+        errors[x] = error["P"] / force if error is not None and not isinstance(error, Unknown) else Unknown("unknown")
+        return math.log(force / load)
+
+    began, scanned = time.process_time(), list[float]()
+    for x in spread.tolist():
+        scanned.append(excess(x))
+        if len(scanned) == 1:
+            announce(f"pull-off: {FIND_SCAN} values of {key}", FIND_SCAN * (time.process_time() - began))
+    if not np.isfinite(scanned).any():
+        raise InputError(refused[0])
+
+    # A root between each two neighbours of opposite sign, in ln x where x is positive
+    to, back = (math.log, math.exp) if log else (float, float)
+    roots = list[Root]()
+    for (x, f), (y, g) in itertools.pairwise(zip(spread.tolist(), scanned, strict=True)):
+        if f * g < 0:
+            value = back(_root(lambda u: excess(back(u)), to(x), to(y)))
+            error, slope = errors[x], (g - f) / (y - x)
+            within = error if isinstance(error, Unknown) else error / abs(slope)
+            roots.append(Root(value, load, within))
+    forces = load * np.exp(scanned)
+    lost = int(np.count_nonzero(np.isnan(forces)))
+    left_out = f" (not {lost} of them: {refused[0]})" if lost else ""
+    found = FoundValues(
+        file, key, unit_of(tables, key, here, file.parent), load, stiffness, roots, spread, forces, left_out
+    )
+    if not roots:
+        raise InputError(f"{file}: no {key} gives a pull-off force of {show(load, 'load', 4)}:{found.words()[1]}; "
+                         f"--find {key}=LOW..HIGH looks elsewhere")  # fmt: skip
+    return found
+
+
+def _root(excess: Callable[[float], float], low: float, high: float) -> float:
+    """Where ``excess`` is 0 between two ends of opposite sign; SolveError is none: the last of ``FIND_STEPS``."""
+    from scipy.optimize import brentq
+
+    root, _ = brentq(excess, low, high, xtol=FIND_EXACT, rtol=4 * np.finfo(float).eps, maxiter=FIND_STEPS,
+                     full_output=True, disp=False)  # fmt: skip
+    return float(root)
+
+
+def find_by_words(
+    files: Sequence[Path], sought: str, load: float | None, works: Sequence[float], stiffnesses: Sequence[float],
+    slopes: str,
+) -> FoundValues:  # fmt: skip
+    """What ``pull-off --find`` asks for."""
+    if load is None:
+        raise InputError("pull-off: --find needs --load, the pull-off force that is wanted")
+    if len(files) != 1 or files[0].suffix != ".toml":
+        raise InputError("pull-off: --find needs one case file (.toml)")
+    if works or len(stiffnesses) > 1:
+        raise InputError("pull-off: --find takes w from the case, and one --stiffness")
+    key, _, bounds = sought.partition("=")
+    low, dots, high = bounds.partition("..")
+    if bounds and not dots:
+        raise InputError(f"--find: must be KEY=LOW..HIGH, got {sought}")
+    return find_value(files[0], key, abs(load), (low.strip(), high.strip()) if bounds else None,
+                stiffnesses[0] if stiffnesses else LOAD_CONTROL, slopes)  # fmt: skip

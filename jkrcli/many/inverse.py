@@ -26,7 +26,7 @@ from ..base.arguments import checked
 from ..base.errors import Estimate, InputError, JkrError, Unknown, known
 from ..base.numerics import Array
 from ..base.registry import Result
-from ..base.units import Control, Force, show, show_within
+from ..base.units import Control, Force, show
 from ..case.models import load_case, model_of
 from ..cli import options
 from ..cli.printing import announce
@@ -88,18 +88,23 @@ class FoundValues(Result):
         }  # fmt: skip
 
     def words(self) -> list[str]:
-        each = [f"{self.key} = {self._words(root.value, known(root.error))}" for root in self.roots]
+        each = [f"{self.key} = {self._words(root.value)}" for root in self.roots]
         several = f"{len(each)} solutions: " if len(each) > 1 else ""
         low, high = (self._words(value) for value in self.values[[0, -1]].tolist())
         return [
             f"{several}{'; '.join(each)}: {self.file} under {control(self.stiffness)}",
-            f"  {self.values.size} values from {low} to {high} give {_forces(self.forces)}{self.left_out}; solutions "
+            f"  {self.values.size} values from {low} to {high} give {_forces(self.forces)}{self.left_out}{self._exact}; solutions "
             f"nearer to each other than {self.step} are not seen",
         ]
 
-    def _words(self, value: float, error: float | None = None) -> str:
-        dimension = DIMENSIONS.get(self.unit, "number")
-        return show(value, dimension, 6) if error is None else show_within(value, error, dimension, 6)
+    def _words(self, value: float) -> str:
+        return show(value, DIMENSIONS.get(self.unit, "number"), 6)
+
+    @property
+    def _exact(self) -> str:
+        """The largest relative error of the solutions, by that of the force, in words."""
+        errors = [math.nan if isinstance(root.error, Unknown) else root.error / abs(root.value) for root in self.roots]
+        return f"; numerical error {max(errors):.1g}" if np.isfinite(errors).all() and errors else ""
 
     @property
     def step(self) -> str:

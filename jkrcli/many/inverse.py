@@ -91,10 +91,10 @@ class FoundValues(Result):
         each = [f"{self.key} = {self._words(root.value)}" for root in self.roots]
         several = f"{len(each)} solutions: " if len(each) > 1 else ""
         low, high = (self._words(value) for value in self.values[[0, -1]].tolist())
+        seen = f"{self.left_out}{self._exact}; solutions nearer to each other than {self.step} are not seen"
         return [
             f"{several}{'; '.join(each)}: {self.file} under {control(self.stiffness)}",
-            f"  {self.values.size} values from {low} to {high} give {_forces(self.forces)}{self.left_out}{self._exact}; solutions "
-            f"nearer to each other than {self.step} are not seen",
+            f"  {self.values.size} values from {low} to {high} give {_forces(self.forces)}{seen}",
         ]
 
     def _words(self, value: float) -> str:

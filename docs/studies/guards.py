@@ -225,7 +225,7 @@ def samples_of_bootstrap(count: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE))
     path = table(200)
     seconds = (TABLE_PER_ROW + TABLE_FIT_PER_ROW + count * TABLE_REFIT_PER_ROW) * 200 + count * TABLE_REFIT
-    words = ["--confidence", "bootstrap", "--samples", str(count), "--workers", "1", "--no-plots", "-q"]
+    words = ["--confidence", "bootstrap", "--samples", str(count), "--workers", "1", "--no-plots", "-q", "--force"]
     return seconds, lambda: jkr(["fit", "s.toml", str(path), *words])
 
 

@@ -21,9 +21,11 @@ from string import Template
 from typing import Any, TypeAlias
 from urllib.parse import quote
 
+import numpy as np
+
 from .. import __version__
 from ..base.errors import counted
-from ..report.result import Figure
+from ..report.result import SHOWN, Figure
 from .samples import COMMON, FITTED, SYMBOLS, UNREAD, Samples, shown
 
 PAGE = Template(resources.files(__package__).joinpath("lab_report.html").read_text(encoding="utf-8"))
@@ -115,8 +117,8 @@ class LabReport:
     def results(self) -> list[Block]:
         """The table by sample, and the ratios of all pairs."""
         whole, level = self.whole, f"{100 * self.whole.level:g} %"
-        blocks: list[Block] = [f"{whole.words()[0]}."]
-        for name, spreads in whole.spreads.items():
+        blocks: list[Block] = [f"{whole.words()[0]}."] if self.samples else []
+        for name, spreads in whole.spreads.items() if len(self.table["curve"]) > 1 else ():
             symbol, (factor, unit) = SYMBOLS.get(name, name), whole.unit(name)
 
             def words(*values: float | None, factor: float = factor) -> str:
@@ -145,7 +147,26 @@ class LabReport:
                 f"{level}, all pairs",
             ]
             blocks += [Table(of_pairs, pairs)] * bool(pairs)
-        return blocks
+        return [*blocks, self.curves()]
+
+    def curves(self) -> Table:
+        """Each curve that was fitted: grade, value and interval by all parts of the error."""
+        whole, names, rows = self.whole, ["curve", "grade"], list[list[str | Link]]()
+        for name in whole.quantities:
+            names += [f"{SYMBOLS.get(name, name)} ({whole.unit(name)[1]})", f"{100 * whole.level:g} %"]
+        for i in (i for i, status in enumerate(self.table["status"]) if status == FITTED):
+            row: list[str | Link] = [self._link(i), str(self.table["grade"][i] or "") if "grade" in self.table else ""]
+            for name in whole.quantities:
+                parts = (whole.column(name, [i], part)[0] / whole.unit(name)[0] for part in ("", "low", "high"))
+                value, low, high = (shown(float(part)) if np.isfinite(part) else "" for part in parts)
+                row += [value, f"{low} to {high}" if low or high else ""]
+            rows.append(row)
+        return Table(names, rows, folded="" if len(rows) <= SHOWN else f"All {len(rows)} curves that were fitted")
+
+    def _link(self, row: int) -> str | Link:
+        """The name of a curve, which leads to its place on the page of all curves."""
+        name = str(self.table["curve"][row])
+        return Link(f"{self.page}#{row + 1}", name) if self.page else name
 
     def left_out(self) -> list[Block]:
         """Each curve that is not in the results, with the reason, and its place on the page of all curves."""
@@ -155,8 +176,7 @@ class LabReport:
             why = str(table["reason"][i]).removeprefix(f"{table['file'][i]}: ") or ", ".join(
                 filter(None, (self.whole.reason(i), more))
             )
-            name = str(table["curve"][i])
-            rows.append([str(table["file"][i]), Link(f"{self.page}#{i + 1}", name) if self.page else name, why])
+            rows.append([str(table["file"][i]), self._link(i), why])
         rows += [[line.split(": ")[0], UNREAD, line] for line in self.unread]
         return [Table(["file", "curve", "reason"], rows)] if rows else ["No curve."]
 

@@ -98,8 +98,8 @@ def difference(names: tuple[str, str], x: Array, y: Array, level: float, own: fl
 
 
 def shown(value: float) -> str:
-    """A number to its third digit: "0.984", "1,230" as 1230."""
-    return f"{float(f'{value:.3g}'):.6g}"
+    """A number with three digits: "0.984", "18.0", "202"."""
+    return f"{value:#.3g}".rstrip(".") if 1e-3 <= abs(value) < 999.5 else f"{float(f'{value:.3g}'):.6g}"
 
 
 def _t(dof: float, level: float) -> float:

@@ -438,8 +438,9 @@ def _report(
             for name in result.samples.quantities
         }
         figures = each | figures
+    specimen = _specimen(request.body) + (f", from {result.body}" if result.body.endswith((".toml", ".h5")) else "")
     report = offered("report of a fit")(
-        result.columns, result.samples, result.unread, result.body, calibration, result.warnings, figures, inputs,
+        result.columns, result.samples, result.unread, specimen, calibration, result.warnings, figures, inputs,
         command_line(), {path.name: holds for path, holds in beside_it.items()}, page,
     )  # fmt: skip
     write_text(request.report[".html"], report.as_html())

@@ -49,6 +49,11 @@ def test_a_report_is_whole_and_names_what_was_left_out_and_why(report: str) -> N
     assert "1 MPa" not in said  # which stands for a modulus that nobody gave
     (row,) = re.findall(r'href="(fit-curves\.html#\d+)">free<', report)
     assert row == "fit-curves.html#7"  # its place on the page of all curves
+    values = re.search(
+        r'fit-curves\.html#1">c0</a></td><td>([\w ]+)</td><td>([\d.]+)</td><td>([\d.]+) to ([\d.]+)<', report
+    )
+    assert values is not None
+    assert float(values[3]) < float(values[2]) < float(values[4])  # E* of the first curve, with its interval
     assert is_ours(Path("out/report.html"))
     assert is_ours(Path("out/report.md"))
 

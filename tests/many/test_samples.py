@@ -15,7 +15,7 @@ from force_curves import Instrument, record
 from scipy import stats
 
 from jkrcli.base.files import is_ours
-from jkrcli.many.samples import Samples, difference, spread_of
+from jkrcli.many.samples import Samples, difference, shown, spread_of
 
 R, K = 5e-6, 0.3
 SPECIMEN = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
@@ -54,6 +54,14 @@ def table(**samples: list[float]) -> Mapping[str, list]:
     rows = [(name, value) for name, values in samples.items() for value in values]
     return {"sample": [name for name, _ in rows], "status": ["fitted"] * len(rows), "w_J_per_m2": [w for _, w in rows],
             "w_calibration_J_per_m2": [0.1 * w for _, w in rows], "level": [0.95] * len(rows)}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(0.98377, "0.984"), (18.0, "18.0"), (202.4, "202"), (999.7, "1000"), (1.5, "1.50"), (1e-5, "1e-05")],
+)
+def test_values_have_three_digits(value: float, said: str) -> None:
+    assert shown(value) == said
 
 
 def test_the_mean_of_logarithms_has_the_interval_of_student() -> None:

@@ -108,7 +108,7 @@ def _t(dof: float, level: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Samples(Result):
-    """Samples by the column ``sample`` of the ``table`` of a fit; ``unread``: the sample of each file or curve that
+    """Samples of a fit, by the column ``sample`` of its ``table``; ``unread``: the sample of each file or curve that
     could not be read. Half-widths in columns ``own``, of the radius where each sample has its own tip, are common to a
     sample alone: a ratio holds them."""
 

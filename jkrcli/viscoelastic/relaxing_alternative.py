@@ -55,7 +55,11 @@ class RelaxingAnswer:
     def __call__(self, plain: Fit, fit: ForceCurveFit) -> Fit:
         """The answer in place of the ``plain`` one, by the ``fit`` of the same rows."""
         own = {item.name: item for item in self.estimates}
-        others = tuple(own.pop(item.name, item) for item in plain.estimates if item.name not in OF_ONE_MODULUS)
+        before, E_star = plain.value("E_star"), own["E_star"]
+        others = [
+            own.pop(item.name, _like(E_star, item.name, item.value / before) if item.dimension == "modulus" else item)
+            for item in plain.estimates if item.name not in OF_ONE_MODULUS
+        ]  # fmt: skip
         here = replace(fit, off=np.where(np.isfinite(self.off), self.off, fit.off))
         return replace(
             plain, estimates=(*others, *own.values()), free=tuple(item.name for item in self.estimates if item.free),
@@ -68,6 +72,12 @@ class RelaxingAnswer:
 
 
 OF_ONE_MODULUS = ("w_approach",)  # estimates that a history has none of
+
+
+def _like(E_star: FittedValue, name: str, factor: float) -> FittedValue:
+    """The modulus ``name`` of a part of the body, ``factor`` times E*, as they all are."""
+    error, low, high = (None if one is None else factor * one for one in (E_star.error, E_star.low, E_star.high))
+    return replace(E_star, name=name, value=factor * E_star.value, error=error, low=low, high=high)
 
 
 def with_relaxation(

@@ -79,6 +79,7 @@ def test_the_model_of_the_answer_is_the_viscoelastic_one() -> None:
     assert auto.verdict is not None
     assert auto.verdict.tied[0].name == RELAXING
     assert auto.value("E_star") == pytest.approx(E_STAR, rel=0.03)
+    assert auto.value("E:base") == pytest.approx(0.75 * auto.value("E_star"))
     assert auto.value("w") == pytest.approx(W * E_STAR * R, rel=0.03)
     assert auto.value("ratio") == pytest.approx(0.4, abs=0.05)
     assert f"by {RELAXING}" in "\n".join(verdict_words(auto))

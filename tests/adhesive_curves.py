@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from layer_contact import compliance
 from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
+from scipy.optimize import brentq, nnls
 
 Array = np.ndarray
 GAUSS = np.polynomial.legendre.leggauss(20)
@@ -39,6 +39,17 @@ class Law(NamedTuple):
 
 def solid(ratio: float, time: float) -> Law:
     return Law(ratio, np.array([1 - ratio]), np.array([1 / time]))
+
+
+def power(exponent: float, onset: float, lasting: float) -> Law:
+    """(1 + t/onset)^-exponent up to t = ``lasting``, by exponentials, to 1e-3 of it."""
+    t = np.append(0, np.geomspace(0.03 * onset, lasting + onset, 300))
+    rates = np.geomspace(0.1 / (lasting + onset), 5 / onset, 2 + int(1.6 * math.log10(50 * (lasting / onset + 1))))
+    wanted = (1 + t / onset) ** -exponent
+    basis = np.column_stack([np.ones_like(t), np.exp(-np.outer(t, rates))])
+    found = nnls(basis / wanted[:, None], np.ones_like(t))[0]
+    found, kept = found / found.sum(), found[1:] > 0
+    return Law(float(found[0]), found[1:][kept], rates[kept])
 
 
 @cache

@@ -606,7 +606,8 @@ class StandardSolid:
 @relaxation_law("power")
 @dataclass(frozen=True)
 class PowerRelaxation:
-    """r = (t/time)^-exponent: E is the modulus at ``time``; there is neither an instant nor a relaxed one.
+    """r = ((t + onset)/time)^-exponent: E is the modulus at ``time`` where the ``onset`` is short; there is no relaxed
+    one, and without an onset no instant one.
 
     t^-x Gamma(x) = int exp(x u - t exp(u)) du, by the trapezoidal rule (Beylkin and Monzon, Appl. Comput. Harmon. Anal.
     28 (2010) 131).
@@ -614,6 +615,7 @@ class PowerRelaxation:
 
     time: Time
     exponent: Annotated[float, Ranged("number", above=0, below=1)]
+    onset: Annotated[float, Ranged("time", least=0)] = 0.0
 
     def __post_init__(self) -> None:
         read_fields(self, "relaxation", sought=True)
@@ -622,18 +624,20 @@ class PowerRelaxation:
     def relaxed(self) -> float | None:
         return None
 
-    def modes(self, lasting: float) -> Modes:
-        h, x, T = SPECTRUM_STEP, self.exponent, lasting / self.time
+    def modes(self, lasting: float, h: float = SPECTRUM_STEP) -> Modes:
+        x, T = self.exponent, lasting / self.time
         low, high = math.floor(math.log(SPECTRUM_SLOWEST / T) / h), math.ceil(math.log(SPECTRUM_FASTEST / T) / h)
         u = h * np.arange(low, high + 1)
         slow, slower = (math.exp(p * u[0]) / math.expm1(p * h) for p in (x, x + 1))  # sums below: weight, weight x rate
         fast, faster = (math.exp(-p * u[-1]) / math.expm1(p * h) for p in (1 - x, 2 - x))  # above: over rate, rate^2
         weights = np.concatenate([[slow], np.exp(x * u), [fast**2 / faster]])
         rates = np.concatenate([[slower / slow], np.exp(u), [fast / faster]])
-        return Modes(0.0, weights * h / math.gamma(x), rates / self.time)
+        weights *= np.exp(-self.onset / self.time * rates) * h / math.gamma(x)
+        return Modes(0.0, weights, rates / self.time)
 
     def __str__(self) -> str:
-        return f"power law, exponent = {self.exponent:.4g}, E at {show(self.time, 'time')}"
+        begins = f", onset = {show(self.onset, 'time')}" if self.onset else ""
+        return f"power law, exponent = {self.exponent:.4g}{begins}, E at {show(self.time, 'time')}"
 
 
 @relaxation_law("prony")

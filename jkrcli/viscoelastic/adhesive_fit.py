@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,14 +20,17 @@ from ..adhesion.curve import Nonadhesive
 from ..adhesion.finite_range import AttractedBody
 from ..base.errors import InputError, SolveError
 from ..base.numerics import FEWEST_ROWS, SAME, TINY, Array
+from ..base.units import show
+from ..bodies.problem import Modes, PowerRelaxation, Relaxation
 from ..measured.curve import Curve
 from ..measured.forward_model import FittedBody
 from ..measured.least_squares import SEARCH_MISFIT, Intervals, Least, LeastSquares, State, covariance
 from ..measured.lockstep import together
 from ..measured.parameters import Unknowns
-from .lockstep_march import Kernel, March, Marched, Trial
+from .lockstep_march import March, Marched, Trial
 from .relaxing_adhesion import ZONE_SLOPE
 from .timed_record import (
+    BESIDE,
     MISFIT,
     MOTION_MOST,
     RELAXED,
@@ -51,7 +54,8 @@ BINS = 120  # choice: places of a device that does not move in straight pieces
 DEEPER = 1.5  # choice: times the depth, to which a body is solved
 # Where a search begins.
 RATIOS, TIMES, SHARES = (0.25, 0.75), (0.15,), (0.0, 0.5, 1.0)  # choice: shares: from very fast to from rest
-ZONES = (0.25, 0.02)  # choice: zones over the contact radius, where no range is known
+ONSETS, APART_TIMES = (0.003, 0.05), 4.0  # choice: of power laws; from time to time of a series
+ZONES = (0.25, 0.02, 0.0)  # choice: zones over the contact radius, where no range is known; 0: the likely range
 LINE = ("P0", "tilt")
 APART = 1.5  # theory: rows from a jump, within which no row shows when it was
 JUMP_SEEN = 7.0  # theory: of the noise, a step between two rows that it does not make
@@ -67,14 +71,19 @@ SEARCH, FINE = (0.03, 1e-2, 4), (0.012, 4e-3, 12)
 FINEST = 0.5  # choice: of these zones, those that are extrapolated with them
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME, JUMP_TIME = 0.003, 4e-4  # choice: of the time in contact, errors of jumps in a search and of the march
-CONVERGED = 2e-3  # choice: of the sum of squares
-STEP, SHARE_STEP, ZERO_STEP = 0.01, 0.005, 0.002  # choice: of logs, of shares, of the zero over the way
+STRAIGHT, VALLEYS = 2, 3  # choice: evaluations between, and steps along valleys
+CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
+POWER_STEP = 1.4  # theory: of log rates of a power law's exponentials, which then err by 1e-3
+POWER_SLOWEST, POWER_LEAST = 0.02, 1e-6  # theory: rates times time that one stands for; weights that do not count
+STEP = 0.01  # choice: of logs of the modulus and w, for differences; of others what changes loads alike
+STEPS = {"time": 0.05, "onset": 0.3, "stress": 0.1, "delta0": 0.003, "ratio": 0.01, "weight": 0.01, "exponent": 0.01}
 MARCH_ERROR = 0.5  # choice: of what zones half as wide change, extrapolated, what they may still err by
 LOAD_ERROR = 1e-3  # choice: of loads and pull-off force; twice what fine marches differ from those of other equations
-# What is likely before, half-widths of normal distributions.
+GIVEN_UP = "the contact of the fitted values could not be followed to its end"
+# What is likely before: half-widths of normal distributions.
 LIKELY_RANGE, RANGES = 4.5e-10, 3.0  # theory: w/stress of dry contact, 0.2 to 1 nm; log: 20 times it is no rarity
-LIKELY = {"ratio": (0.5, 0.5), "weight": (0.4, 0.4)}  # choice: hardly anything
-LIKELY_TIME = 4.0  # choice: log of a time over the time in contact
+LIKELY = {"ratio": (0.5, 0.5), "weight": (0.4, 0.4), "exponent": (0.3, 0.4)}  # choice: hardly anything
+LIKELY_TIMES = {"time": (0.25, 4.0), "onset": (0.01, 4.0)}  # choice: over the time in contact, and of logs
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +146,7 @@ class Cycle:
             raise InputError(f"{curve.where}: {len(curve)} rows, at least {FEWEST_ROWS} are needed")
         t, P = curve.time, curve.load
         check_rising(curve.where, t, np.arange(len(curve)))
-        k, z = _lever(curve)
+        k, z = _moved(curve)
         knots = _corners(t, z)
         straight = knots[0].size < MOTION_MOST
         if not straight:
@@ -222,9 +231,15 @@ class Cycle:
 
     def record(self) -> TimedRecord:
         """The same as fits of relaxation report it."""
-        noise = noise_of(self.z), self.noise
+        noise, flags = (noise_of(self.z), self.noise), list[str]()
+        if self.curve.stiffness is None and math.isfinite(self.stiffness):
+            flags.append(f"the stiffness of the device, {show(self.stiffness, 'stiffness')}, is found from its motion: "
+                         "its error is not in the intervals")  # fmt: skip
+        if not self.straight:
+            flags.append(f"nothing moved in straight pieces: means of {BINS} places stand for the motion")
         own = self.curve, self.t, self.z, self.P
-        return TimedRecord(*own, "displacement", self.stiffness, self.program, noise, noise, read=not self.straight)
+        return TimedRecord(*own, "displacement", self.stiffness, self.program, noise, noise, read=not self.straight,
+                           flags=tuple(flags), lasting=self.lasting)  # fmt: skip
 
 
 def _corners(t: Array, z: Array) -> tuple[Array, Array]:
@@ -247,7 +262,7 @@ def _corners(t: Array, z: Array) -> tuple[Array, Array]:
     return times, np.array(ends)
 
 
-def _lever(curve: Curve) -> tuple[float, Array]:
+def _moved(curve: Curve) -> tuple[float, Array]:
     """The stiffness [N/m] and the places [m] of the device; where the stiffness is not known and the tip does not move
     in straight pieces, that with which the device did: z = delta + P/k."""
     if curve.stiffness is not None:
@@ -304,7 +319,7 @@ class Adhering:
     """The residuals of a ``cycle`` as a function of ``unknowns``, with marches of ``width`` and ``tolerance``;
     ``sigma``: standard deviations of the loads, ``left_out``: rows near jumps, ``jumps``: times of the begin and end of
     contact and their standard deviations (2, 2), infinite where there are none; ``correction``: what narrower zones add
-    to the loads [N]; ``kernels``: the last kernel."""
+    to the loads [N]."""
 
     body: FittedBody
     attracted: AttractedBody
@@ -317,14 +332,13 @@ class Adhering:
     jumps: Array
     left_out: Array
     correction: Array | float = 0.0
-    kernels: dict[str, Kernel] = field(default_factory=dict)
 
     def trial(self, theta: Array) -> Trial:
         """The specimen of the unknowns ``theta``."""
         values = self.unknowns.values(theta)
-        m, w = values["modulus"], values["w"]
+        m, w = self.instant(theta), values["w"]
         stress = values["stress"] if "stress" in values else w / values["range"]
-        modes = self.settings.relaxation(values).modes(float(np.ptp(self.cycle.t)))
+        modes = _few(self.settings.relaxation(values), float(np.ptp(self.cycle.t)))
         return Trial(w / m, stress / m, self.cycle.stiffness / m, modes, values["delta0"])
 
     def marched(self, thetas: Sequence[Array]) -> list[Marched]:
@@ -333,17 +347,32 @@ class Adhering:
 
     def march(self, trials: Sequence[Trial]) -> list[Marched]:
         """Marches of many trials."""
-        march = March(self.body.problem, self.attracted, trials, self.cycle.program, self.width, self.tolerance,
-                      self.kernels.get(""))  # fmt: skip
-        self.kernels[""] = march.kernel  # type: ignore[assignment]
-        return march.run()
+        cycle = self.cycle
+        return March(self.body.problem, self.attracted, trials, cycle.program, self.width, self.tolerance).run()
+
+    def instant(self, theta: Array) -> float:
+        """The modulus at t = 0, in those of the body."""
+        values = self.unknowns.values(theta)
+        law = {name: np.asarray(values[name]) for name in self.settings.of_law}
+        return float(values["modulus"] * RELAXED[self.settings.law](law, np.zeros(1))[0])
 
     def loads(self, theta: Array, marched: Marched) -> Array:
         """The loads that are read [N]."""
         values, cycle = self.unknowns.values(theta), self.cycle
         line = values["P0"] + values["tilt"] * (cycle.z - cycle.z[0])
-        found: Array = line + values["modulus"] * marched.load(cycle.t) + self.correction
+        found: Array = line + self.instant(theta) * marched.load(cycle.t) + self.correction
         return found
+
+    def corrected(self, theta: Array, here: Marched, narrow: Marched) -> Adhering:
+        """The same with what zones of no width change from the march ``here`` with ``theta``, by a ``narrow`` one, in
+        loads and in the end of contact."""
+        t = self.cycle.t
+        change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - FINEST)
+        change = np.where(self.apart(here, (narrow.begun, narrow.lost)), 0.0, change)
+        later = (narrow.lost - here.lost) / (1 - FINEST)
+        jumps = self.jumps.copy()
+        jumps[1, 0] -= later if math.isfinite(later) and math.isfinite(jumps[1, 1]) else 0.0
+        return replace(self, correction=change, jumps=jumps)
 
     def apart(self, one: Marched, other: tuple[float, float]) -> Array:
         """Mask of rows between jumps of a march and ``other`` ones."""
@@ -394,31 +423,25 @@ class Adhering:
         """What loads of marches may err by, in standard deviations of the rows, in each half of each piece."""
         cycle, times = self.cycle, self.cycle.program[0]
         cuts = np.sort(np.concatenate([times, (times[1:] + times[:-1]) / 2]))
-        P = self.unknowns.values(theta)["modulus"] * here.load(cycle.t)
+        P = self.instant(theta) * here.load(cycle.t)
         err = np.where(self.left_out, 0.0, LOAD_ERROR * (np.abs(P) + cycle.pulled * (P != 0)) / self.sigma)
         piece = np.clip(np.searchsorted(cuts, cycle.t, side="right") - 1, 0, cuts.size - 2)
         return err[:, None] * (piece[:, None] == np.arange(cuts.size - 1))
 
     def steps(self, theta: Array) -> Array:
         """Of the unknowns for differences: shares towards the middle."""
-        steps = np.full(theta.size, STEP)
-        for i, one in enumerate(self.unknowns.free):
-            if one.kind != "log":
-                steps[i] = ZERO_STEP if one.name == "delta0" else SHARE_STEP if theta[i] < 0.5 else -SHARE_STEP
-        return steps
+        steps = np.array([STEPS.get(name.rstrip("0123456789"), STEP) for name in self.unknowns.names])
+        shares = np.array([one.kind != "log" and one.name != "delta0" for one in self.unknowns.free])
+        return np.where(shares & (theta > 0.5), -steps, steps)
 
     def prior(self, theta: Array) -> tuple[Array, Array]:
         """What is likely before, as residuals."""
-        values, names, rows, by = self.unknowns.values(theta), self.unknowns.names, list[float](), list[Array]()
-        unit = np.eye(theta.size)
+        values, names, unit = self.unknowns.values(theta), self.unknowns.names, np.eye(theta.size)
+        rows, by = list[float](), list[Array]()
         for i, name in enumerate(names):
-            plain = name.rstrip("0123456789")
-            if plain == "time":
-                rows.append((theta[i] - math.log(self.cycle.lasting / 4)) / LIKELY_TIME)
-                by.append(unit[i] / LIKELY_TIME)
-            elif plain in LIKELY:
-                rows.append((theta[i] - LIKELY[plain][0]) / LIKELY[plain][1])
-                by.append(unit[i] / LIKELY[plain][1])
+            if likely := _likely(name, self.cycle.lasting):
+                rows.append((theta[i] - likely[0]) / likely[1])
+                by.append(unit[i] / likely[1])
         for name, sign in (("stress", -1), ("range", 1)):
             if name in names:
                 length = values["range"] if name == "range" else values["w"] / values["stress"]
@@ -453,7 +476,29 @@ class Adhering:
     def search(self, start: Array, evaluations: int) -> LeastSquares:
         """What is minimised from ``start`` on."""
         low, high = self.unknowns.bounds(start, FARTHEST)
-        return LeastSquares(self, (low, high), 1e-6, CONVERGED, evaluations)
+        return LeastSquares(self, (low, high), 1e-6, CONVERGED / self.cycle.t.size, evaluations)
+
+
+def _likely(name: str, lasting: float) -> tuple[float, float] | None:
+    """What is likely of an unknown of a law before, mean and half-width of a normal distribution: of times of their
+    logs; None of others. ``lasting``: time in contact [s]."""
+    plain = name.rstrip("0123456789")
+    if plain in LIKELY_TIMES:
+        share, width = LIKELY_TIMES[plain]
+        return math.log(share * lasting), width
+    return LIKELY.get(plain)
+
+
+def _few(law: Relaxation, lasting: float) -> Modes:
+    """The law with r(0) = 1, up to the time ``lasting`` [s]; a power law by few exponentials."""
+    if not isinstance(law, PowerRelaxation):
+        return law.modes(lasting)
+    modes = law.modes(lasting, POWER_STEP)
+    slow, kept = modes.rates * lasting < POWER_SLOWEST, modes.weights > POWER_LEAST * modes.weights.sum()
+    weight = modes.weights[slow].sum()
+    weights = np.append(weight, modes.weights[kept & ~slow])
+    rates = np.append(modes.weights[slow] @ modes.rates[slow] / weight, modes.rates[kept & ~slow])
+    return Modes(0.0, weights / weights.sum(), rates)
 
 
 def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
@@ -461,7 +506,7 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
     if body.no_range:
         raise InputError(body.no_range.replace("adhesion of finite range", "adhesion on a viscoelastic specimen"))
     cycle = Cycle.of(curve)
-    if _load_is_prescribed(curve, cycle):
+    if _load_is_prescribed(cycle):
         raise InputError(
             f"{curve.where}: w: adhesive cycles are fitted under a prescribed displacement, here the load is "
             "prescribed: leave w out"
@@ -485,10 +530,10 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
     attracted = AttractedBody(body.problem)
     z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
     units = {"delta0": max(depth, 1e-3 * z), "P0": P, "tilt": P / z}
-    # a search begins with a standard solid, whatever the law
-    known = {name: value for name, value in settings.fixed.items() if name.rstrip("0123456789") not in LAW_NAMES}
-    solid = settings if settings.law == "sls" else replace(settings, law="sls", fixed=known)
-    unknowns = Unknowns(solid.parameters, units)
+    # the search of a series begins with a standard solid
+    known = {name: value for name, value in settings.fixed.items() if name not in settings.of_law}
+    first = settings if settings.law != "prony" else replace(settings, law="sls", fixed=known)
+    unknowns = Unknowns(first.parameters, units)
 
     rough = np.maximum(ROUGH * (cycle.pulled + np.abs(cycle.load)), cycle.noise)
     seen = np.array(cycle.jumps)
@@ -497,51 +542,44 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
     )
     near = np.any(np.abs(cycle.t[:, None] - seen) < NEAR * cycle.spacing, axis=1)
     sigma = np.where(cycle.free, 3 * cycle.noise, rough)
-    model = Adhering(body, attracted, cycle, solid, unknowns, *SEARCH[:2], sigma, jumps, near)
-    begun = _starts(model, solid)
-    ends = together([model.search(theta, SEARCH[2]).searching(theta) for theta in begun])
-    found = [one for one in ends if not isinstance(one, Exception)]
-    if not found:
-        raise SolveError("no history of this specimen resembles the data")
-    theta = min(found, key=lambda one: one.cost).x
-    theta = model.search(theta, 2 * SEARCH[2]).least(theta).x
-    if settings.law != "sls":
-        values = unknowns.values(theta)
-        values |= _law_of(settings, values["ratio"], values["time"])
-        values |= settings.fixed
+    model = Adhering(body, attracted, cycle, first, unknowns, *SEARCH[:2], sigma, jumps, near)
+    theta = _best(model, _starts(model), SEARCH[2])
+    rough_least = model.search(theta, SEARCH[2]).least(theta)
+    if settings.law == "prony":
+        values = unknowns.values(rough_least.x)
         model = replace(model, settings=settings, unknowns=Unknowns(settings.parameters, units))
-        theta = np.clip(model.unknowns.at(values), *model.unknowns.bounds(model.unknowns.at(values), FARTHEST))
-        theta = model.search(theta, 2 * SEARCH[2]).least(theta).x
+        (law,) = _laws_of(settings, values["ratio"], values["time"], cycle.lasting)
+        theta = model.unknowns.at(values | law | settings.fixed)
+        rough_least = model.search(theta, 1).least(theta)
+    begun = [rough_least.x, *Posterior.of(model, rough_least, 1.0).modes()]
 
-    # All rows by their noise, the jumps where the rows show them; then narrower zones, extrapolated.
+    # All rows by their noise, the jumps where the rows show them.
     error = math.hypot(cycle.spacing / math.sqrt(12), JUMP_TIME * cycle.lasting)
     fine = replace(
         model, width=FINE[0], tolerance=FINE[1], sigma=np.full(cycle.t.size, cycle.noise),
         jumps=np.where(np.isfinite(jumps), [1.0, error / (ROUGH_TIME * cycle.lasting)], 1.0) * jumps,
         left_out=np.any(np.abs(cycle.t[:, None] - seen) < APART * cycle.spacing, axis=1),
     )  # fmt: skip
-    more = 1 if settings.law == "sls" else 2  # terms are found along a valley
-    least = fine.search(theta, more * FINE[2]).least(theta)
-    theta, scatter = least.x, _scatter(fine, least)
-    here = fine.marched([theta])[0]
-    narrow = replace(fine, width=FINEST * FINE[0])
-    there = narrow.marched([theta])[0]
-    change = (narrow.loads(theta, there) - fine.loads(theta, here)) / (1 - FINEST)
-    change = np.where(fine.apart(here, (there.begun, there.lost)), 0.0, change)
-    fine = replace(fine, correction=change)
-    return _result(fine, least, change, (there.lost - here.lost) / (1 - FINEST), scatter)
+    wide = _along_valley(fine, _best(fine, begun, STRAIGHT))
+    # Narrower zones, extrapolated, and the least with what they change.
+    (here,), (there,) = fine.marched([wide.x]), replace(fine, width=FINEST * FINE[0]).marched([wide.x])
+    fine = fine.corrected(wide.x, here, there)
+    least = fine.search(wide.x, FINE[2]).least(wide.x)
+    fit = _result(fine, least, least.x - wide.x)
+    return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if here.given_up or there.given_up else fit
 
 
-def _load_is_prescribed(curve: Curve, cycle: Cycle) -> bool:
-    """Whether the load moved in fewer straight pieces than the device."""
-    return _corners(cycle.t, cycle.P)[0].size < cycle.program[0].size
+def _load_is_prescribed(cycle: Cycle) -> bool:
+    """Whether the load moved in fewer straight pieces than the device, or alone in any."""
+    pieces = cycle.program[0].size if cycle.straight else MOTION_MOST
+    return _corners(cycle.t, cycle.P)[0].size < pieces
 
 
-def _starts(model: Adhering, settings: RelaxationSettings) -> list[Array]:
+def _starts(model: Adhering) -> list[Array]:
     """The best of some values, with each of some ratios and times: the pull-off force tells w in a very fast cycle,
     where it is elastic, from rest, where it is the ratio times that of the relaxed modulus, and between; the load at
     the reversal tells the modulus."""
-    cycle, body = model.cycle, model.body
+    cycle, body, settings = model.cycle, model.body, model.settings
     limits, fixed = ElasticLimits(body.nonadhesive), settings.fixed
     first, end = cycle.contact
     shows, top = float(cycle.tip[first]), first + int(np.argmax(cycle.z[first:end]))  # at the reversal
@@ -549,7 +587,7 @@ def _starts(model: Adhering, settings: RelaxationSettings) -> list[Array]:
     radius = float(np.interp(depth - shows, body.series.delta, body.series.a))
     starts = []
     for ratio, time, share, zone in itertools.product(
-        RATIOS, TIMES, SHARES, (1.0,) if settings.fixed.keys() & {"stress", "range"} else ZONES
+        RATIOS, TIMES, SHARES, (1.0,) if fixed.keys() & {"stress", "range"} else ZONES
     ):
 
         def work(modulus: float, ratio: float = ratio, share: float = share) -> float:
@@ -560,14 +598,14 @@ def _starts(model: Adhering, settings: RelaxationSettings) -> list[Array]:
         for _ in range(ROUNDS):
             modulus = fixed.get("modulus", limits.modulus(depth - zero, load, work))
             w = fixed.get("w", work(modulus))
-            stress = math.sqrt(ZONE_SLOPE * modulus * body.problem.E_star * w / (zone * radius))
-            length = fixed.get("range", w / fixed.get("stress", stress))
+            of_zone = math.sqrt(zone * radius * w / (ZONE_SLOPE * modulus * body.problem.E_star))
+            length = fixed.get("range", w / fixed["stress"] if "stress" in fixed else of_zone or LIKELY_RANGE)
             zero = shows + min(length, depth - shows)
-        own = {"ratio": ratio, "time": time * cycle.lasting}
-        line = {"P0": cycle.base[0], "tilt": cycle.base[1]}
-        values = {"modulus": modulus, "w": w, "stress": w / length, "range": length, "delta0": zero}
-        values |= {**line, **own, **fixed}
-        starts.append(model.unknowns.at(values))
+        values = {"w": w, "stress": w / length, "range": length, "delta0": zero}
+        values |= {"P0": cycle.base[0], "tilt": cycle.base[1]}
+        for law in _laws_of(settings, ratio, time * cycle.lasting, cycle.lasting):
+            own = {"modulus": modulus * law.get("modulus", 1.0)}
+            starts.append(model.unknowns.at(values | law | own | fixed))
     low, high = zip(*(model.unknowns.bounds(theta, FARTHEST) for theta in starts), strict=True)
     starts = [np.clip(theta, a, b) for theta, a, b in zip(starts, low, high, strict=True)]
     costs = []
@@ -579,11 +617,44 @@ def _starts(model: Adhering, settings: RelaxationSettings) -> list[Array]:
     return [starts[i] for i in np.argsort(costs)[:BEGINS]]
 
 
-def _law_of(settings: RelaxationSettings, ratio: float, time: float) -> dict[str, float]:
-    """Parameters of Prony's series near a standard solid of ``ratio`` and ``time`` [s]."""
-    n = settings.terms
-    weights = {f"weight{i + 1}": max((1 - ratio) / n, 0.01) for i in range(n)}
-    return weights | {f"time{i + 1}": time * 8.0 ** (i - (n - 1) / 2) for i in range(n)}
+def _best(model: Adhering, begun: Sequence[Array], evaluations: int) -> Array:
+    """The unknowns of the least of searches from several places, side by side."""
+    ends = together([model.search(theta, evaluations).searching(theta) for theta in begun])
+    found = [one for one in ends if not isinstance(one, Exception)]
+    if not found:
+        raise SolveError("no history of this specimen resembles the data")
+    theta: Array = min(found, key=lambda one: one.cost).x
+    return theta
+
+
+def _laws_of(settings: RelaxationSettings, ratio: float, time: float, lasting: float) -> Iterator[dict[str, float]]:
+    """Parameters of laws near a standard solid of ``ratio`` and ``time`` [s] in a contact ``lasting`` so long [s]; the
+    "modulus" of a power law is over that at t = 0."""
+    if settings.law == "sls":
+        yield {"ratio": ratio, "time": time}
+    elif settings.law == "power":
+        left = ratio + (1 - ratio) * math.exp(-lasting / time)
+        for onset in (share * lasting for share in ONSETS):
+            exponent = min(max(-math.log(left) / math.log1p(lasting / onset), 0.01), 0.9)
+            yield {"onset": onset, "exponent": exponent, "modulus": (settings.fixed["time"] / onset) ** -exponent}
+    else:
+        n = settings.terms
+        weights = {f"weight{i + 1}": max((1 - ratio) / n, 0.01) for i in range(n)}
+        yield weights | {f"time{i + 1}": time * APART_TIMES ** (i - (n - 1) / 2) for i in range(n)}
+
+
+def _along_valley(model: Adhering, x: Array) -> Least:
+    """The least near ``x`` of all rows. Laws that differ hardly in r(t) within the record lie along bent valleys: the
+    least of loads that are linear in r(t), whatever its parameters, leads on where steps of Gauss and Newton creep."""
+    least = model.search(x, STRAIGHT).least(x)
+    for _ in range(VALLEYS):
+        x = Posterior.of(model, least, 1.0).likeliest()
+        there = model.search(x, STRAIGHT).least(x)
+        gained = least.cost - there.cost
+        least = there if gained > 0 else least
+        if gained < CONVERGED:
+            break
+    return least
 
 
 def _scatter(model: Adhering, least: Least) -> float:
@@ -592,32 +663,26 @@ def _scatter(model: Adhering, least: Least) -> float:
     return math.sqrt(float(rows @ rows) / max(int(np.count_nonzero(rows)) - least.x.size, 1))
 
 
-def _result(model: Adhering, least: Least, change: Array, later: float, scatter: float) -> RelaxationFit:
-    """One more step of Gauss and Newton with the ``change`` of the loads [N] by narrow zones, which make contact end
-    so much ``later`` [s], and the answer."""
+def _result(model: Adhering, least: Least, shift: Array) -> RelaxationFit:
+    """The answer of the ``least``; ``shift``: of the unknowns, by the widths of zones that are extrapolated."""
     settings, unknowns, cycle = model.settings, model.unknowns, model.cycle
-    J, before, n = least.state.jacobian, least.state.residuals, cycle.t.size
-    rows, moved = np.any(J[:n] != 0, axis=1), np.zeros_like(before)
-    moved[:n] = np.where(rows, change / model.sigma, 0.0)
-    if math.isfinite(model.jumps[1, 1]) and math.isfinite(later):
-        moved[n + int(np.isfinite(model.jumps[0, 1]))] = later / model.jumps[1, 1]
-    shift = np.clip(least.x - np.linalg.lstsq(J, moved, rcond=None)[0], *least.problem.bounds) - least.x
-    after = before + moved + J @ shift
-    least = replace(least, x=least.x + shift, state=State(after, lambda: J))
+    J, off, n, scatter = least.state.jacobian, least.state.residuals, cycle.t.size, _scatter(model, least)
+    rows = np.any(J[:n] != 0, axis=1)
     variance = max(1.0, scatter**2)
     own = covariance(J, variance)
     own = own if own is None else own + MARCH_ERROR**2 * np.outer(shift, shift)
-    samples = Posterior.of(model, least, variance).samples(shift)
-    least = replace(least, x=np.median(samples, axis=0))
+    middle, samples = Posterior.of(model, least, variance).samples(shift)
+    least = replace(least, x=middle)
     intervals = Intervals.of(unknowns, least, settings.level, "covariance", model.body.problem.E_star, variance)
     intervals = replace(intervals, covariance=own, samples=samples)
     fit = RelaxationFit(
         estimates=intervals.estimates(), free=unknowns.names, dof=least.dof, covariance=unknowns.covariance(own),
         relaxation=settings.relaxation(unknowns.values(least.x)), record=cycle.record(), imposed=cycle.z,
-        response=np.where(rows, cycle.P + after[:n] * model.sigma, np.nan), settings=settings,
+        response=np.where(rows, cycle.P + off[:n] * model.sigma, np.nan), settings=settings,
         scatter=scatter, samples=samples * unknowns.scales,
     )  # fmt: skip
-    warnings = [] if least.ended else [f"{UNSETTLED}: values and intervals are preliminary"]
+    warnings = [*fit.record.flags, *([BESIDE] if settings.law == "power" else [])]
+    warnings += [] if least.ended else [f"{UNSETTLED}: values and intervals are preliminary"]
     if fit.scatter > SEARCH_MISFIT:
         warnings.append(f"residuals are {fit.scatter:.2g} times the scatter from row to row: {MISFIT}")
     return replace(fit, warnings=tuple(warnings))
@@ -627,12 +692,14 @@ def _result(model: Adhering, least: Least, change: Array, later: float, scatter:
 # What the record leaves of the law. Where little relaxes within it, ratio and time are known together only, on no
 # ellipse. The loads, though, are nearly linear in r(t) itself: r = r_0 + sum of omega_k (exp(-q_k t) - 1).
 
-SPECTRUM = np.geomspace(0.3, 300.0, 8)  # choice: rates q_k over the time in contact
+SPECTRUM = np.geomspace(0.3, 3000.0, 11)  # choice: rates q_k over the time in contact
 SPECTRUM_STEP = 0.01  # choice: of r, for differences
-SPECTRUM_TIMES = np.geomspace(1e-3, 1.0, 40)  # choice: over the time in contact, at which r is told by these
+SPECTRUM_TIMES = np.geomspace(1e-4, 1.0, 50)  # choice: over the time in contact, at which r is told by these
 # choice: quantiles are then good to a tenth of a standard error
-WALKERS, WALKED, BURNT, KEPT, TRIALS = 48, 450, 200, 600, 4000
-LAW_NAMES = ("ratio", "time", "weight")
+WALKERS, WALKED, BURNT, KEPT, TRIALS = 48, 450, 200, 600, 96
+# choice: steps to valleys, and near them, where samples begin; ends of shares there; times over that in contact
+SETTLING, SETTLING_NEAR, SHARE_ENDS, TIMES_TRIED = 15, 5, 1e-3, (0.01, 100.0)
+MODES = (0.03, 0.3, 3.0)  # choice: times over that in contact, of laws among which a search begins
 STRETCH = 2.0  # theory: of Goodman and Weare's moves (Comm. App. Math. Comp. Sci. 5 (2010) 65)
 SEED = 1  # choice: the same samples every day
 
@@ -655,7 +722,7 @@ class Posterior:
     @classmethod
     def of(cls, model: Adhering, least: Least, variance: float) -> Posterior:
         names, x, settings = model.unknowns.names, least.x, model.settings
-        own = np.array([name.rstrip("0123456789") in LAW_NAMES for name in names])
+        own = np.array([_likely(name, model.cycle.lasting) is not None for name in names])
         trial, rates = model.trial(x), SPECTRUM / model.cycle.lasting
         sign = 1.0 if trial.modes.relaxed > 2 * SPECTRUM_STEP else -1.0
         trials = [trial]
@@ -691,65 +758,167 @@ class Posterior:
         assert settings.law in RELAXED
         return cls(model, x, own, Q_r.T @ left, matrix, -others @ (Q.T @ off), -others @ (Q.T @ J_r), root)
 
-    def log(self, law: Array) -> tuple[Array, Array]:
-        """Logs of what parameters ``law`` (n, parameters) are likely, and their omega."""
-        lasting, settings = self.model.cycle.lasting, self.model.settings
+    def off(self, law: Array) -> tuple[Array, Array]:
+        """What is left of all rows and of what is likely before, by parameters ``law`` (n, parameters), as residuals
+        (n, rows), and omega of these."""
+        lasting = self.model.cycle.lasting
         t = SPECTRUM_TIMES * lasting
-        names = [name for name, one in zip(self.model.unknowns.names, self.own, strict=True) if one]
-        unit = dict(zip(names, law.T, strict=True))
-        every: dict[str, Array] = {name: np.asarray(value) for name, value in settings.fixed.items()}
-        for name in names:
-            every[name] = np.exp(unit[name]) if name.startswith("time") else unit[name]
-        start = every.copy()
-        for name, value in zip(names, self.x[self.own], strict=True):
-            start[name] = np.exp(value) if name.startswith("time") else value
-        r = RELAXED[settings.law](every, t) - RELAXED[settings.law](start, t)
-        basis = np.expm1(-np.multiply.outer(t, SPECTRUM / lasting))
-        omega = r @ np.linalg.pinv(basis, rcond=1e-4).T
-        chi2 = np.sum((self.right + omega @ self.matrix.T) ** 2, axis=1)
-        weights = np.zeros(len(law))
-        for name in names:
-            plain = name.rstrip("0123456789")
-            if plain == "time":
-                chi2 = chi2 + ((unit[name] - math.log(lasting / 4)) / LIKELY_TIME) ** 2
-            else:
-                chi2 = chi2 + ((unit[name] - LIKELY[plain][0]) / LIKELY[plain][1]) ** 2
-                chi2 = np.where((unit[name] > 0) & (unit[name] < 1), chi2, np.inf)
-                weights += unit[name] * (plain == "weight")
-        return -np.where(weights < 1, chi2, np.inf) / 2, omega
+        here, there = (self.r(one, t) / self.r(one, np.zeros(1)) for one in (self.x[self.own][None], law))
+        omega = (there - here) @ np.linalg.pinv(np.expm1(-np.multiply.outer(t, SPECTRUM / lasting)), rcond=1e-4).T
+        means, widths = np.array([_likely(name, lasting) for name in self.names]).T
+        return np.concatenate([self.right + omega @ self.matrix.T, (law - means) / widths], axis=1), omega
 
-    def samples(self, march: Array) -> Array:
-        """Samples of all unknowns (n, unknowns); ``march``: what narrower zones moved them, of which a part may be left
-        over."""
-        rng, d = np.random.default_rng(SEED), int(self.own.sum())
-        found, rows = np.tile(self.x, (KEPT, 1)), np.zeros((KEPT, self.matrix.shape[1]))
-        if d:
-            names = [name for name, one in zip(self.model.unknowns.names, self.own, strict=True) if one]
-            here = np.tile(self.x[self.own], (TRIALS, 1))
-            for i, name in enumerate(names):
-                width = 10 ** rng.uniform(-3, 0.3, TRIALS) * (2.0 if name.startswith("time") else 0.3)
-                here[:, i] += rng.normal(0, 1, TRIALS) * width
-            here = here[np.argsort(-self.log(here)[0])[:WALKERS]]
-            log, kept = self.log(here)[0], []
-            halves = np.arange(WALKERS) < WALKERS // 2
-            for step in range(WALKED):
-                for some in (halves, ~halves):
-                    stretch = (1 + (STRETCH - 1) * rng.random(WALKERS // 2)) ** 2 / STRETCH
-                    other = rng.choice(here[~some], WALKERS // 2)
-                    tried = other + stretch[:, None] * (here[some] - other)
-                    there = self.log(tried)[0]
-                    takes = np.log(rng.random(WALKERS // 2)) < (d - 1) * np.log(stretch) + there - log[some]
-                    here[some] = np.where(takes[:, None], tried, here[some])
-                    log[some] = np.where(takes, there, log[some])
-                if step >= BURNT:
-                    kept.append(here.copy())
-            law = rng.choice(np.concatenate(kept), KEPT, replace=False)
-            rows = self.log(law)[1]
-            found[:, self.own] = law
-        noise = rng.standard_normal((KEPT, int((~self.own).sum())))
-        found[:, ~self.own] += self.mean + rows @ self.by.T + noise @ self.spread.T
+    def log(self, law: Array) -> Array:
+        """Logs of what parameters ``law`` (n, parameters) are likely."""
+        shares = law[:, [not _is_time(name) for name in self.names]]
+        weights = law[:, [name.startswith("weight") for name in self.names]]
+        possible = ((shares > 0) & (shares < 1)).all(axis=1) & (weights.sum(axis=1) < 1)
+        return np.where(possible, -np.sum(self.off(law)[0] ** 2, axis=1) / 2, -np.inf)
+
+    @property
+    def names(self) -> list[str]:
+        """Of the unknowns of the law."""
+        return [name for name, own in zip(self.model.unknowns.names, self.own, strict=True) if own]
+
+    def r(self, law: Array, t: Array) -> Array:
+        """r at the times ``t`` [s] (n, times)."""
+        settings = self.model.settings
+        every: dict[str, Array] = {name: np.asarray(value) for name, value in settings.fixed.items()}
+        every |= {name: np.exp(one) if _is_time(name) else one for name, one in zip(self.names, law.T, strict=True)}
+        return RELAXED[settings.law](every, t)
+
+    def samples(self, march: Array) -> tuple[Array, Array]:
+        """A point in the middle of what is likely, and samples of all unknowns (n, unknowns); ``march``: what narrower
+        zones moved them, of which a part may be left over."""
+        rng = np.random.default_rng(SEED)
+        law = np.tile(self.x[self.own], (KEPT, 1))
+        if law.size:
+            law = rng.choice(self._walked(rng), KEPT, replace=False)
+        found = self._whole(law)
+        found[:, ~self.own] += rng.standard_normal((KEPT, int((~self.own).sum()))) @ self.spread.T
         found += MARCH_ERROR * rng.standard_normal((KEPT, 1)) * march
-        shares = [i for i, name in enumerate(self.model.unknowns.names)
-                  if self.own[i] and not name.startswith("time")]  # fmt: skip
+        shares = [i for i, name in enumerate(self.model.unknowns.names) if self.own[i] and not _is_time(name)]
         found[:, shares] = np.clip(found[:, shares], SAME, 1 - SAME)
+        return self._central(law), found
+
+    def _whole(self, law: Array) -> Array:
+        """All unknowns (n, unknowns) with those of the ``law`` and the most likely of the others."""
+        found = np.tile(self.x, (len(law), 1))
+        found[:, self.own] = law
+        found[:, ~self.own] += self.mean + self.off(law)[1] @ self.by.T
+        zero = np.zeros(1)
+        if "modulus" in self.model.unknowns.names:  # that at t = 0 is what the loads tell
+            i = self.model.unknowns.names.index("modulus")
+            found[:, i] -= np.log(self.r(law, zero) / self.r(self.x[self.own][None], zero))[:, 0]
         return found
+
+    def _central(self, law: Array) -> Array:
+        """Of the samples of a ``law`` that whose r(t) is nearest to the medians, with the most likely others."""
+        r = np.log(np.maximum(self.r(law, SPECTRUM_TIMES * self.model.cycle.lasting), TINY))
+        off = (r - np.median(r, axis=0)) / np.maximum(np.std(r, axis=0), TINY)
+        nearest = int(np.argmin(np.sum(off**2, axis=1)))
+        whole: Array = self._whole(law[nearest : nearest + 1])[0]
+        return whole
+
+    def likeliest(self) -> Array:
+        """The unknowns with the likeliest law."""
+        law = self._settled(self._about(np.random.default_rng(SEED)))
+        whole: Array = self._whole(law[:1])[0]
+        return whole
+
+    def modes(self) -> list[Array]:
+        """The unknowns with laws of short, middle and long times."""
+        lasting, found = self.model.cycle.lasting, list[Array]()
+        for share in MODES:
+            law, middle = np.full(len(self.names), 0.3), (len(self.names) - 1) / 2
+            for i, name in enumerate(self.names):
+                if _is_time(name):
+                    law[i] = math.log(share * lasting) + (i - middle) / 2 * math.log(APART_TIMES)
+            if law.size:
+                found.append(self._whole(self._settled(law[None]))[0])
+        return found
+
+    def _about(self, rng: np.random.Generator) -> Array:
+        """Parameters of the law: its own, first, others near to it, and as many anywhere."""
+        here, lasting = np.tile(self.x[self.own], (TRIALS, 1)), self.model.cycle.lasting
+        for i, name in enumerate(self.names):
+            width = 10 ** rng.uniform(-3, 0.3, TRIALS - 1) * (2.0 if _is_time(name) else 0.3)
+            here[1:, i] += rng.normal(0, 1, TRIALS - 1) * width
+            far = (
+                math.log(lasting) + rng.uniform(*np.log(TIMES_TRIED), TRIALS) if _is_time(name) else rng.random(TRIALS)
+            )
+            here[TRIALS // 2 :, i] = far[TRIALS // 2 :]
+            if not _is_time(name):
+                here[:, i] = np.clip(here[:, i], SHARE_ENDS, 1 - SHARE_ENDS)
+        return here
+
+    def _settled(self, law: Array, steps_of: int = SETTLING) -> Array:
+        """Each of many parameters ``law`` by steps of Levenberg and Marquardt in the valley next to it, the likeliest
+        first."""
+        d, log, damping = law.shape[1], self.log(law), np.full(len(law), 1e-2)
+        steps = np.array([0.01 if _is_time(name) else 1e-3 for name in self.names])
+        shares = np.array([not _is_time(name) for name in self.names], dtype=bool)
+        for _ in range(steps_of if d else 0):
+            off = self.off(law)[0]
+            J = np.stack([(self.off(law + step)[0] - off) / step.sum() for step in np.diag(steps)], axis=2)
+            A = np.einsum("nri,nrj->nij", J, J)
+            A += damping[:, None, None] * (A * np.eye(d)) + TINY * np.eye(d)
+            moved = -np.linalg.solve(A, np.einsum("nri,nr->ni", J, off)[..., None])[..., 0]
+            there = law + np.clip(moved, -50 * steps, 50 * steps)
+            there = np.where(shares, np.clip(there, SHARE_ENDS, 1 - SHARE_ENDS), there)
+            better = self.log(there) > log
+            law = np.where(better[:, None], there, law)
+            log, damping = self.log(law), damping * np.where(better, 0.3, 10.0)
+        return law[np.argsort(-log)]
+
+    def _walked(self, rng: np.random.Generator) -> Array:
+        """Samples of the law's parameters, (n, parameters), by walks over the logs of the slopes weight/time, by which
+        laws of times beyond the record are alike, and of the times."""
+        exponentials = self.model.settings.law != "power" and [*map(_is_time, self.names)] == [False, True] * (
+            len(self.names) // 2
+        )
+        turned = -1.0 if self.names[0] == "ratio" else 1.0  # the weight is 1 - ratio
+
+        def slopes(law: Array) -> Array:
+            here = law.copy()
+            here[:, ::2] = np.log(law[:, ::2] if turned > 0 else 1 - law[:, ::2]) - law[:, 1::2]
+            return here if exponentials else law
+
+        def laws(here: Array) -> Array:
+            law = here.copy()
+            weights = np.exp(np.minimum(here[:, ::2] + here[:, 1::2], 1.0))
+            law[:, ::2] = weights if turned > 0 else 1 - weights
+            return law if exponentials else here
+
+        def logs(here: Array) -> Array:
+            return self.log(laws(here)) + (np.sum(here, axis=1) if exponentials else 0.0)
+
+        near = self._settled(self._about(rng), SETTLING_NEAR)
+        here = slopes(near[:WALKERS])
+        log, kept = logs(here), []
+        halves, d = np.arange(WALKERS) < WALKERS // 2, here.shape[1]
+        for step in range(WALKED):
+            for some in (halves, ~halves):
+                stretch = (1 + (STRETCH - 1) * rng.random(WALKERS // 2)) ** 2 / STRETCH
+                other = rng.choice(here[~some], WALKERS // 2)
+                tried = other + stretch[:, None] * (here[some] - other)
+                there = logs(tried)
+                takes = np.log(rng.random(WALKERS // 2)) < (d - 1) * np.log(stretch) + there - log[some]
+                here[some] = np.where(takes[:, None], tried, here[some])
+                log[some] = np.where(takes, there, log[some])
+            if step >= BURNT:
+                kept.append(laws(here))
+        return self._in_order(np.concatenate(kept))
+
+    def _in_order(self, law: Array) -> Array:
+        """The terms of Prony's series by their times, where none of them is fixed."""
+        terms = self.model.settings.terms
+        if self.model.settings.law != "prony" or len(self.names) < 2 * terms:
+            return law
+        pairs = law.reshape(-1, terms, 2)
+        order = np.argsort(pairs[..., 1], axis=1)
+        return np.take_along_axis(pairs, order[..., None], axis=1).reshape(law.shape)
+
+
+def _is_time(name: str) -> bool:
+    return name.rstrip("0123456789") in LIKELY_TIMES

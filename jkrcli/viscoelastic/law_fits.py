@@ -19,7 +19,7 @@ from . import report as rate
 from .rate_fit import RateFit
 from .timed_record import RelaxationFit
 
-OVER_TIME, OVER_TIMES = (0.01, 0.5), 5  # choice: of the record, times at which E*(t) is written
+OVER_TIME, OVER_TIMES = (0.01, 0.5), 5  # choice: of the time in contact, at which E*(t) is written
 
 
 @TABLES.register(RateFit)
@@ -153,8 +153,8 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
 
 
 def _over_time(fit: RelaxationFit) -> list[dict[str, float]]:
-    """E*(t) after a step at some times within the record, with its intervals."""
-    t = np.geomspace(OVER_TIME[0], OVER_TIME[-1], OVER_TIMES) * float(np.ptp(fit.record.t))
+    """E*(t) after a step at some times within the contact, with its intervals."""
+    t = np.geomspace(OVER_TIME[0], OVER_TIME[-1], OVER_TIMES) * (fit.record.lasting or float(np.ptp(fit.record.t)))
     names = ("t_s", "E_star_Pa", "low_Pa", "high_Pa")
     return [dict(zip(names, row, strict=True)) for row in np.column_stack([t, fit.modulus(t)]).tolist()]
 

@@ -14,10 +14,14 @@ A zone that is narrow beside the contact needs neither be resolved nor followed:
 not feel. It is made as wide as a part of the contact by a smaller stress; the work that a steady crack then needs at
 the speed v is that of the true zone,
 
-    w/G_0 = J_inf - sum c_i e(q_i b/v),    b = (pi/4) E_0 w/(sigma^2 (w/G_0)),
+    w/G_0 = J_inf - sum c_i e(q_i b/v),    b = (pi/4) E_0 G_0/sigma^2,
 
-with the creep function J_inf - sum c_i exp(-q_i t) and, D being Dawson's function, e(y) = (2/y) int_0^sqrt(y) D for a
-crack that opens and 2 D(sqrt(y))/sqrt(y) less this for one that closes (after Schapery, Int. J. Fract. 11 (1975) 141).
+with the creep function J_inf - sum c_i exp(-q_i t), which is 1 at t = 0, and, D being Dawson's function, e(y) = (2/y)
+int_0^sqrt(y) D of a crack that opens (after Schapery, Int. J. Fract. 11 (1975) 141). Of one that closes, with d(y) =
+D(sqrt(y))/sqrt(y) and e(y) = 2 d(y) - (2/y) int_0^sqrt(y) D,
+
+    w/G = J_inf - sum c_i e(q_i b/v),    G_0 = G [J_inf - sum c_i d(q_i b/v)]^2,    b = (pi/4) E_0 G/sigma^2.
+
 What is left errs like the width over the contact radius, and is extrapolated.
 """
 
@@ -27,7 +31,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -42,12 +46,15 @@ NODES = 12  # choice: of Gauss, over a zone
 INNER = 6  # choice: points of the profile, over the narrowest zone
 MOST = 6000  # choice: of them
 NEWTON = 12  # choice: steps of Newton's from a prediction, beyond which a shorter step of time is tried
-KERNEL_WIDER = 2.0  # choice: than the largest reach, from which on a kernel is made anew
+KERNEL_WIDER = 1.5  # choice: from reach to reach of kernels, which are kept
 FARTHEST = 4.0  # choice: of the radius as deep as the device goes, that of the largest contact
 MOST_ITERATIONS = 2000  # choice: of steps, ten times those of usual records
 JUMP_LASTS = 1e-9  # choice: of the program, for rows of one time each
 JUMPS_MOST = 5  # choice: of a contact, beyond which it is given up
+KERNELS = 8  # choice: that are kept
 KERNEL = 1e-5  # theory: of the largest, terms of the kernel that are left out
+BENDS = 0.15  # choice: of the largest load, what it is off a straight line, as a zone that its prediction misses
+GROWS = 1.4  # choice: from step to step; of twice as long ones loads have the noise of where they begin
 SEARCHED = 32  # choice: radii among which a jump's end is looked for
 MOVES = 0.5  # choice: of the zone, by which its edge moves at most while its body relaxes
 FEWEST = 4.0  # choice: steps of a piece of the program at least, times the root of the tolerance's inverse
@@ -62,11 +69,13 @@ def _integral_of_dawson(y: Array) -> Array:
 
 
 def passing(y: Array) -> tuple[Array, Array, Array]:
-    """e(y) of a crack that opens, and of one that closes: how much of exp(-q t) is left of a zone that passes in the
-    time y/q."""
-    root = np.sqrt(y)
-    opening = np.where(y > 1e-6, 2 / y * _integral_of_dawson(root), 1 - y / 3)
-    edge = dawsn(root) / root
+    """1 - e(y) of a crack that opens, and of one that closes, and 1 - d(y): how much of exp(-q t) is gone in a zone
+    that passes in the time y/q."""
+    root, k = np.sqrt(y), np.arange(1, 20)
+    # D(x)/x = 1 - 2 x^2/3 + 4 x^4/15 - ..., and (2/x^2) int_0^x D term by term: what is left of 1 counts
+    terms = -np.cumprod(-2 * np.minimum(y, 0.5)[..., None] / (2 * k + 1), axis=-1)
+    opening = np.where(y < 0.5, np.sum(terms / (k + 1), axis=-1), 1 - 2 / y * _integral_of_dawson(root))
+    edge = np.where(y < 0.5, np.sum(terms, axis=-1), 1 - dawsn(root) / root)
     return opening, 2 * edge - opening, edge
 
 
@@ -80,6 +89,7 @@ class Kernel:
     u: Array
 
     @classmethod
+    @lru_cache(maxsize=KERNELS)
     def of(cls, body: AttractedBody, reach: float, places: int = 1000) -> Kernel:
         attraction = body.attraction(reach)
         x = np.linspace(0, attraction.reach, places)
@@ -128,12 +138,14 @@ class Trial:
 @dataclass(frozen=True, eq=False)
 class Marched:
     """What became of a trial: ``rows`` (n, 5) of t [s], a, c, delta [m] and P over the modulus, when contact began
-    and was ``lost`` [s], infinite where it did not, and the ``corners`` of the program [s]."""
+    and was ``lost`` [s], infinite where it did not, the ``corners`` of the program [s], and whether it was
+    ``given_up`` before its end."""
 
     rows: Array
     begun: float
     lost: float
     corners: Array
+    given_up: bool
 
     def load(self, t: Array) -> Array:
         """P over the modulus [m^2] at the times ``t`` [s], smooth between corners and jumps."""
@@ -158,7 +170,7 @@ class March:
     zone over the contact radius at least, ``tolerance`` of steps in zones."""
 
     def __init__(self, problem: Problem, body: AttractedBody, trials: Sequence[Trial], program: tuple[Array, Array],
-                 width: float = 0.004, tolerance: float = 4e-3, kernel: Kernel | None = None) -> None:  # fmt: skip
+                 width: float = 0.004, tolerance: float = 4e-3) -> None:  # fmt: skip
         self.F, self.E, self.tolerance = problem.indenter.abel, problem.E_star, tolerance
         self.t, self.x = program
         most = max(one.modes.rates.size for one in trials)
@@ -173,7 +185,6 @@ class March:
             self.weights[i, :n], self.rates[i, :n] = one.modes.weights, one.modes.rates
         gone = np.exp(-self.rates * np.ptp(self.t))
         self.left = np.maximum(self.relaxed + np.sum(self.weights * gone, axis=1), LEAST_LEFT)
-        self.kernel = kernel
         self.body, self.r_max = body, body.limit
         self.length = self.w / self.stress
         self._prepare(width)
@@ -201,9 +212,9 @@ class March:
         self.d = self.reach / (points - 1)
         self.grid = np.linspace(0, 1, points) * self.reach[:, None]
         self.shape = self.F(self.grid)
-        largest = float(self.reach.max())
-        if self.kernel is None or not largest <= self.kernel.reach < KERNEL_WIDER * largest:
-            self.kernel = Kernel.of(self.body, min(1.2 * largest, self.r_max))
+        way = float(np.ptp(self.x))
+        wider = math.ceil(math.log(float(self.reach.max()) / way, KERNEL_WIDER))
+        self.kernel = Kernel.of(self.body, min(way * KERNEL_WIDER**wider, self.r_max))
         self.u = self.kernel.at(self.grid)
         self.s0 = 2 * self.sigma / self.E
         self.crack = self._crack() if (self.kappa < 1).any() else None
@@ -213,12 +224,11 @@ class March:
         at even steps of log v, logs (2, n, steps)."""
         logs, starts, steps = [], [], []
         for i in range(self.w.size):
-            modes = Modes(self.relaxed[i], self.weights[i], self.rates[i])
-            keep = modes.weights > 0
-            least = max(modes.relaxed, LEAST_LEFT)
-            J, c, q = creep(Modes(least, modes.weights[keep], modes.rates[keep]))
+            keep, least = self.weights[i] != 0, max(self.relaxed[i], LEAST_LEFT)
+            weights = self.weights[i, keep] * (1 - least) / (1 - self.relaxed[i])
+            _, c, q = creep(Modes(least, weights, self.rates[i, keep]))
             T = CRACK / q.max()
-            opening, closing, edge = (np.maximum(J - one @ c, 1e-12) for one in passing(np.multiply.outer(T, q)))
+            opening, closing, edge = (1 + one @ c for one in passing(np.multiply.outer(T, q)))
             zone = ZONE_SLOPE * self.E * self.w[i] / self.stress[i] ** 2
             own = []
             for eased, needs in ((opening, 1 / opening), (closing, edge**2 / closing)):
@@ -272,7 +282,6 @@ class March:
         """delta, P over the modulus, the gap at c, and kappa mu of states with radii ``a`` and zones ``b``, for the
         prepared steps ``at`` of the trials ``rows``."""
         kernel, G, s0 = self.kernel, self.G[at], self.s0[rows]
-        assert kernel is not None
         c, d = a + b, self.d[rows]
         root = np.sqrt(b * (2 * a + b))
         theta = np.arctan2(root, a)
@@ -317,7 +326,7 @@ class March:
         n = rows.size
         at, b = np.arange(n), c - a
         good, done = np.ones(n, dtype=bool), np.zeros(n, dtype=bool)
-        result = [a.copy(), c.copy(), np.zeros(n), np.zeros(n), np.zeros((n, self.kernel.kappa.size))]  # type: ignore[union-attr]
+        result = [a.copy(), c.copy(), np.zeros(n), np.zeros(n), np.zeros((n, self.kernel.kappa.size))]
         length = self.w[rows] / self.sigma[rows]
         if np.isfinite(h).all():
             length = length * np.exp(self.harder[rows])
@@ -416,92 +425,110 @@ class March:
         """Follow all trials to the end, or to the loss of contact."""
         n, points = self.grid.shape
         self.W, self.eta = np.zeros((n, points)), np.zeros((n, self.rates.shape[1], points))
-        self.harder = np.zeros(n)
-        t, piece, begun = self._begin()
-        lost = np.full(n, np.inf)
-        state = [np.zeros(n) for _ in range(4)]  # a, c, delta, P
-        history = [(np.arange(n), t.copy(), *(one.copy() for one in state))]
-        active = np.isfinite(t)
-        span, fewest = np.diff(self.t), FEWEST / math.sqrt(self.tolerance)
-        shortest = np.minimum(1e-5 * np.ptp(self.t), 1e-3 / self.rates.max(axis=1))
-        jumped = np.zeros(n, dtype=int)
-        h, before, slope = np.zeros(n), np.zeros(n, dtype=bool), np.zeros((2, n))
+        self.harder, self.jumped = np.zeros(n), np.zeros(n, dtype=int)
+        self.now, self.piece, self.begun = self._begin()
+        self.lost, self.given_up = np.full(n, np.inf), np.zeros(n, dtype=bool)
+        self.active = np.isfinite(self.now)
+        self.state = np.zeros((4, n))  # a, c, delta, P
+        # the next step, and what the last one in the same piece tells of the speeds of a and c
+        self.h, self.before, self.speeds = np.zeros(n), np.zeros(n, dtype=bool), np.zeros((2, n))
+        self.slopes, self.most = np.zeros(n), np.full(n, TINY)
+        self.history: list[tuple[Array, ...]] = []
 
-        def note(rows: Array) -> None:
-            history.append((rows, t[rows].copy(), *(one[rows].copy() for one in state)))
-
-        def jump(rows: Array, inwards: Array) -> None:
-            for way in (True, False):
-                some = rows[inwards == way]
-                if not some.size:
-                    continue
-                self._step(some, np.zeros(some.size))
-                there = self._leap(some, self._place(some, t[some]), state[1][some], way)
-                jumped[some] += 1
-                good = there[-1] & (jumped[some] < JUMPS_MOST)
-                self._take(some[good], np.flatnonzero(good), there[:5])
-                for target, value in zip(state, there[:4], strict=True):
-                    target[some] = np.where(good, value, 0.0)
-                gone = some[~good]
-                active[gone] = False
-                lost[gone] = np.where(np.isfinite(begun[gone]), t[gone], np.inf)
-                t[some] += JUMP_LASTS * np.ptp(self.t)
-                note(some)
-            self.harder[rows] = 0.0
-            h[rows], before[rows] = 1e-4 * span[piece[rows]], False
-
-        jump(np.flatnonzero(active), np.ones(int(active.sum()), dtype=bool))
+        self._note(np.arange(n))
+        rows = np.flatnonzero(self.active)
+        self._jump(rows, np.ones(rows.size, dtype=bool))
         for _ in range(MOST_ITERATIONS):
-            rows = np.flatnonzero(active)
+            rows = np.flatnonzero(self.active)
             if not rows.size:
                 break
-            a0, c0 = state[0][rows], state[1][rows]
-            rest = self.t[piece[rows] + 1] - t[rows]
-            step = np.minimum(h[rows], span[piece[rows]] / fewest)
-            step = np.where(step > rest * (1 - 1e-6), rest, np.where(2 * step > rest, rest / 2, step))
-            self._step(rows, step)
-            zone = c0 - a0
-            a = a0 + np.where(before[rows], slope[0, rows] * step, 0.0)
-            c = c0 + np.where(before[rows], slope[1, rows] * step, 0.0)
-            z = step[:, None] * self.rates[rows]
-            matters = np.clip(np.max(4 * self.weights[rows] * np.minimum(z, 1 / np.maximum(z, TINY)), axis=1), 0.05, 1)
-            reach = 2 * MOVES * zone / matters
-            a = np.where(a0 > 0, np.clip(a, np.maximum(a0 - reach, a0 / 2), a0 + reach), 0.0)
-            b = np.clip(c - a, zone / 2, 2 * zone)
-            wanted = a.copy(), a + b
-            *there, good = self._newton(rows, self._place(rows, t[rows] + step), a, a + b, step)
-            moved = np.abs(there[0] - a0) + np.abs(there[1] - c0)
-            missed = (np.abs(there[0] - wanted[0]) + np.abs(there[1] - wanted[1])) / zone * matters
-            missed = np.where(before[rows], missed, (moved / 0.1 / zone) ** 2 * self.tolerance * matters)
-            taken = good & (missed <= 4 * self.tolerance) & (moved <= 2 * reach)
-            ok = rows[taken]
-            if ok.size:
-                self._take(ok, np.flatnonzero(taken), tuple(there))
-                moving, part = (
-                    (there[1] - c0)[taken] / step[taken],
-                    -np.expm1(-np.abs(there[1] - c0)[taken] / 2 / zone[taken]),
-                )
-                self.harder[ok] += part * (self._harder(ok, moving) - self.harder[ok])
-                slope[:, ok] = (there[0] - a0)[taken] / step[taken], (there[1] - c0)[taken] / step[taken]
-                for target, value in zip(state, there[:4], strict=True):
-                    target[ok] = value[taken]
-                ended = step[taken] == rest[taken]
-                t[ok] = np.where(ended, self.t[piece[ok] + 1], t[ok] + step[taken])
-                before[ok] = ~ended
-                grow = np.clip(0.8 * np.sqrt(self.tolerance / np.maximum(missed[taken], TINY)), 0.4, 2.0)
-                h[ok] = step[taken] * grow
-                piece[ok] += ended
-                note(ok)
-                over = ended & (piece[ok] >= span.size)
-                active[ok[over]] = False
-                on = ok[ended & ~over]
-                h[on] = 1e-4 * span[piece[on]]
-            failed = rows[~taken]
-            h[failed] = step[~taken] * 0.4
-            stuck = failed[h[failed] < shortest[failed]]
-            if stuck.size:
-                jump(stuck, slope[1, stuck] > 0)
-        return self._gathered(history, begun, lost)
+            self._advance(rows)
+        self.given_up |= self.active
+        return self._gathered()
+
+    def _advance(self, rows: Array) -> None:
+        """A step of time of the trials ``rows``; shorter next time where it is not good, a jump where none is."""
+        a0, c0 = self.state[:2, rows]
+        zone, span = c0 - a0, np.diff(self.t)[self.piece[rows]]
+        rest = self.t[self.piece[rows] + 1] - self.now[rows]
+        step = np.minimum(self.h[rows], span * math.sqrt(self.tolerance) / FEWEST)
+        step = np.where(step > rest * (1 - 1e-6), rest, np.where(2 * step > rest, rest / 2, step))
+        self._step(rows, step)
+
+        # where nothing relaxes, the zone passes in one step
+        z = step[:, None] * self.rates[rows]
+        matters = np.clip(np.max(4 * self.weights[rows] * np.minimum(z, 1 / np.maximum(z, TINY)), axis=1), 0.05, 1)
+        reach = 2 * MOVES * zone / matters
+        a, c = self.state[:2, rows] + np.where(self.before[rows], self.speeds[:, rows] * step, 0.0)
+        a = np.where(a0 > 0, np.clip(a, np.maximum(a0 - reach, a0 / 2), a0 + reach), 0.0)
+        c = a + np.clip(c - a, zone / 2, 2 * zone)
+        *there, good = self._newton(rows, self._place(rows, self.now[rows] + step), a.copy(), c.copy(), step)
+
+        moved = np.abs(there[0] - a0) + np.abs(there[1] - c0)
+        missed = (np.abs(there[0] - a) + np.abs(there[1] - c)) / zone * matters
+        bends = np.abs(there[3] - self.state[3, rows] - self.slopes[rows] * step) / (BENDS * self.most[rows])
+        missed = np.maximum(missed, bends)
+        missed = np.where(self.before[rows], missed, (moved / 0.1 / zone) ** 2 * self.tolerance * matters)
+        taken = good & (missed <= 4 * self.tolerance) & (moved <= 2 * reach)
+        self.h[rows] = step * np.where(
+            taken, np.clip(0.8 * np.sqrt(self.tolerance / np.maximum(missed, TINY)), 0.4, GROWS), 0.4
+        )
+        if taken.any():
+            self._reached(rows[taken], np.flatnonzero(taken), there, step[taken], rest[taken])
+        shortest = np.minimum(1e-5 * np.ptp(self.t), 1e-3 / self.rates[rows].max(axis=1))
+        stuck = rows[~taken & (self.h[rows] < shortest)]
+        if stuck.size:
+            self._jump(stuck, self.speeds[1, stuck] > 0)
+
+    def _reached(self, rows: Array, at: Array, there: Sequence[Array], step: Array, rest: Array) -> None:
+        """The trials ``rows``, of the prepared steps ``at``, are in the states ``there`` after ``step``, of which
+        ``rest`` is left of their piece of the program."""
+        self._take(rows, at, tuple(there))
+        moves = np.stack([there[0][at], there[1][at]]) - self.state[:2, rows]
+        part = -np.expm1(-np.abs(moves[1]) / 2 / (self.state[1, rows] - self.state[0, rows]))
+        self.speeds[:, rows] = moves / step
+        self.slopes[rows] = (there[3][at] - self.state[3, rows]) / step
+        self.most[rows] = np.maximum(self.most[rows], np.abs(there[3][at]))
+        self.harder[rows] += part * (self._harder(rows, self.speeds[1, rows]) - self.harder[rows])
+        self.state[:, rows] = [one[at] for one in there[:4]]
+
+        ended = step == rest
+        self.now[rows] = np.where(ended, self.t[self.piece[rows] + 1], self.now[rows] + step)
+        self.before[rows] = ~ended
+        self.piece[rows] += ended
+        self._note(rows)
+        over = ended & (self.piece[rows] >= self.t.size - 1)
+        self.active[rows[over]] = False
+        self._begin_piece(rows[ended & ~over])
+
+    def _jump(self, rows: Array, inwards: Array) -> None:
+        """Jumps of the trials ``rows`` in no time, of larger zones where they go ``inwards``; contact that finds no
+        state is lost."""
+        for way in (True, False):
+            some = rows[inwards == way]
+            if not some.size:
+                continue
+            self._step(some, np.zeros(some.size))
+            *there, found = self._leap(some, self._place(some, self.now[some]), self.state[1, some], way)
+            self.jumped[some] += 1
+            self.given_up[some] = found & (self.jumped[some] >= JUMPS_MOST)
+            good = found & ~self.given_up[some]
+            self._take(some[good], np.flatnonzero(good), tuple(there))
+            self.state[:, some] = np.where(good, there[:4], 0.0)
+            gone = some[~good]
+            self.active[gone] = False
+            self.lost[gone] = np.where(np.isfinite(self.begun[gone]), self.now[gone], np.inf)
+            self.now[some] += JUMP_LASTS * np.ptp(self.t)
+            self._note(some)
+        self.harder[rows] = 0.0
+        self._begin_piece(rows)
+
+    def _begin_piece(self, rows: Array) -> None:
+        """The first step behind a corner or a jump of the trials ``rows``, which nothing foretells."""
+        self.h[rows], self.before[rows] = 1e-4 * np.diff(self.t)[self.piece[rows]], False
+
+    def _note(self, rows: Array) -> None:
+        self.history.append((rows, self.now[rows], *self.state[:, rows]))
 
     def _place(self, rows: Array, t: Array) -> Array:
         """Positions of the device over those of first touch [m]."""
@@ -520,10 +547,11 @@ class March:
                     off[k - 1] - off[k])  # fmt: skip
         return t, piece, t.copy()
 
-    def _gathered(self, history: list[tuple[Array, ...]], begun: Array, lost: Array) -> list[Marched]:
-        rows = np.concatenate([one[0] for one in history])
-        columns = np.stack([np.concatenate([one[k] for one in history]) for k in range(1, 6)], axis=1)
-        return [Marched(columns[rows == i], float(begun[i]), float(lost[i]), self.t) for i in range(self.w.size)]
+    def _gathered(self) -> list[Marched]:
+        rows = np.concatenate([one[0] for one in self.history])
+        columns = np.stack([np.concatenate([one[k] for one in self.history]) for k in range(1, 6)], axis=1)
+        return [Marched(columns[rows == i], float(self.begun[i]), float(self.lost[i]), self.t, bool(self.given_up[i]))
+                for i in range(self.w.size)]  # fmt: skip
 
 
 _nodes, _weights = np.polynomial.legendre.leggauss(NODES)

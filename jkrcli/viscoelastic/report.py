@@ -221,7 +221,7 @@ RELAXATION_NEGLECTED = (
 def relaxation_law_summary(law: Relaxation) -> dict[str, Any]:
     """The law and its parameters, times in s."""
     keys = RELAXATIONS.keys_in_file(law).items()
-    return {with_unit(key, "time") if key.startswith("time") else key: value for key, value in keys}
+    return {with_unit(key, "time") if key.startswith(("time", "onset")) else key: value for key, value in keys}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

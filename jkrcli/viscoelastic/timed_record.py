@@ -214,6 +214,7 @@ MODULUS_STEP = 1e-5  # theory: of unknowns, for derivatives in closed form
 
 UNSETTLED = "the search did not converge"
 MISFIT = "the relaxation law or the specimen does not describe the force curve"
+BESIDE = "a power law with w may be fitted beside the least: compare with --relaxation prony"
 AS_READ = (
     "neither instrument nor load moved at constant rates: the displacement of the tip is used as read, its noise is "
     "not in the intervals"
@@ -257,12 +258,18 @@ class RelaxationSettings:
         """The modulus, those of the law, and zeros."""
         known = {**dict.fromkeys(ZEROS.keys() - set(self.zeros), 0.0), **self.fixed}
         adhesion = {name: ADHESION[name] for name in ADHESION if name in self.adhesion or name in known}
-        ranges = MODULUS | _of_law(self.law, self.terms) | adhesion | ZEROS
+        ranges = MODULUS | self.of_law | adhesion | ZEROS
         return parameters_of(ranges, ranges.keys() - known.keys(), known)
+
+    @property
+    def of_law(self) -> dict[str, Ranged]:
+        """The ranges of the parameters of the law; a power law has its onset where jumps of the contact show it."""
+        onset = {"onset": TIME} if self.law == "power" and self.adheres else {}
+        return _of_law(self.law, self.terms) | onset
 
     def relaxation(self, values: Mapping[str, float]) -> Relaxation:
         """The law with its parameters."""
-        parameters: dict[str, Any] = {name: values[name] for name in _of_law(self.law, self.terms)}
+        parameters: dict[str, Any] = {name: values[name] for name in self.of_law}
         if self.law == "prony":
             own = tuple(parameters.values())
             over = max(sum(own[::2]) / (1 - SAME), 1.0)  # a search may step beyond
@@ -276,7 +283,7 @@ def _of_law(law: str, terms: int) -> dict[str, Ranged]:
     if law == "prony":
         numbers = range(1, terms + 1)
         return {f"{name}{i}": ranged for i in numbers for name, ranged in (("weight", WEIGHT), ("time", TIME))}
-    return ranges_of(RELAXATIONS[law])
+    return {name: ranged for name, ranged in ranges_of(RELAXATIONS[law]).items() if name != "onset"}
 
 
 def relaxation_settings(
@@ -289,7 +296,7 @@ def relaxation_settings(
     fixed, 1 s by default. ``E_star`` of the body [Pa]."""
     check_law(law, RELAXATIONS)
     asked_for = RelaxationSettings(law, (), **options)
-    own = _of_law(law, asked_for.terms)
+    own = _of_law(law, asked_for.terms) | ({"onset": TIME} if law == "power" else {})
     named = Nameable("--relaxation", MODULUS | own | ADHESION | ZEROS, E_star)
     fixed = named.known(fix)
     fixed = ({"time": 1.0} if law == "power" else {}) | fixed
@@ -300,9 +307,13 @@ def relaxation_settings(
     asked = [name for name in ADHESION if name in adhesion or name in fixed]
     if asked and "w" not in asked:
         raise InputError(f"fit: {asked[0]}: of a relaxing body it goes with w: give --free w, or leave it out")
-    if asked and law == "power":
-        raise InputError("fit: a power law has no instantaneous modulus, which governs jumps of the contact: with w "
-                         "give --relaxation sls or prony")  # fmt: skip
+    if asked and asked_for.confidence != "covariance":
+        raise InputError(f"fit: --confidence {asked_for.confidence}: intervals of force curves that adhere are those "
+                         "of samples: leave it out")  # fmt: skip
+    if law == "power" and "onset" in fixed and not asked:
+        raise InputError("fit: onset: what jumps of the contact show: it goes with w")
+    if law == "power" and "modulus" in fixed and asked:
+        raise InputError("fit: modulus: of a power law it is free with w")
     if {"stress", "range"} <= set(asked):
         raise InputError("fit: stress and range are one parameter with w: give one of them")
     if asked == ["w"] and ranged:
@@ -321,7 +332,13 @@ def _prony(p: Mapping[str, Array], t: Array) -> Array:
     return 1 + sum(each)
 
 
-RELAXED = {"sls": _solid, "prony": _prony}  # r(t) of many parameters at once, (..., times)
+def _power(p: Mapping[str, Array], t: Array) -> Array:
+    onset, time, exponent = (np.asarray(p[name])[..., None] for name in ("onset", "time", "exponent"))
+    found: Array = ((t + onset) / time) ** -exponent
+    return found
+
+
+RELAXED = {"sls": _solid, "prony": _prony, "power": _power}  # r(t) of many parameters at once, (..., times)
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,7 +347,8 @@ class TimedRecord:
     [m], or the load [N]) and the ``response`` (the load, or the displacement); standard deviations of both from row to
     row, ``noise``, and those by which they are weighed, ``sigma``: of the imposed, and of what is left of the response
     less ``shared`` times the noise of the imposed (per row). ``read``: nothing moved in straight pieces; then the
-    displacement of the tip is imposed, as it was read. ``flags``: how rows were chosen."""
+    displacement of the tip is imposed, as it was read. ``flags``: how rows were chosen; ``lasting``: time in contact
+    [s], where free rows are among them."""
 
     curve: Curve
     t: Array
@@ -344,6 +362,7 @@ class TimedRecord:
     shared: float = 0.0
     read: bool = False
     flags: tuple[str, ...] = ()
+    lasting: float | None = None
 
     @property
     def loaded(self) -> bool:
@@ -451,7 +470,7 @@ class RelaxationFit(Answer):
         lost = [word(item.name) for item in own if item.error is None or item.low is item.high is None]
         doubts = [f"{', '.join(lost)} not determined"] if lost else []
         doubts += self.vague([item.name for item in own if word(item.name) not in lost])
-        doubts += [UNSETTLED] * any(UNSETTLED in line for line in self.warnings)
+        doubts += [said for said in (UNSETTLED, BESIDE) if any(said in line for line in self.warnings)]
         return doubts + ([MISFIT] if self.scatter > SEARCH_MISFIT else [])
 
 

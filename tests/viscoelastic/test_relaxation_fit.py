@@ -69,7 +69,7 @@ def test_profiles_are_near_the_covariance(body: FittedBody) -> None:
         one, other = plain.estimate(name), profiled.estimate(name)
         assert (other.low, other.high) == pytest.approx((one.low, one.high), abs=0.2 * one.error)
         assert other.low != one.low
-    with pytest.raises(InputError, match="--confidence bootstrap: is for curves each for itself"):
+    with pytest.raises(InputError, match="confidence: must be one of covariance, profile"):
         relaxation_fit(body, made, relaxation_settings("sls", confidence="bootstrap"))
 
 

@@ -52,7 +52,8 @@ class Curve:
     nor, in ``delta`` and ``P``, of known zero: signs are those of the project (indentation and compression positive).
     ``segment``: a word per row ("approach", "retract" or another), None where unknown. ``name``: unique in its file;
     ``origin``: that file; ``flags``: sentences on how the rows were read. ``stiffness`` [N/m]: of the device whose
-    deflection was subtracted from ``delta``; None: ``delta`` is as it was recorded. ``pixel``: of a map, if it is one.
+    deflection was subtracted from ``delta``; None: ``delta`` is as it was recorded. ``pixel``: of a map, if it is one;
+    ``sample``: as its file names it.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Curve:
     flags: tuple[str, ...] = ()
     stiffness: float | None = None
     pixel: Pixel | None = None
+    sample: str = ""
 
     def __post_init__(self) -> None:
         sizes = {}

@@ -233,6 +233,7 @@ def fit_tension(request: FitRequest) -> None:
 
 Outcome: TypeAlias = "Fit | Failure"
 Pictures: TypeAlias = "list[tuple[Outcome, Files]]"
+UNNAMED = "unknown"  # sample of a file that cannot be read, where files name theirs
 FEWER = "fewer rows, curves or samples"
 FORECAST_FEW = 8  # choice: curves from which the time of a folder is forecast; fitted together they cost as all do
 CALIBRATED_BY = re.compile(r"\b(stiffness|sensitivity|deflection)\b")  # in a flag of a curve
@@ -280,6 +281,12 @@ def fit_curves(
         if name is not None and len(bodies) == 1:
             names += [name(path, one.where) for one in found]
             unread_names += [name(path, line.split(": ")[0]) for line in lines]
+    in_files = [one.sample for one in curves]
+    if asked.sample is None and len(bodies) == 1 and all(in_files) and len(set(in_files)) > 1:
+        names, unread_names = in_files, [UNNAMED] * len(unread)
+        stem = request.targets.stem
+        files_of = stem.with_name(f"{stem.name.removesuffix('fit')}samples")
+        request = replace(request, samples=request.samples or output.files(files_of, (".csv", ".png"), request.inputs))
     seconds = sum(TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     forecast = Forecast(len(bodies) * seconds, memory_of(curves, len(bodies), parallel[0]), 0.0)
     begin(f"fit of {counted(len(curves), 'curve')}", forecast, limits, FEWER)
@@ -533,7 +540,7 @@ OVER_TIME = (
 # Of samples, where a wing sums them up.
 OF_SAMPLES = (
     click.option("--sample", help="Regular expression that finds the name of the sample in that of each file or curve "
-                 "[default: folders are samples]."),
+                 "[default: by a line \"# sample: ctrl\" or a column sample, else folders]."),
     click.option("--report", is_flag=True, help="Write a report, <BODY>-report.html and .md, of several files report."),
 ) if is_offered("samples of a fit") else ()  # fmt: skip
 

@@ -38,6 +38,7 @@ OF_ERROR = re.compile(rf"\W*(.*?)[\s_-]*(?:error|uncertainty|std)\s*[:=]\s*{NUMB
 OF_HEAD = re.compile(
     rf"\W*([xy])[ _-]*(position|pos|offset)?\s*(?:[\[(]\s*(\S+?)\s*[\])])?\s*[:=]\s*{NUMBER}\s*(\S*?)\W*\Z",
     re.IGNORECASE)  # fmt: skip
+SAMPLE = re.compile(r"\W*sample(?:[ _-]?name)?\s*[:=]\s*(.*?\w.*?)\W*\Z", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -198,6 +199,12 @@ def position_in(head: Sequence[str]) -> Pixel | None:
             if known is not None and known[0] == "length":
                 found.setdefault(axis.lower(), float(number) * 10.0 ** known[1])
     return Pixel(0, 0, found["x"], found["y"]) if len(found) == 2 else None
+
+
+def sample_in(head: Sequence[str]) -> str:
+    """The sample that the header of a file names, "# sample: ctrl"; "" where it names none."""
+    lines = (SAMPLE.match(line) for line in head[:MOST_COLUMNS] if len(line) <= LONGEST)
+    return next((match[1] for match in lines if match), "")
 
 
 # --------------------------------------------------------------------------------------------------

@@ -316,12 +316,14 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
     columns, choice_flags = _columns(table, replace(reading, units=units))
     whole, value_flags = columns.in_si()
     segments, segment_flags = _segments(table, columns.chosen.get("segment"), "segment" in reading.columns)
-    unread = [table.titled(i) for i in table.text if i not in columns.chosen.values()]
+    of_sample = [i for i in table.text if instruments.plain(table.names[i]) == "sample"]
+    unread = [table.titled(i) for i in table.text if i not in {*columns.chosen.values(), *of_sample}]
     if unread:
         told = f"of its {len(table.names)} columns {', '.join(unread[:SHOWN])}"
         choice_flags = [*choice_flags, f"{told} {'holds' if len(unread) == 1 else 'hold'} words, which are not read"]
     flags = (*layout_flags, *choice_flags, *value_flags, *unit_flags, *as_read.left_out, *segment_flags)
     at = None if "curve" in columns.chosen else instruments.position_in(table.head)
+    in_head = instruments.sample_in(table.head)
     for name, recorded in _groups(table, columns.chosen, stem):
         kept, left_out = _without_gaps(table, recorded, whole)
         rows, turned = _in_time(kept, whole.get("t"), segments)
@@ -338,7 +340,10 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
             if "diameter" in values:
                 values["a"] = values.pop("diameter") / 2
             a, delta, P, t = map(values.get, QUANTITIES)
-            curve = Curve(name, a, delta, P, t, words, origin, pixel=at)
+            samples = {str(table.text[i][row]) for i in of_sample for row in rows} or {in_head}
+            curve = Curve(
+                name, a, delta, P, t, words, origin, pixel=at, sample=samples.pop() if len(samples) == 1 else ""
+            )
             yield columns.with_sign(curve, (*flags, *left_out, *turned)), columns.stiffness
         except InputError as error:
             yield error, columns.stiffness

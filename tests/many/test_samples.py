@@ -174,6 +174,26 @@ def test_samples_by_name_and_folders_in_a_folder(jkr, folders: list[str]) -> Non
     assert (done.code, 'c0.txt: has no sample, --sample "plate" finds nothing' in done.err) == (2, True), done.err
 
 
+def test_samples_named_by_headers_or_a_column_need_no_option(jkr, folders: list[str], tmp_path: Path) -> None:
+    Path("all").mkdir()
+    rows, head = list[str](), ""
+    for name in folders:
+        for i in range(2):
+            note, head, *lines = (tmp_path / name / f"c{i}.txt").read_text().splitlines()
+            Path(f"all/{name}{i}.txt").write_text("\n".join([note, f"# Sample: {name} ", head, *lines]))
+            rows += [f"{line},{name}{i},{name}" for line in lines]
+    Path("table.csv").write_text("\n".join(["# springConstant: 0.3", f"{head},curve,sample", *rows]))
+    Path("all/zz.txt").write_text("no table")
+    for given, left in (("all", [["unknown", "1", "0"]]), ("table.csv", [])):
+        done = jkr("fit", *SPECIMEN, "--no-plots", given, "-o", "out")
+        assert done.code == 0, done.err
+        found = read(f"out/{Path(given).stem}-samples.csv")
+        assert [[row[key] for key in ("sample", "curves", "fitted")] for row in found] == [
+            ["ctrl", "2", "2"], ["drug", "2", "2"], *left,
+        ]  # fmt: skip
+        assert "which are not read" not in done.err
+
+
 def test_each_folder_by_its_own_tip(jkr, tmp_path: Path) -> None:
     tips = {"small": 2e-6, "large": 10e-6}
     for name, radius in tips.items():

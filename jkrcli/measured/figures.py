@@ -30,6 +30,7 @@ BRANCH_GAP = 0.3  # choice: of the largest contact radius, a step of the fitted 
 ARROW_ROWS = 8  # choice: fewest rows of a branch in contact for an arrow
 MARKS = {"a": (plots.GREEN, "s"), "delta": (plots.BLUE, "^"), "P": (plots.ORANGE, "o")}
 GREY_CELL = "0.8"  # choice: of a map's place without a value, which no colour of the scale is
+PROFILED = 3  # choice: values of which a profile line is drawn
 MARKERS = 300  # choice: measured points that are drawn; more hide the line
 
 
@@ -184,8 +185,11 @@ def joint_figure(joint: JointFit) -> Figure:
 
 
 def map_figure(scan: Map) -> Figure:
-    """Six images with a bar of their scale where positions are known, else over columns and rows."""
-    with panelled(plots.WIDE, 4.2, len(scan.images), columns=3, grid=False) as (figure, panels):
+    """Six images with a bar of their scale where positions are known, and under them E* along the middle row and
+    column; else over columns and rows."""
+    lines = _profiles(scan) if scan.positions else []
+    height, count = 6.2 if lines else 4.2, len(scan.images) + len(lines)
+    with panelled(plots.WIDE, height, count, columns=3, grid=False) as (figure, panels):
         for i, (panel, (name, image)) in enumerate(zip(panels, scan.images.items(), strict=False)):
             _image(figure, panel, scan, name, image)
             if scan.positions:
@@ -196,7 +200,23 @@ def map_figure(scan: Map) -> Figure:
             panel.set_ylabel("row" if i % 3 == 0 else "")
             for axis in (panel.xaxis, panel.yaxis):
                 axis.set_major_locator(MaxNLocator(4, integer=True))
+        for panel, (title, at, values, ends) in zip(panels[len(scan.images) :], lines, strict=True):
+            (length, of_length), (factor, unit) = unit_of("length", at), unit_of("modulus", values[np.isfinite(values)])
+            panel.plot(at / length, values / factor, "o-", color=plots.BLUE, ms=3, lw=1.0)
+            panel.set(title=title, xlabel=f"distance ({of_length})", ylabel=f"{plots.LABELS['E_star']} ({unit})")
+            panel.ticklabel_format(useOffset=False)
+            panels[0].plot(*ends, ":", color="white", lw=1.0)
         return figure
+
+
+def _profiles(scan: Map) -> list[tuple[str, Array, Array, tuple[Array, Array]]]:
+    """E* over the distance [m] along the middle row and the middle column, with the ends of the line in the image;
+    places without a value leave gaps."""
+    x, y, image = scan.x - scan.x[0], scan.y - scan.y[0], scan.images["E_star"]
+    row, column = y.size // 2, x.size // 2
+    of_row = "along the middle row", x, image[row], (x[[0, -1]], np.full(2, y[row]))
+    of_column = "along the middle column", y, image[:, column], (np.full(2, x[column]), y[[0, -1]])
+    return [line for line in (of_row, of_column) if np.isfinite(line[2]).sum() >= PROFILED]
 
 
 def _scale_bar(axes: Axes, scan: Map) -> None:

@@ -121,6 +121,23 @@ def test_a_map_has_a_bar_of_its_scale_and_grey_places_without_a_value() -> None:
     figure = map_figure(Map(x, x, dict.fromkeys(IMAGES, image)))
     panel = figure.axes[0]
     assert panel.get_facecolor()[:3] == pytest.approx((0.8, 0.8, 0.8))
-    (bar,) = panel.get_lines()
+    bar, *_ = panel.get_lines()
     assert float(np.ptp(bar.get_xdata())) == pytest.approx(10e-6)  # of 20 µm, a quarter or more, round
     assert [text.get_text() for text in panel.texts] == ["10 µm"]
+
+
+def test_a_map_with_positions_shows_E_star_along_its_middle_row_and_column() -> None:
+    x, y = np.arange(5) * 2e-6 + 1e-3, np.arange(7) * 3e-6
+    image = 1e3 * (10 * np.arange(7.0)[:, None] + np.arange(5.0))
+    image[3, 1] = np.nan
+    names = dict.fromkeys(IMAGES, image)
+    panels = {axes.get_title(): axes for axes in map_figure(Map(x, y, names)).axes}
+    (row,), (column,) = (panels[f"along the middle {line}"].get_lines() for line in ("row", "column"))
+    np.testing.assert_allclose(row.get_xdata(), [0, 2, 4, 6, 8])
+    np.testing.assert_allclose(row.get_ydata(), [30, np.nan, 32, 33, 34])
+    np.testing.assert_allclose(column.get_xdata(), 3.0 * np.arange(7))
+    np.testing.assert_allclose(column.get_ydata(), 10.0 * np.arange(7) + 2)
+    _, *lines = map_figure(Map(x, y, names)).axes[0].get_lines()
+    assert [len({*line.get_ydata()}) for line in lines] == [1, 2]
+    unplaced = map_figure(Map(np.arange(5.0), np.arange(7.0), names, positions=False))
+    assert not any("along" in axes.get_title() for axes in unplaced.axes)

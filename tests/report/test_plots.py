@@ -363,7 +363,12 @@ def test_phases_of_a_history_are_drawn_apart_and_without_gaps() -> None:
 def test_colour_bars_of_a_map_have_whole_numbers() -> None:
     """A contact point of 12.3456 um stood there as hundredths of an nm over an offset."""
     at, noise = np.arange(4) * 1e-6, np.random.default_rng(0)
-    values = {"w": (1e-3, 1e-6), "contact_point": (12.3456e-6, 1e-10), "adhesion_force": (2.3e-8, 1e-11)}
+    values = {
+        "E_star": (2e4, 1.0),
+        "w": (1e-3, 1e-6),
+        "contact_point": (12.3456e-6, 1e-10),
+        "adhesion_force": (2.3e-8, 1e-11),
+    }
     images = {name: mean + size * noise.normal(size=(4, 4)) for name, (mean, size) in values.items()}
     figure = map_figure(Map(at, at, images))
     FigureCanvasAgg(figure).draw()

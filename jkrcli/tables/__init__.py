@@ -625,16 +625,20 @@ def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple
 
     ``more``: whether the rows end in a separator, behind which the header may name a column that holds nothing.
     """
-    lines = [_header_cells(line, dialect, width) for line in header]
-    lines = [cells + [""] * (len(cells) == width - 1 and dialect.ends(line))
-             for cells, line in zip(lines, header, strict=True)]  # fmt: skip
+    lines = [(cells := _header_cells(line, dialect, width)) + [""] * (len(cells) == width - 1 and dialect.ends(line))
+             for line in header]  # fmt: skip
     if more and not any(len(cells) == width for cells in lines):
         lines = [cells[:width] if len(cells) == width + 1 else cells for cells in lines]
-    headed = {cells[0].lower(): cells[1:] for cells in lines if cells and cells[0].lower() in HEADINGS}
-    titles = [cells for cells in lines if len(cells) == width and any(cells)]
-    titles = [cells for key in HEADINGS if len(cells := headed.get(key, [])) == width] or titles
-    if not titles:
+    of_heads = (line.lstrip(SIGNS).partition(":") for line in header)
+    headed = {f"{word.lower()}:": _header_cells(rest, dialect, width) for word, _, rest in of_heads}
+    columns, units = (cells if len(cells := headed.get(key, [])) == width else [] for key in HEADINGS)
+    titles = [cells for line, cells in zip(header, lines, strict=True) if len(cells) == width and any(cells)
+              and not (columns and _is_comment(line)) and not cells[0].lower().startswith(HEADINGS)]  # fmt: skip
+    units = units or [split_name(name)[1] for name in columns if titles]
+    if not (titles := titles or [columns] * bool(columns)):
         return ("",) * width, {}
+    if any(units) and not all(map(_is_unit, titles[-1])):
+        titles.append(units)
     last = titles[-1]
     if len(titles) > 1 and all(map(_is_unit, last)):
         units = [unit.strip("[]()") for unit in last]

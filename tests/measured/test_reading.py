@@ -587,3 +587,23 @@ def test_micrometres_labelled_nanometres_bend_the_device_by_more_than_it_moves(t
         one(wrong)
     curve = one(wrong, Reading(units={"delta": "um"}))
     np.testing.assert_allclose(curve.device, z, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "# columns: z (um), F (nN)\nz,F",
+        "# columns: z [um] F [nN]\nz,F",
+        "# columns: z_um F_nN\n# z,F",
+        "# units: um, nN\nz,F",
+        "# columns: z F\n# units: um nN\nz,F",
+        "# columns: z F\nz (um),F (nN)",
+        "# columns: z F\nz,F\n(um),(nN)",
+    ],
+)
+def test_units_stand_in_a_line_of_comments_above_a_header_without(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "curve.csv"
+    path.write_text(head + "".join(f"\n{i},{2 * i}" for i in range(9)))
+    (curve,) = measured.read(path, Reading())
+    np.testing.assert_allclose(curve.depth, 1e-6 * np.arange(9))
+    np.testing.assert_allclose(curve.load, 2e-9 * np.arange(9))

@@ -27,7 +27,7 @@ from ..measured.forward_model import FittedBody
 from ..measured.least_squares import SEARCH_MISFIT, Intervals, Least, LeastSquares, State, covariance
 from ..measured.lockstep import together
 from ..measured.parameters import Unknowns
-from .lockstep_march import March, Marched, Trial
+from .lockstep_march import MOST_ITERATIONS, March, Marched, Trial
 from .relaxing_adhesion import ZONE_SLOPE
 from .timed_record import (
     BESIDE,
@@ -71,6 +71,7 @@ SEARCH, FINE = (0.03, 1e-2, 4), (0.012, 4e-3, 12)
 FINEST = 0.5  # choice: of these zones, those that are extrapolated with them
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME, JUMP_TIME = 0.003, 4e-4  # choice: of the time in contact, errors of jumps in a search and of the march
+ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where a rough fit is to exclude the law
 STRAIGHT, VALLEYS = 2, 3  # choice: evaluations between, and steps along valleys
 CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
 POWER_STEP = 1.4  # theory: of log rates of a power law's exponentials, which then err by 1e-3
@@ -347,8 +348,9 @@ class Adhering:
 
     def march(self, trials: Sequence[Trial]) -> list[Marched]:
         """Marches of many trials."""
-        cycle = self.cycle
-        return March(self.body.problem, self.attracted, trials, cycle.program, self.width, self.tolerance).run()
+        steps = MOST_ITERATIONS if self.settings.most is None else ROUGH_STEPS
+        how = self.cycle.program, self.width, self.tolerance, steps
+        return March(self.body.problem, self.attracted, trials, *how).run()
 
     def instant(self, theta: Array) -> float:
         """The modulus at t = 0, in those of the body."""
@@ -549,9 +551,14 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
         values = unknowns.values(rough_least.x)
         model = replace(model, settings=settings, unknowns=Unknowns(settings.parameters, units))
         (law,) = _laws_of(settings, values["ratio"], values["time"], cycle.lasting)
-        theta = model.unknowns.at(values | law | settings.fixed)
+        theta = model.unknowns.at({**values, **law, **settings.fixed})
         rough_least = model.search(theta, 1).least(theta)
-    begun = [rough_least.x, *Posterior.of(model, rough_least, 1.0).modes()]
+    if settings.most is not None:
+        off = (model.loads(rough_least.x, model.marched([rough_least.x])[0]) - cycle.P)[~near] / cycle.noise
+        if float(np.mean(off**2)) > settings.most:
+            raise SolveError("no history of this specimen leaves as little")
+    roughly = settings.most is not None
+    begun = [rough_least.x] if roughly else [rough_least.x, *Posterior.of(model, rough_least, 1.0).modes()]
 
     # All rows by their noise, the jumps where the rows show them.
     error = math.hypot(cycle.spacing / math.sqrt(12), JUMP_TIME * cycle.lasting)
@@ -560,11 +567,12 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
         jumps=np.where(np.isfinite(jumps), [1.0, error / (ROUGH_TIME * cycle.lasting)], 1.0) * jumps,
         left_out=np.any(np.abs(cycle.t[:, None] - seen) < APART * cycle.spacing, axis=1),
     )  # fmt: skip
-    wide = _along_valley(fine, _best(fine, begun, STRAIGHT))
+    x = begun[0] if roughly else _best(fine, begun, STRAIGHT)
+    wide = fine.search(x, FINE[2]).least(x) if roughly else _along_valley(fine, x)
     # Narrower zones, extrapolated, and the least with what they change.
     (here,), (there,) = fine.marched([wide.x]), replace(fine, width=FINEST * FINE[0]).marched([wide.x])
     fine = fine.corrected(wide.x, here, there)
-    least = fine.search(wide.x, FINE[2]).least(wide.x)
+    least = fine.search(wide.x, 1 if roughly else FINE[2]).least(wide.x)
     fit = _result(fine, least, least.x - wide.x)
     return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if here.given_up or there.given_up else fit
 
@@ -605,7 +613,7 @@ def _starts(model: Adhering) -> list[Array]:
         values |= {"P0": cycle.base[0], "tilt": cycle.base[1]}
         for law in _laws_of(settings, ratio, time * cycle.lasting, cycle.lasting):
             own = {"modulus": modulus * law.get("modulus", 1.0)}
-            starts.append(model.unknowns.at(values | law | own | fixed))
+            starts.append(model.unknowns.at({**values, **law, **own, **fixed}))
     low, high = zip(*(model.unknowns.bounds(theta, FARTHEST) for theta in starts), strict=True)
     starts = [np.clip(theta, a, b) for theta, a, b in zip(starts, low, high, strict=True)]
     costs = []
@@ -844,9 +852,9 @@ class Posterior:
         for i, name in enumerate(self.names):
             width = 10 ** rng.uniform(-3, 0.3, TRIALS - 1) * (2.0 if _is_time(name) else 0.3)
             here[1:, i] += rng.normal(0, 1, TRIALS - 1) * width
-            far = (
-                math.log(lasting) + rng.uniform(*np.log(TIMES_TRIED), TRIALS) if _is_time(name) else rng.random(TRIALS)
-            )
+            low, high = np.log(TIMES_TRIED).tolist()
+            anywhere = math.log(lasting) + rng.uniform(low, high, TRIALS)
+            far = anywhere if _is_time(name) else rng.random(TRIALS)
             here[TRIALS // 2 :, i] = far[TRIALS // 2 :]
             if not _is_time(name):
                 here[:, i] = np.clip(here[:, i], SHARE_ENDS, 1 - SHARE_ENDS)

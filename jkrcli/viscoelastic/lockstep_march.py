@@ -170,8 +170,8 @@ class March:
     zone over the contact radius at least, ``tolerance`` of steps in zones."""
 
     def __init__(self, problem: Problem, body: AttractedBody, trials: Sequence[Trial], program: tuple[Array, Array],
-                 width: float = 0.004, tolerance: float = 4e-3) -> None:  # fmt: skip
-        self.F, self.E, self.tolerance = problem.indenter.abel, problem.E_star, tolerance
+                 width: float = 0.004, tolerance: float = 4e-3, steps: int = MOST_ITERATIONS) -> None:  # fmt: skip
+        self.F, self.E, self.tolerance, self.steps = problem.indenter.abel, problem.E_star, tolerance, steps
         self.t, self.x = program
         most = max(one.modes.rates.size for one in trials)
         self.w, self.stress, self.k, self.zero = (
@@ -438,7 +438,7 @@ class March:
         self._note(np.arange(n))
         rows = np.flatnonzero(self.active)
         self._jump(rows, np.ones(rows.size, dtype=bool))
-        for _ in range(MOST_ITERATIONS):
+        for _ in range(self.steps):
             rows = np.flatnonzero(self.active)
             if not rows.size:
                 break

@@ -38,6 +38,7 @@ from ..measured.score_tests import (
 
 RELAXING = "relaxation under adhesion"
 RELAXING_ROWS = 4000  # choice: of even steps, from which the fit is made at most; the others count as these do
+RELAXING_ROUGHLY = 2.0  # choice: of the mean square that the fit without leaves, what a rough one may leave at most
 # theory: Schwarz's criterion, what an unknown costs of chi^2 is the log of the rows; ratio, time and stress stand for
 # w of the approach
 RELAXING_MORE = 2
@@ -94,7 +95,8 @@ def with_relaxation(
     from .relaxation_fit import relaxation_fit
     from .timed_record import relaxation_settings
 
-    settings = relaxation_settings("sls", [], ["w"], record.body.problem.E_star, level=LEVEL)
+    most_left = RELAXING_ROUGHLY * max(found.misfit / found.dof, 1.0)
+    settings = relaxation_settings("sls", [], ["w"], record.body.problem.E_star, level=LEVEL, most=most_left)
     step = math.ceil(len(curve) / RELAXING_ROWS)
     few = np.arange(0, len(curve), step)
     try:

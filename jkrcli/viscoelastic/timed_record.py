@@ -229,7 +229,8 @@ WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 class RelaxationSettings:
     """A request: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free, the
     ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed;
-    ``segment``: its rows alone; ``adhesion``: of w, stress and range, those that are free."""
+    ``segment``: its rows alone; ``adhesion``: of w, stress and range, those that are free; ``most``: mean square, in
+    units of the noise, that a rough fit may leave, beyond which none is looked for, and up to which one search does."""
 
     law: str
     zeros: tuple[str, ...]
@@ -239,6 +240,7 @@ class RelaxationSettings:
     confidence: Followed = "covariance"
     segment: SegmentName | None = None
     adhesion: tuple[str, ...] = ()
+    most: float | None = None
 
     def __post_init__(self) -> None:
         read_fields(self, "fit")

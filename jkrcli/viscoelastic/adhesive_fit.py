@@ -27,7 +27,7 @@ from ..measured.forward_model import FittedBody
 from ..measured.least_squares import SEARCH_MISFIT, Intervals, Least, LeastSquares, State, covariance
 from ..measured.lockstep import together
 from ..measured.parameters import Unknowns
-from .lockstep_march import MOST_ITERATIONS, March, Marched, Trial
+from .lockstep_march import March, Marched, Trial
 from .relaxing_adhesion import ZONE_SLOPE
 from .timed_record import (
     BESIDE,
@@ -348,7 +348,7 @@ class Adhering:
 
     def march(self, trials: Sequence[Trial]) -> list[Marched]:
         """Marches of many trials."""
-        steps = MOST_ITERATIONS if self.settings.most is None else ROUGH_STEPS
+        steps = None if self.settings.most is None else ROUGH_STEPS
         how = self.cycle.program, self.width, self.tolerance, steps
         return March(self.body.problem, self.attracted, trials, *how).run()
 

@@ -170,8 +170,9 @@ class March:
     zone over the contact radius at least, ``tolerance`` of steps in zones."""
 
     def __init__(self, problem: Problem, body: AttractedBody, trials: Sequence[Trial], program: tuple[Array, Array],
-                 width: float = 0.004, tolerance: float = 4e-3, steps: int = MOST_ITERATIONS) -> None:  # fmt: skip
-        self.F, self.E, self.tolerance, self.steps = problem.indenter.abel, problem.E_star, tolerance, steps
+                 width: float = 0.004, tolerance: float = 4e-3, steps: int | None = None) -> None:  # fmt: skip
+        self.F, self.E, self.tolerance = problem.indenter.abel, problem.E_star, tolerance
+        self.steps = steps or MOST_ITERATIONS
         self.t, self.x = program
         most = max(one.modes.rates.size for one in trials)
         self.w, self.stress, self.k, self.zero = (

@@ -403,7 +403,7 @@ class March:
         found = rising.any(axis=1)
         j = np.argmax(rising, axis=1) if inwards else m - 2 - np.argmax(rising[:, ::-1], axis=1)
         i = np.arange(n)
-        part = off[i, j] / np.where(off[i, j] != off[i, j + 1], off[i, j] - off[i, j + 1], 1.0)
+        part = np.where(found, off[i, j] / np.where(found, off[i, j] - off[i, j + 1], 1.0), 0.0)
         end, a = ends, ends - b.reshape(n, m)
         a, c = (one[i, j] + part * (one[i, j + 1] - one[i, j]) for one in (a, end))
         *state, good = self._newton(rows, x, a, c, np.full(n, np.inf))

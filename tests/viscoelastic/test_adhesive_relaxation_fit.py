@@ -284,3 +284,15 @@ def test_the_command(jkr: Callable, tmp_path: Path) -> None:
     assert [row["low_Pa"] < 0.3 + 0.7 * math.exp(-row["t_s"]) < row["high_Pa"] for row in at] == [True] * len(at)
     with (tmp_path / "gel-fit.csv").open() as file:
         assert float(next(csv.DictReader(file))["w_J_per_m2"]) == pytest.approx(W, rel=0.05)
+
+
+def test_a_jump_to_where_there_is_no_state_finds_none(body: FittedBody) -> None:
+    """Extrapolated far beyond the grid it once asked for a radius that this does not hold."""
+    t, z = np.array(CORNERS).T
+    trial = Trial(W, STRESS, 2.0, jkr.StandardSolid(0.3, 1.0).modes(3.0))
+    one = March(body.problem, AttractedBody(body.problem), [trial], (t, z))
+    one.run()
+    rows = np.array([0])
+    one._step(rows, np.zeros(1))
+    for place in (-1e3, 1e3):
+        assert not one._leap(rows, np.array([place]), np.zeros(1), True)[-1].any()

@@ -151,7 +151,6 @@ def pull_off(
     \b
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
     jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
-    jkr pull-off my.toml --load "50 nN" --find indenter.radius
     """
     if sought is not None:
         give(offered("the inverse question")(files, sought, force, works, stiffnesses, how.slopes), as_json)

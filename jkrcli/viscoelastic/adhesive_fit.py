@@ -558,7 +558,7 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
         if float(np.mean(off**2)) > settings.most:
             raise SolveError("no history of this specimen leaves as little")
     roughly = settings.most is not None
-    begun = [rough_least.x] if roughly else [rough_least.x, *Posterior.of(model, rough_least, 1.0).modes()]
+    begun = [rough_least.x, *Posterior.of(model, rough_least, 1.0).modes()]
 
     # All rows by their noise, the jumps where the rows show them.
     error = math.hypot(cycle.spacing / math.sqrt(12), JUMP_TIME * cycle.lasting)
@@ -567,12 +567,12 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
         jumps=np.where(np.isfinite(jumps), [1.0, error / (ROUGH_TIME * cycle.lasting)], 1.0) * jumps,
         left_out=np.any(np.abs(cycle.t[:, None] - seen) < APART * cycle.spacing, axis=1),
     )  # fmt: skip
-    x = begun[0] if roughly else _best(fine, begun, STRAIGHT)
+    x = _best(fine, begun, STRAIGHT)
     wide = fine.search(x, FINE[2]).least(x) if roughly else _along_valley(fine, x)
     # Narrower zones, extrapolated, and the least with what they change.
     (here,), (there,) = fine.marched([wide.x]), replace(fine, width=FINEST * FINE[0]).marched([wide.x])
     fine = fine.corrected(wide.x, here, there)
-    least = fine.search(wide.x, 1 if roughly else FINE[2]).least(wide.x)
+    least = fine.search(wide.x, FINE[2]).least(wide.x)
     fit = _result(fine, least, least.x - wide.x)
     return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if here.given_up or there.given_up else fit
 

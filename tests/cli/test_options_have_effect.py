@@ -132,7 +132,7 @@ VALUES: dict[str, tuple[str, ...]] = {  # what another value of an option is, wh
     "--tolerance": ("1e-4",), "--output": ("there",), "--dimensionless": ("dimensionless",), "--scale": ("radius",),
     "--a": ("0.06 mm",), "--w-approach": ("10 mJ/m^2",), "--w-retract": ("70 mJ/m^2",), "--to-load": ("0.1 mN",),
     "--to-depth": ("1 um",), "--rest-load": ("1 mN",), "--rest-depth": ("1 um",),
-    "--points": ("9",), "--uncertain": ("E=5%",), "--rtol": ("0.9",),
+    "--points": ("9",), "--uncertain": ("E=5%",), "--rtol": ("0.9",), "--find": ("indenter.radius",),
     "--column": ("a=a_um",), "--overlap": ("0.9",), "--plot": ("there.png",), "--limit-time": ("1e-9 s",),
     "--limit-memory": ("1 KiB",), "--rate": ("v0=1 um/s,n=0.6",), "--rate-advance": ("v0=1 um/s,n=0.6",),
     "--speed": ("1 um/s",), "--speed-approach": ("1 um/s",), "--hold": ("1 s",), "--dwell": ("1 mN",),

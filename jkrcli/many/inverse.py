@@ -203,11 +203,11 @@ def find_value(
     # A root between each two neighbours of opposite sign, in ln x where x is positive
     to, back = (math.log, math.exp) if log else (float, float)
     roots = list[Root]()
-    for (x, f), (y, g) in itertools.pairwise(zip(spread.tolist(), scanned, strict=True)):
-        if f * g < 0:
-            value = back(_root(lambda u: excess(back(u)), to(x), to(y)))
+    for (x, f), (y, g) in itertools.pairwise(zip([*spread.tolist(), math.inf], [*scanned, math.nan], strict=True)):
+        if f * g < 0 or f == 0:
+            value = x if f == 0 else back(_root(lambda u: excess(back(u)), to(x), to(y)))
             error, slope = errors[x], (g - f) / (y - x)
-            within = error if isinstance(error, Unknown) else error / abs(slope)
+            within = error if isinstance(error, Unknown) else error / abs(slope or math.nan)
             roots.append(Root(value, load, within))
     forces = load * np.exp(scanned)
     lost = int(np.count_nonzero(np.isnan(forces)))
@@ -216,8 +216,9 @@ def find_value(
         file, key, unit_of(tables, key, here, file.parent), load, stiffness, roots, spread, forces, left_out
     )
     if not roots:
-        raise InputError(f"{file}: no {key} gives a pull-off force of {show(load, 'load', 4)}:{found.words()[1]}; "
-                         f"--find {key}=LOW..HIGH looks elsewhere")  # fmt: skip
+        wanted, looked = show(load, "load", 4), found.words()[1].strip()
+        raise InputError(f"{file}: no {key} gives a pull-off force of {wanted}: {looked}; give other bounds, "
+                         f"{key}=LOW..HIGH")  # fmt: skip
     return found
 
 

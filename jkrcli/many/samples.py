@@ -181,6 +181,7 @@ class Samples(Result):
                 values = [self.column(name, self.believed(one)) for one in (sample, against)]
                 x, y = (one[np.isfinite(one)] for one in values)
                 own = math.hypot(*(self._own(name, self.believed(one)) for one in (sample, against)))
+                own *= half_width(level) / half_width(self.level)
                 found[name].append(difference((sample, against), x, y, level, own))
         return found
 

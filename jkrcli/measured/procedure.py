@@ -464,7 +464,7 @@ def with_other_profile(
     R = indenter.tip_radius
     if type(indenter) not in (Sphere, Paraboloid) or R is None or curve.pixel is not None or not body.extensible:
         return fitted
-    if largest < FLAT * R or indenter.material is not None:
+    if largest < FLAT * R or indenter.material is not None or (fitted.verdict and fitted.verdict.answers):
         return fitted
     own, name = ("exact sphere", "paraboloid") if isinstance(indenter, Sphere) else ("paraboloid", "exact sphere")
     named = () if fitted.verdict is None or REJECTED not in fitted.flags else fitted.verdict.alternatives.named

@@ -812,7 +812,8 @@ class Look(Result):
                 unusable += found.lines
             else:
                 raise found
-        of_rigid = mean([sensitivity_of(record) for record in records]) if rigid and records else None
+        pressed = [record for record in records if look_grade(record)[0] != UNFIT] or records
+        of_rigid = mean([sensitivity_of(record) for record in pressed]) if rigid and records else None
         return cls(path, records, unusable, tip, notes, of_rigid)
 
     def summary(self) -> dict[str, Any]:

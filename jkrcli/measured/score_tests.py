@@ -175,6 +175,11 @@ class Verdict:
         return tuple(one for one in self.fitted if one.taken)
 
     @property
+    def answers(self) -> bool:
+        """Whether the answer is by an alternative that is no change of the model."""
+        return self.answer is not None and bool(self.tied) and self.tied[0].name == self.answer.alternative.name
+
+    @property
     def with_answer(self) -> Verdict:
         """With the answer among those that were fitted; those that leave more by ``SCORE_TIED`` are not taken."""
         if self.answer is None:

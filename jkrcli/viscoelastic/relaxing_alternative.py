@@ -14,14 +14,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base.errors import JkrError
-from ..base.numerics import LEVEL, Array, f_chance
+from ..base.numerics import Array, f_chance, half_width
 from ..base.units import show
 from ..measured.alternative_fits import chi2_of
 from ..measured.curve import Curve
 from ..measured.fitted_record import FittedRecord
 from ..measured.force_curve import ForceCurveFit
 from ..measured.grade import misfits
-from ..measured.least_squares import STATISTICS_IMPROBABLE
+from ..measured.least_squares import STATISTICS_IMPROBABLE, wider
 from ..measured.model_changes import MEMORY
 from ..measured.parameters import FittedValue
 from ..measured.record import UNEXPLAINED, line_of
@@ -54,11 +54,16 @@ class RelaxingAnswer:
     off: Array
 
     def __call__(self, plain: Fit, fit: ForceCurveFit) -> Fit:
-        """The answer in place of the ``plain`` one, by the ``fit`` of the same rows."""
+        """Return ``plain`` with the estimates of the viscoelastic fit; ``fit``: of the same rows without."""
         own = {item.name: item for item in self.estimates}
-        before, E_star = plain.value("E_star"), own["E_star"]
+        before, t = {item.name: item for item in plain.estimates}, half_width(plain.settings.level)
+        for name in own.keys() & before.keys() & {"E_star", "modulus", "w"}:  # errors of inputs, to first order
+            share = own[name].value / (before[name].value or math.inf)
+            inputs = {key: share * error for key, error in (before[name].systematic or {}).items()}
+            own[name] = wider(own[name], inputs, t)
+        E_star, elastic = own["E_star"], before["E_star"].value
         others = [
-            own.pop(item.name, _like(E_star, item.name, item.value / before) if item.dimension == "modulus" else item)
+            own.pop(item.name, _like(E_star, item.name, item.value / elastic) if item.dimension == "modulus" else item)
             for item in plain.estimates if item.name not in OF_ONE_MODULUS
         ]  # fmt: skip
         here = replace(fit, off=np.where(np.isfinite(self.off), self.off, fit.off))
@@ -68,7 +73,7 @@ class RelaxingAnswer:
             residuals=here.off[np.argsort(fit.model.rows, kind="stable")][None] / fit.sigma,
             flags=tuple(flag for flag in plain.flags if flag != UNEXPLAINED),
             sizes={**(plain.sizes or {}), **misfits(here, fit.model.noise)},
-            warnings=tuple(line for line in plain.warnings if not line.startswith(f"{UNEXPLAINED}:")),
+            warnings=tuple(line for line in plain.warnings if line.partition(":")[0] not in (UNEXPLAINED, "drift")),
         )  # fmt: skip
 
 
@@ -96,7 +101,9 @@ def with_relaxation(
     from .timed_record import relaxation_settings
 
     most_left = RELAXING_ROUGHLY * max(found.misfit / found.dof, 1.0)
-    settings = relaxation_settings("sls", [], ["w"], record.body.problem.E_star, level=LEVEL, most=most_left)
+    settings = relaxation_settings(
+        "sls", [], ["w"], record.body.problem.E_star, level=record.known.level, most=most_left
+    )
     step = math.ceil(len(curve) / RELAXING_ROWS)
     few = np.arange(0, len(curve), step)
     try:
@@ -136,8 +143,8 @@ def with_relaxation(
 
 
 def _score(record: FittedRecord, one: FittedAlternative, error: float, found: RecordAlternatives) -> Score:
-    """The same as other alternatives are told: the moduli fall by ``one``'s amount in the end, E* and w are those at
-    once."""
+    """The alternative as a score, as a score test would give it: the moduli fall by ``one``'s amount in the end, E* and
+    w are those at once."""
     amount = one.quantities["fall"]
     by_E, by_w = (math.log(new / old) / amount for new, old in ((one.E_star, record.E_star), (one.w, record.work)))
     return Score(

@@ -214,7 +214,7 @@ MODULUS_STEP = 1e-5  # theory: of unknowns, for derivatives in closed form
 
 UNSETTLED = "the search did not converge"
 MISFIT = "the relaxation law or the specimen does not describe the force curve"
-BESIDE = "a power law with w may be fitted beside the least: compare with --relaxation prony"
+BESIDE = "the power-law fit may be a local minimum: compare with --relaxation prony"
 AS_READ = (
     "neither instrument nor load moved at constant rates: the displacement of the tip is used as read, its noise is "
     "not in the intervals"
@@ -229,8 +229,8 @@ WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 class RelaxationSettings:
     """A request: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free, the
     ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed;
-    ``segment``: its rows alone; ``adhesion``: of w, stress and range, those that are free; ``most``: mean square, in
-    units of the noise, that a rough fit may leave, beyond which none is looked for, and up to which one search does."""
+    ``segment``: its rows alone; ``adhesion``: of w, stress and range, those that are free; ``most``: mean square
+    residual, in units of the noise, above which a rough fit is abandoned; then valleys are not followed."""
 
     law: str
     zeros: tuple[str, ...]

@@ -27,7 +27,7 @@ from ..base.errors import Estimate, InputError, JkrError, Unknown, known
 from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import Control, Force, show
-from ..case.models import load_case, model_of
+from ..case.models import CaseModel, load_case, model_of
 from ..cli import options
 from ..cli.printing import announce
 from ..report.tables import transpose_rows
@@ -36,6 +36,7 @@ from ..resolve.histories import solved_for
 
 FIND_SCAN, FIND_STEPS = 25, 12  # choice: values over the bounds; evaluations for each root at most
 FIND_EXACT = 1e-9  # theory: of the logs, far below any error of the force
+FIND_JUMP = 1e-6  # choice: of ln(F/F_wanted), beyond which a change of sign is no solution
 FIND_WITHIN = 30.0  # choice: factor about the case's own value, within which is looked where no bounds are told
 DIMENSIONS = {"m": "length", "Pa": "modulus", "J_per_m2": "work", "rad": "angle"}  # of the keys of cases
 
@@ -170,27 +171,18 @@ def find_value(
         raise InputError(f"--find: {key} needs bounds LOW..HIGH that rise, got {low:g}..{high:g}")
     log = low > 0
     spread = np.geomspace(low, high, FIND_SCAN) if log else np.linspace(low, high, FIND_SCAN)
-    errors, refused = dict[float, Estimate](), list[str]()
+    known_at, refused = dict[float, tuple[float, Estimate]](), list[str]()
 
     def excess(x: float) -> float:
         """ln(F/F_wanted) at a value, nan where the case has no pull-off or is none."""
-        try:
-            model = model_of(with_values(tables, {key: x}), str(file), file.parent)
-            works = model.adhesion.w
-            if len(works) != 1 or not works[0] > 0:
-                raise InputError(f"{file}: --find needs one w > 0 under [adhesion]")
-            solution = solved_for(model.problem(), works, slopes)
-            ((behaviour, error),) = where_lost(solution, works, [stiffness], slopes, 1.0, RangeRequest())[0][1]
-        except JkrError as reason:
-            refused.append(str(reason))
-            return math.nan
-        if isinstance(behaviour.pull_off, Unknown) or behaviour.pull_off.P >= 0:
-            lost = behaviour.pull_off
-            refused.append(lost.reason if isinstance(lost, Unknown) else "nothing pulls")
-            return math.nan
-        force = -behaviour.pull_off.P
-        errors[x] = error["P"] / force if error is not None and not isinstance(error, Unknown) else Unknown("unknown")
-        return math.log(force / load)
+        if x not in known_at:
+            try:
+                model = model_of(with_values(tables, {key: x}), str(file), file.parent)
+                known_at[x] = _pull_off_force(model, stiffness, slopes)
+            except JkrError as reason:
+                refused.append(str(reason))
+                return math.nan
+        return math.log(known_at[x][0] / load)
 
     began, scanned = time.process_time(), list[float]()
     for x in spread.tolist():
@@ -206,12 +198,15 @@ def find_value(
     for (x, f), (y, g) in itertools.pairwise(zip([*spread.tolist(), math.inf], [*scanned, math.nan], strict=True)):
         if f * g < 0 or f == 0:
             value = x if f == 0 else back(_root(lambda u: excess(back(u)), to(x), to(y)))
-            error, slope = errors[x], (g - f) / (y - x)
+            if not abs(excess(value)) < FIND_JUMP:  # the force jumps there, or the case has none
+                refused.append(f"the force jumps, or ends, near {value:.6g}")
+                continue
+            (force, error), slope = known_at[value], (g - f) / (y - x)
             within = error if isinstance(error, Unknown) else error / abs(slope or math.nan)
-            roots.append(Root(value, load, within))
+            roots.append(Root(value, force, within))
     forces = load * np.exp(scanned)
     lost = int(np.count_nonzero(np.isnan(forces)))
-    left_out = f" (not {lost} of them: {refused[0]})" if lost else ""
+    left_out = f" (not {lost} of them: {refused[0]})" if lost else "; ".join(["", *refused[-1:]])
     found = FoundValues(
         file, key, unit_of(tables, key, here, file.parent), load, stiffness, roots, spread, forces, left_out
     )
@@ -222,8 +217,22 @@ def find_value(
     return found
 
 
+def _pull_off_force(model: CaseModel, stiffness: float, slopes: str) -> tuple[float, Estimate]:
+    """The pull-off force [N] of a case under a device, and its relative error; InputError where nothing is pulled
+    off."""
+    works = model.adhesion.w
+    if len(works) != 1 or not works[0] > 0:
+        raise InputError("one w > 0 is needed under [adhesion]")
+    solution = solved_for(model.problem(), works, slopes)
+    ((behaviour, error),) = where_lost(solution, works, [stiffness], slopes, 1.0, RangeRequest())[0][1]
+    lost = behaviour.pull_off
+    if isinstance(lost, Unknown) or lost.P >= 0:
+        raise InputError(lost.reason if isinstance(lost, Unknown) else "nothing pulls")
+    return -lost.P, Unknown("unknown") if error is None or isinstance(error, Unknown) else error["P"] / -lost.P
+
+
 def _root(excess: Callable[[float], float], low: float, high: float) -> float:
-    """Where ``excess`` is 0 between two ends of opposite sign; SolveError is none: the last of ``FIND_STEPS``."""
+    """Where ``excess`` is 0 between two ends of opposite sign, by Brent's method, in ``FIND_STEPS`` at most."""
     from scipy.optimize import brentq
 
     root, _ = brentq(excess, low, high, xtol=FIND_EXACT, rtol=4 * np.finfo(float).eps, maxiter=FIND_STEPS,

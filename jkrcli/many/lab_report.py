@@ -127,7 +127,7 @@ class LabReport:
             rows, pairs = list[list[str]](), list[list[str]]()
             for sample, one in spreads.items():
                 ends = words(*one.interval) if one.interval else ""
-                common = [f"{100 * one.common.get(kind, 0.0):.2g} %" for kind in COMMON]
+                common = [f"{100 * one.common[kind]:.2g} %" if one.common.get(kind) else "not given" for kind in COMMON]
                 quartiles = words(*one.quartiles)
                 rows.append([sample, f"{one.n}", words(one.median), quartiles, words(one.mean), ends, *common])
             for each in whole.differences[name]:

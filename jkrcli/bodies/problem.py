@@ -586,7 +586,7 @@ class StandardSolid:
     """r = ratio + (1 - ratio) exp(-t/time), the standard linear solid; E is the instantaneous modulus, ``ratio`` the
     relaxed one over it."""
 
-    ratio: Annotated[float, Ranged("number", least=0, below=1)]
+    ratio: Annotated[float, Ranged("number", least=0, most=1)]
     time: Time
 
     def __post_init__(self) -> None:

@@ -101,6 +101,19 @@ def test_a_march_on_a_layer() -> None:
     assert np.sqrt(np.mean(missed**2)) < 1e-3
 
 
+@pytest.mark.parametrize("stress", [STRESS])
+def test_a_solid_that_keeps_all_of_its_modulus_is_elastic(body: FittedBody, stress: float) -> None:
+    """To all digits, whatever its time."""
+    t, z = np.array(CORNERS).T
+    modes = [jkr.StandardSolid(1.0, time).modes(3.0) for time in (0.1, 7.0)]
+    one, other = (
+        March(body.problem, AttractedBody(body.problem), [Trial(W, stress, 2.0, mode)], (t, z)).run()[0]
+        for mode in modes
+    )
+    np.testing.assert_array_equal(one.rows, other.rows)
+    assert len(one.rows) > 50
+
+
 def test_cracks_pass_at_both_ends_of_speeds() -> None:
     """Nothing of exp(-q t) is gone of a zone that passes at once, all of a slow one; between both the opening is by
     quadrature of (2/y) int D."""

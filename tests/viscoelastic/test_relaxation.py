@@ -220,10 +220,24 @@ def test_exponentials_stand_for_a_power_law(exponent: float) -> None:
     [
         (lambda: Prony((0.6, 0.6), (1.0, 2.0)), r"the weights must be > 0, their sum at most 1, got \[0.6, 0.6\]"),
         (lambda: Prony((0.6,), (1.0, 2.0)), "needs as many times as weights, got 1 weights, 2 times"),
-        (lambda: StandardSolid(1.0, 1.0), r"relaxation.ratio: must be >= 0 and < 1, got 1"),
+        (lambda: StandardSolid(1.5, 1.0), r"relaxation.ratio: must be >= 0 and <= 1, got 1.5"),
         (lambda: PowerRelaxation(1.0, 1.0), r"relaxation.exponent: must be > 0 and < 1, got 1"),
     ],
 )
 def test_laws_that_are_none(law, line: str) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(InputError, match=line):
         law()
+
+
+def test_a_solid_that_keeps_all_of_its_modulus_is_elastic() -> None:
+    """Hertz on the way in and back, to all digits."""
+    specimen = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0)))
+    solved = jkr.solve(jkr.Problem(jkr.Paraboloid(1.0), specimen, jkr.Loading("depth", 1.1)))
+    history = jkr.cycle_relaxing(solved, StandardSolid(1.0, 0.3), 1.0, to_depth=1.0)
+    t = np.array([0.3, 0.7, 1.0, 1.4, 1.9])
+    _, delta, P = history.states(t)
+    np.testing.assert_allclose(delta, [0.3, 0.7, 1.0, 0.6, 0.1], rtol=1e-9)
+    np.testing.assert_allclose(P, 4 / 3 * delta**1.5, rtol=1e-7)
+    limits = [jkr.cycle_relaxing(solved, StandardSolid(1.0, time), w=1e-3, stress=0.1, speed=1.0).limits
+              for time in (0.3, 9.0)]  # fmt: skip
+    assert limits[0]["very fast"].P == limits[0]["very slow"].P == limits[1]["very fast"].P

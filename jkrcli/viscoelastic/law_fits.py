@@ -16,6 +16,7 @@ from ..measured.report import ZERO_POINTS, brief, estimate_lines, estimate_summa
 from ..report.result import Figure, Several
 from ..report.tables import stacked, stiffness, transpose_rows, with_unit
 from . import report as rate
+from . import rheology
 from .rate_fit import RateFit
 from .timed_record import RelaxationFit
 
@@ -104,6 +105,7 @@ class RelaxationFits(Several):
                 if item.free and item.name != "modulus":
                     name = with_unit(item.name, item.dimension)
                     row |= {name: item.value, f"{name}_error": item.half_width(fit.settings.level)}
+            row |= rheology.columns(fit)
             rows.append(row | {"scatter": fit.scatter, "rows": fit.record.t.size, "level": fit.settings.level})
         return transpose_rows(rows)
 
@@ -144,6 +146,7 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
         "relaxation": rate.relaxation_law_summary(fit.relaxation),
         "free": list(fit.free),
         "estimates": {item.name: estimate_summary(item, fit.settings.level) for item in fit.estimates},
+        "rheology": rheology.summary(fit),
         **({"modulus_over_time": _over_time(fit)} if fit.settings.adheres else {}),
         "scatter": fit.scatter,
         "degrees_of_freedom": fit.dof,
@@ -175,5 +178,6 @@ def relaxation_fit_words(fit: RelaxationFit) -> list[str]:
         brief(own, level) + doubts,
         f"  {record.curve.where}: {fit.relaxation}{known}; {record.t.size} rows, the {control} {motion}",
         *estimate_lines(fit.estimates, level, {"E_star": "E*" if fit.settings.law == "power" else "E* instant"}),
+        rheology.words(fit),
         f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
     ]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, Literal, TypeAlias
@@ -443,25 +443,29 @@ class RelaxationFit(Answer):
     def modulus(self, t: Array) -> Array:
         """E*(t) [Pa] at the times ``t`` [s] after a step with the ends of its intervals, (times, 3); nan where not
         determined."""
-        unknowns, values = Unknowns(self.settings.parameters), {item.name: item.value for item in self.estimates}
-        nominal = values["E_star"] / values["modulus"]
+        nominal = self.value("E_star") / self.value("modulus")
 
-        def logs(x: Array) -> Array:
-            own = unknowns.values(x)
+        def logs(own: Mapping[str, float]) -> Array:
             r = RELAXED[self.settings.law]({name: np.asarray(value) for name, value in own.items()}, t)
             found: Array = np.log(nominal * own["modulus"] * np.maximum(r, TINY))
             return found
 
+        return self.intervals(logs)
+
+    def intervals(self, logs: Callable[[Mapping[str, float]], Array]) -> Array:
+        """Quantities by their ``logs`` as a function of the parameters, with the ends of their intervals, (n, 3)."""
+        unknowns, values = Unknowns(self.settings.parameters), {item.name: item.value for item in self.estimates}
         x = unknowns.at(values)
         if self.samples is not None:
-            drawn = np.array([logs(sample) for sample in self.samples])
+            drawn = np.array([logs(unknowns.values(sample)) for sample in self.samples])
             half = self.settings.level / 2
             return np.exp(np.quantile(drawn, [0.5, 0.5 - half, 0.5 + half], axis=0).T)
-        here, error = logs(x), np.full(t.size, math.nan)
+        here = logs(unknowns.values(x))
+        error = np.full(here.size, math.nan)
         if self.covariance is not None:
             steps = MODULUS_STEP * np.maximum(np.abs(x), 1e-3)
-            by = np.stack([(logs(x + step) - here) / step.sum() for step in np.diag(steps)], axis=1)
-            error = np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, self.covariance, by), 0.0))
+            by = [(logs(unknowns.values(x + step)) - here) / step.sum() for step in np.diag(steps)]
+            error = np.sqrt(np.maximum(np.einsum("it,ij,jt->t", by, self.covariance, by), 0.0))
         width = t_quantile(self.settings.level, self.dof) * error
         return np.exp(np.stack([here, here - width, here + width], axis=1))
 

@@ -26,7 +26,7 @@ import numpy as np
 from .. import __version__
 from ..base.errors import counted
 from ..report.result import SHOWN, Figure
-from .samples import COMMON, FITTED, SYMBOLS, UNREAD, Samples, shown
+from .samples import COMMON, FITTED, SYMBOLS, Samples, shown
 
 PAGE = Template(resources.files(__package__).joinpath("lab_report.html").read_text(encoding="utf-8"))
 PACKAGES = ("numpy", "scipy", "h5py", "matplotlib")
@@ -65,14 +65,13 @@ Sections: TypeAlias = Sequence[tuple[str, Sequence[Block]]]
 
 @dataclass(frozen=True, eq=False)
 class LabReport:
-    """What a report is made of: the ``table`` of the fit, its ``samples`` if there are any, lines on what could not be
-    read, the specimen ``body`` in words, ``calibration`` and ``remarks`` in sentences, ``figures`` by what they show,
+    """What a report is made of: the ``table`` of the fit, its ``samples`` if there are any, the specimen
+    ``body`` in words, ``calibration`` and ``remarks`` in sentences, ``figures`` by what they show,
     the ``files`` that were read, the ``command``, and files beside the report with what they hold; ``page``: of these
     the one to click through the curves."""
 
     table: Mapping[str, Sequence[Any]]
     samples: Samples | None
-    unread: Sequence[str]
     body: str
     calibration: Sequence[str]
     remarks: Sequence[str]
@@ -91,9 +90,7 @@ class LabReport:
     def whole(self) -> Samples:
         """The samples; of curves without samples one of all."""
         count = len(self.table["curve"])
-        return self.samples or Samples(
-            {"sample": ["all curves"] * count, **self.table}, ["all curves"] * len(self.unread)
-        )
+        return self.samples or Samples({"sample": ["all curves"] * count, **self.table})
 
     @cached_property
     def sections(self) -> Sections:
@@ -172,12 +169,7 @@ class LabReport:
         """Each curve that is not in the results, with the reason, and its place on the page of all curves."""
         table, rows = self.table, list[list[str | Link]]()
         for i in (i for i, status in enumerate(table["status"]) if status != FITTED):
-            more = str(table["grade_reason"][i] or "") if "grade_reason" in table else ""
-            why = str(table["reason"][i]).removeprefix(f"{table['file'][i]}: ") or ", ".join(
-                filter(None, (self.whole.reason(i), more))
-            )
-            rows.append([str(table["file"][i]), self._link(i), why])
-        rows += [[line.split(": ")[0], UNREAD, line] for line in self.unread]
+            rows.append([str(table["file"][i]), self._link(i), str(table["reason"][i])])
         return [Table(["file", "curve", "reason"], rows)] if rows else ["No curve."]
 
     def provenance(self) -> list[Block]:

@@ -26,7 +26,7 @@ from ..report.tables import transpose_rows, with_unit
 
 QUANTITIES = {"E_star": "modulus", "w": "work", "w_approach": "work"}
 SYMBOLS = {"E_star": "E*"}
-FITTED, UNUSABLE, UNREAD = "fitted", "unusable", "not read"
+FITTED = "fitted"
 LEAST = 2  # theory: values of which a scatter follows
 REASONS_SHOWN = 3  # choice: of a line
 COMMON = ("calibration", "model")  # parts of the error that many curves may share
@@ -108,17 +108,16 @@ def _t(dof: float, level: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Samples(Result):
-    """Samples of a fit, by the column ``sample`` of its ``table``; ``unread``: the sample of each file or curve that
-    could not be read. Half-widths in columns ``own``, of the radius where each sample has its own tip, are common to a
+    """Samples of a fit, by the column ``sample`` of its ``table``, in which ``kind`` is that of the reason why a curve
+    is left out. Half-widths in columns ``own``, of the radius where each sample has its own tip, are common to a
     sample alone: a ratio holds them."""
 
     table: Mapping[str, Sequence[Any]]
-    unread: Sequence[str] = ()
 
     @cached_property
     def names(self) -> list[str]:
         """The samples in the order in which they were given."""
-        return list(dict.fromkeys([*self.table["sample"], *self.unread]))
+        return list(dict.fromkeys(self.table["sample"]))
 
     @property
     def level(self) -> float:
@@ -135,15 +134,7 @@ class Samples(Result):
 
     def left_out(self, sample: str) -> Counter[str]:
         """How many curves of the sample are left out for each reason."""
-        reasons = Counter(self.reason(i) for i in self.rows(sample) if self.table["status"][i] != FITTED)
-        reasons[UNREAD] += self.unread.count(sample)
-        return +reasons
-
-    def reason(self, row: int) -> str:
-        """Why a row is left out, in few words: its first flag, or its grade."""
-        cells = (self.table.get(name, {row: None})[row] for name in ("flags", "grade", "status"))
-        flags, grade, status = (str(cell or "") for cell in cells)
-        return flags.split("; ")[0] or ("" if status == UNUSABLE else grade) or status
+        return Counter(self.table["kind"][i] for i in self.rows(sample) if self.table["status"][i] != FITTED)
 
     def column(self, name: str, rows: Sequence[int], part: str = "") -> Array:
         """A quantity, or a ``part`` of its error, in SI at ``rows``; nan where there is none."""

@@ -23,6 +23,7 @@ IMAGES = {  # name: dimension
 }
 FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
 STATUSES = (UNUSABLE, DOUBTFUL, FITTED)  # by their numbers in an image
+MOST_PLACES = 1_000_000  # choice: of a grid
 LEAST_CURVES = 3  # choice: from which on curves without a grid are drawn together, as they are summed up in a line
 
 
@@ -33,11 +34,17 @@ def status_of(item: Fit | Failure) -> str:
     return FITTED if (not item.flags if item.grade is None else item.grade.believed) else DOUBTFUL
 
 
+def reason_of(item: Fit | Failure) -> str:
+    """Why a curve is not to be believed: what set its grade; "" where it is."""
+    if isinstance(item, Failure):
+        return item.reason
+    return "" if status_of(item) == FITTED else item.grade.reason if item.grade else item.flags[0]
+
+
 @dataclass(frozen=True, eq=False)
 class Map:
-    """``images`` (rows, columns) by their names in ``IMAGES``, SI, NaN where nothing was found; ``x, y`` [m] of their
-    columns and rows, the rows and columns that hold no curve left out; their numbers where no ``positions`` are
-    known."""
+    """``images`` (rows, columns) by their names in ``IMAGES``, SI, NaN where nothing was found; ``x, y`` [m] of all
+    columns and rows of the grid; their numbers where no ``positions`` are known."""
 
     x: Array
     y: Array
@@ -50,25 +57,44 @@ class Map:
         return f"{self.x.size} x {self.y.size}"
 
 
+def maps_of(outcomes: Sequence[Fit | Failure], sample: Sequence[str]) -> dict[str, Map]:
+    """The map that the curves make, by the name ""; where they make none, those of each ``sample`` that makes one."""
+    if (whole := map_of(outcomes)) is not None:
+        return {"": whole}
+    parts = {name: [item for item, own in zip(outcomes, sample, strict=True) if own == name]
+             for name in dict.fromkeys(sample)}  # fmt: skip
+    return {name: scan for name, part in parts.items() if (scan := map_of(part)) is not None}
+
+
 def map_of(outcomes: Sequence[Fit | Failure]) -> Map | None:
-    """The map that the curves make; None where they were not taken on a grid, or several share a pixel."""
-    pixels = [item.pixel for item in outcomes if item.pixel is not None]
-    if len(pixels) < 2 or len(pixels) != len(outcomes) or len({(at.column, at.row) for at in pixels}) != len(outcomes):
+    """The map that the curves make, but for files that could not be read; None where they were not taken on a grid, or
+    several share a pixel."""
+    read = [item for item in outcomes if isinstance(item, Fit) or item.curve is not None]
+    pixels = [item.pixel for item in read if item.pixel is not None]
+    if len(pixels) < 2 or len(pixels) != len(read) or len({(at.column, at.row) for at in pixels}) != len(read):
         return None
-    columns, column = np.unique([at.column for at in pixels], return_inverse=True)
-    rows, row = np.unique([at.row for at in pixels], return_inverse=True)
     placed = all(at.x is not None and at.y is not None for at in pixels)
-    x, y = np.array([(at.x, at.y) if placed else (at.column, at.row) for at in pixels], dtype=float).T
-    images = {name: np.full((rows.size, columns.size), np.nan) for name in IMAGES}
-    values = [_values(item) for item in outcomes]
+    at_x, at_y = np.array([(at.x, at.y) if placed else (at.column, at.row) for at in pixels], dtype=float).T
+    x, column = _lines([at.column for at in pixels], at_x)
+    y, row = _lines([at.row for at in pixels], at_y)
+    if x.size * y.size > MOST_PLACES:
+        return None
+    images = {name: np.full((y.size, x.size), np.nan) for name in IMAGES}
+    values = [_values(item) for item in read]
     for name, image in images.items():
         image[row, column] = [value[name] for value in values]
-    return Map(
-        np.array([np.mean(x[column == i]) for i in range(columns.size)]),
-        np.array([np.mean(y[row == i]) for i in range(rows.size)]),
-        images,
-        placed,
-    )
+    return Map(x, y, images, placed)
+
+
+def _lines(numbers: Sequence[int], at: Array) -> tuple[Array, Array]:
+    """The places of all columns, or rows, of a grid from the first to the last, as far apart as those of curves with
+    these ``numbers``, ``at`` their places, let them be; and the index of each curve's. Between lines that hold curves
+    others lie evenly."""
+    used, index = np.unique(numbers, return_inverse=True)
+    step = int(np.gcd.reduce(np.diff(used))) or 1
+    ranks = (used - used[0]) // step
+    means = np.bincount(index, at) / np.bincount(index)
+    return np.interp(np.arange(ranks[-1] + 1), ranks, means), ranks[index]
 
 
 def _values(item: Fit | Failure) -> dict[str, float]:
@@ -101,9 +127,11 @@ def images_of(scan: Map) -> Group:
 UNITS = {"a": "m", "delta": "m", "P": "N", "foot_a": "m", "row": "1", "curve": "1"}
 
 
-def write_fits(path: Path, outcomes: Sequence[Fit | Failure], body: str, summaries: Sequence[str]) -> None:
+def write_fits(
+    path: Path, outcomes: Sequence[Fit | Failure], body: str, summaries: Sequence[str], maps: Mapping[str, Map]
+) -> None:
     """Write all fits to ``path`` with the ``summaries`` of the curves, JSON each: a curve has its number from 0 in
-    order. ``body``: what they were fitted to, in words."""
+    order. ``body``: what they were fitted to, in words; ``maps``: by their samples."""
     fits = [(number, item) for number, item in enumerate(outcomes) if isinstance(item, Fit)]
     tables: dict[str, list[tuple[int, dict[str, Array]]]] = {"data": [], "fitted": [], "bootstrap": []}
     for number, item in fits:
@@ -116,7 +144,9 @@ def write_fits(path: Path, outcomes: Sequence[Fit | Failure], body: str, summari
             tables["bootstrap"].append((number, dict(zip(item.free, item.samples.T, strict=True))))
     curves: dict[str, Group | Dataset] = {name: _joined(table) for name, table in tables.items() if table}
     curves["summary"] = Dataset(summaries)
-    images = {"map": images_of(scan)} if (scan := map_of(outcomes)) else {}
+    images = {"map": images_of(maps[""])} if "" in maps else {}
+    of_samples = {name.replace("/", "_"): images_of(scan) for name, scan in maps.items() if name}
+    images |= {"maps": Group({}, of_samples)} if of_samples else {}
     write(path, FITS, {"body": body}, {"curves": Group({}, curves), **images})
 
 

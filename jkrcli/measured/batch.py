@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.errors import InputError, counted
 from ..base.numerics import Array
 from ..tables import split_name
 from .curve import NOT_SUBTRACTED, TURNED, Curve, Reading
@@ -92,15 +92,15 @@ def _with_constants(
     for name, values in found.items():
         if len(values) > 1:
             others = ", ".join(f"{value:g}" for value in sorted(values)[:SHOWN])
-            raise InputError(f"{path}: {len(again)} files name no {name} ({_names(again)}), the others name {others}: "
-                             f"give --{name}")  # fmt: skip
+            lack = f"{counted(len(again), 'file')} {'lack' if len(again) > 1 else 'lacks'}"
+            raise InputError(f"{path}: {lack} the {name} ({_names(again)}), the others name {others}: give --{name}")
     constants: dict[str, Any] = {name: values.pop() for name, values in found.items()}
     more, unread = list[Curve](), list[str]()
     for file in map(Path, again):
         some, left = usable([file], replace(reading, **constants))
         more, unread = more + some, unread + left
     words = ", ".join(f"{name} {value:g}" for name, value in constants.items())
-    notes.append(f"{words} of the other files taken for {len(again)} that name none: {_names(again)}")
+    notes.append(f"{words} of the other files taken for {counted(len(again), 'file')} without: {_names(again)}")
     by_place = {one.where: one for one in more}
     kept = [by_place.pop(one.where, one) for one in curves]
     return [*kept, *by_place.values()], [line for line in lines if line.split(": ")[0] not in refused] + unread
@@ -124,13 +124,15 @@ def _signs(curves: Sequence[Curve], notes: list[str]) -> dict[int, bool]:
             continue  # each as it was read
         if counts[-sign] > max(1, MIXED * counts[sign]):
             others = [one.where for one, vote in zip(alike, votes, strict=True) if vote == -sign]
-            raise InputError(f'"{name}" has one sign in {counts[sign]} files and the other in {len(others)} '
-                             f"({_names(others)}): put these into a folder of their own")  # fmt: skip
+            ways = ("toward", "away from")[::sign]
+            raise InputError(f'"{name}" increases {ways[0]} the specimen in {counts[sign]} files and {ways[1]} it in '
+                             f"{len(others)} ({_names(others)}): put these into a folder of their own")  # fmt: skip
         changed = [one for one, each in zip(alike, read, strict=True) if each != sign]
         turned |= {id(one): True for one in changed}
         if changed:
             what = "all files" if len(changed) == len(alike) else _names([one.where for one in changed])
-            notes.append(f'sign of "{name}" by {counts[sign]} files that show where the specimen is, changed in {what}')
+            way = "toward" if sign > 0 else "away from"
+            notes.append(f'"{name}" increases {way} the specimen, as {counts[sign]} files show: sign changed in {what}')
     return turned
 
 

@@ -1,6 +1,7 @@
 """One self-contained page to click through the curves of a map or a folder, as they were looked at or fitted."""
 
 import base64
+import contextlib
 import html
 import itertools
 import json
@@ -17,7 +18,7 @@ from ..base.numerics import Array
 from ..base.units import show
 from . import report as inverse
 from .archive import UNUSABLE, status_of
-from .grade import UNFIT
+from .grade import UNFIT, kind_of
 from .procedure import Failure
 from .report import SYMBOLS
 from .result import Fit
@@ -68,23 +69,22 @@ def _fitted(fit: Fit, points: int) -> dict[str, Any]:
 
 def _looked_at(item: ForceCurve | Failure, points: int) -> dict[str, Any]:
     """A record taken apart; of one that cannot be, or was not fitted, why."""
-    name, reasons, record = item.curve.name, list(item.lines) if isinstance(item, Failure) else [], item
+    reasons, record, grade = list[str](), item, [UNFIT, ""]
     if isinstance(item, Failure):
-        try:
-            record = segment_force_curve(item.curve)
-        except InputError:
-            return {"name": name, "status": UNUSABLE, "grade": [UNFIT, reasons[0]], "cells": {}, "words": reasons,
+        name, reasons, grade[1] = item.name, list(item.lines), kind_of(item.reason)
+        with contextlib.suppress(InputError):
+            record = item if item.curve is None else segment_force_curve(item.curve)
+        if isinstance(record, Failure):
+            return {"name": name, "status": UNUSABLE, "grade": grade, "cells": {}, "words": reasons,
                     **_axes("delta", "P"), "lines": [], "base": [], "contact": []}  # fmt: skip
-    assert isinstance(record, ForceCurve)
+    else:
+        name, grade = item.curve.name, [*inverse.look_grade(item)]
     z, P = record.curve.device, record.curve.P
     assert P is not None
     based = [side for side in record.directions if side.based]
     ends = [(side, z[side.segment.rows].min(), z[side.segment.rows].max()) for side in based]
     status = UNUSABLE if isinstance(item, Failure) else ", ".join(record.flags) or "no remark"
     what = "displacement" if record.curve.stiffness is None else "position z of the instrument"
-    grade = (
-        [UNFIT, next(iter(record.flags), reasons[0])] if isinstance(item, Failure) else [*inverse.look_grade(record)]
-    )
     forces = {side.segment.kind: side.adhesion for side in based if not isinstance(side.adhesion, Unknown)}
     return {
         "name": name,

@@ -280,7 +280,7 @@ def fit_curves(
     for path, (found, lines) in zip(request.measured, read, strict=True):
         if name is not None and len(bodies) == 1:
             names += [name(path, one.where) for one in found]
-            unread_names += [name(path, line.split(": ")[0]) for line in lines]
+            unread_names += [name(path, Failure(None, (line,)).where) for line in lines]
     in_files = [one.sample for one in curves]
     if asked.sample is None and len(bodies) == 1 and all(in_files) and len(set(in_files)) > 1:
         names, unread_names = in_files, [UNNAMED] * len(unread)
@@ -302,19 +302,21 @@ def fit_curves(
         fitted = _fit_group(of_tip, part, how, forecast, limits, parallel)
         for one, items, more in zip(of_tip, each, fitted, strict=True):
             items += [planned(one, item) if asked.plan and isinstance(item, Fit) else item for item in more]
+    for items in each:
+        items += [Failure(None, (line,)) for line in unread]
     outcomes = [item for items in each for item in items]
     if asked.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
         raise InputError("fit: --rivals is for raw force curves, and none of these is one: leave it out")
-    reasons = unread + [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
+    reasons = [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(request, each, bodies) if output.plots else []
     left, none, several = list[str](), list[str](), len(bodies) > 1
     prefer, friction = partial(preferences, outcomes), partial(friction_warnings, request.body, outcomes)
     what, words = ("which surface is preferred", prefer) if several else ("whether sticking matters", friction)
     told = attempted(what, lambda: list(words()), none, left)
     preferred, friction_words = (told, none) if several else (none, told)
-    remarks = [*batch.notes, *friction_words]
-    result = Fits(outcomes, request.body_words, remarks, unread, names, unread_names, len(asked.tip_radius) > 1)
-    count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves), ", ".join(batch.places))
+    remarks, places = [*batch.notes, *friction_words], ", ".join(filter(None, dict.fromkeys(batch.places)))
+    result = Fits(outcomes, request.body_words, remarks, [*names, *unread_names], len(asked.tip_radius) > 1)
+    count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves), places)
     for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
         warn(line)
     drawn = f", {counted(count, 'picture')}" if count else ""
@@ -356,24 +358,27 @@ def _write(
     used."""
     from . import archive
 
-    if not result.outcomes:
+    if all(isinstance(item, Failure) and item.curve is None for item in result.outcomes):
         raise InputError(some(reasons))
     targets, output = request.targets, request.output
     summary = result.summary() | selection(targets, request.inputs)
-    scan = archive.map_of(result.outcomes) if output.plots else None
+    maps = archive.maps_of(result.outcomes, result.sample)
     one_surface = len({item.surface for item in result.fits}) == 1
-    alone = scan is None and (len(result.outcomes) < archive.LEAST_CURVES or not one_surface or bool(result.sample))
-    kind = "curves" if scan is None else "map"
-    of_map = (
-        None if alone or not output.plots else output.files(Path(f"{targets.stem}-{kind}"), PICTURES, request.inputs)
-    )
+    alone = not maps and (len(result.outcomes) < archive.LEAST_CURVES or not one_surface or bool(result.sample))
+    drawn: list[tuple[str, archive.Map | None]] = [
+        (f"the map{f' of {name}' * bool(name)} ({scan.words}, {places})", scan) for name, scan in maps.items()
+    ]
+    drawn = drawn or [("curves in their order", None)] * (not alone)
+    stem = Path(f"{targets.stem}-{'map' if maps else 'curves'}")
+    stems = [stem] if {*maps} <= {""} else beside(stem, [*maps])
+    of_maps = [(words, partial(_map_figure, scan, result.outcomes), output.files(one, PICTURES, request.inputs))
+               for (words, scan), one in zip(drawn * output.plots, stems, strict=False)]  # fmt: skip
     several = output.plots and len(result.outcomes) > 1
     of_curves = output.files(Path(f"{targets.stem}-curves"), (".html",) if several else (), request.inputs)
-    on_map = "curves in their order" if scan is None else f"the map ({scan.words}, {places})"
     with together():
         lines = [files.json_line(one) for one in summary["curves"]]
         targets.write(result.columns, summary, lines=lines)
-        archive.write_fits(targets[".h5"], result.outcomes, result.body, lines)
+        archive.write_fits(targets[".h5"], result.outcomes, result.body, lines, maps)
         count = _draw(pictures, left) if pictures else 0
         if result.samples and request.samples:
             request.samples.write(result.samples.columns)
@@ -386,14 +391,9 @@ def _write(
             if text := attempted("the page of all curves", words, "", left):
                 write_text(of_curves[".html"], text)
             several = bool(text)
-        figures: dict[str, Callable[[], Any]] = {}
-        if of_map is not None:
-            from .figures import curves_figure, map_figure
-
-            figure = partial(curves_figure, result.outcomes) if scan is None else partial(map_figure, scan)
-            of_map = of_map if _picture(on_map, of_map, figure, left) else None
-            figures = {on_map: figure}
-        elif len(result.outcomes) == 1 and result.fits and output.plots:
+        of_maps = [one for one in of_maps if _picture(one[0], one[2], one[1], left)]
+        figures: dict[str, Callable[[], Any]] = {words: figure for words, figure, _ in of_maps}
+        if len(result.outcomes) == 1 and result.fits and output.plots:
             figures = {"the fitted curve": result.fits[0].figure}
     beside_it = {targets[".csv"]: "E*, w and their errors of each curve", targets[".json"]: "all of it, by curve",
                  targets[".h5"]: "readings and fitted curves"}  # fmt: skip
@@ -401,16 +401,23 @@ def _write(
         beside_it |= {request.samples[".csv"]: "the samples"}
         beside_it |= {request.samples[".png"]: "E*, w of each sample"} if output.plots else {}
     beside_it |= {of_curves[".html"]: "a page to click through all curves"} if several else {}
-    beside_it |= {of_map[".png"]: on_map} if of_map else {}
+    beside_it |= {one[".png"]: words for words, _, one in of_maps}
     if request.report is not None:
         of_inputs = [*calibration, *_tips(request), *map(_uncertain, request.options.uncertain)]
         _report(request, result, figures, beside_it, of_inputs)
     if not result.fits:
         raise InputError(some(reasons))
     where = [f"samples in {request.samples}"] * bool(result.samples and request.samples)
-    where += [f"all curves in {of_curves}"] * several + [f"{on_map} in {of_map}"] * bool(of_map)
+    where += [f"all curves in {of_curves}"] * several + [f"{words} in {one}" for words, _, one in of_maps]
     where += [f"report in {request.report}"] * bool(request.report)
     return count, "".join(f", {one}" for one in where)
+
+
+def _map_figure(scan: Any, outcomes: Sequence[Outcome]) -> Any:
+    """The images of a map, or, where there is none, the curves in their order."""
+    from .figures import curves_figure, map_figure
+
+    return curves_figure(outcomes) if scan is None else map_figure(scan)
 
 
 def _uncertain(pair: tuple[str, Any]) -> str:
@@ -447,7 +454,7 @@ def _report(
         figures = each | figures
     specimen = _specimen(request.body) + (f", from {result.body}" if result.body.endswith((".toml", ".h5")) else "")
     report = offered("report of a fit")(
-        result.columns, result.samples, result.unread, specimen, calibration, result.warnings, figures, inputs,
+        result.columns, result.samples, specimen, calibration, result.warnings, figures, inputs,
         command_line(), {path.name: holds for path, holds in beside_it.items()}, page,
     )  # fmt: skip
     write_text(request.report[".html"], report.as_html())
@@ -459,10 +466,11 @@ def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[Fitte
     several, the surface; none where they are many."""
     named: list[tuple[Outcome, str]] = []
     for items, body in zip(each, bodies, strict=True):
-        shown = [item for item in items if isinstance(item, Fit) or {"delta", "P"} <= set(item.curve.measured)]
+        shown = [item for item in items if isinstance(item, Fit)
+                 or (item.curve is not None and {"delta", "P"} <= set(item.curve.measured))]  # fmt: skip
         for item in shown if len(shown) <= SHOWN else []:
-            file, name = (item.file, item.name) if isinstance(item, Fit) else (item.curve.origin, item.curve.name)
-            words = [Path(file or "").stem, *[name] * (len(shown) > 1), *[body.problem.surface] * (len(bodies) > 1)]
+            surface = [body.problem.surface] * (len(bodies) > 1)
+            words = [Path(item.file).stem, *[item.name] * (len(shown) > 1), *surface]
             named.append((item, "-".join(words)))
     stems = beside(request.targets.stem, [name for _, name in named])
     return [(item, request.output.files(stem, PICTURES, request.inputs))
@@ -476,11 +484,12 @@ def _draw(drawn: Pictures, left: list[str]) -> int:
 
     count = 0
     for item, target in drawn:
-        what = f"the picture of {item.curve.where if isinstance(item, Failure) else item.where}"
-        if not isinstance(item, Failure):
+        what = f"the picture of {item.where}"
+        if isinstance(item, Fit):
             count += _picture(what, target, partial(fit_figure, item), left)
             continue
         with contextlib.suppress(InputError):
+            assert item.curve is not None
             count += _picture(what, target, partial(record_figure, [segment_force_curve(item.curve)]), left)
     return count
 

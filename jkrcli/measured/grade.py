@@ -8,6 +8,7 @@ alternative models would change, and what a direction that is left out does.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -97,6 +98,12 @@ def size_words(sizes: Mapping[str, float]) -> list[str]:
     words = {name: "more than tenfold" if size > TENFOLD else f"{100 * size:.{2 + (size > 1)}g} %"
              for name, size in sizes.items() if name in LIMITS}  # fmt: skip
     return [LIMITS[name][3].format(said) for name, said in words.items()]
+
+
+def kind_of(reason: str) -> str:
+    """A reason without its sentence and its numbers, by which curves are counted: "no contact", "E* uncertain"."""
+    short = re.sub(" ± .*", " uncertain", re.split("[:,] ", reason)[0])
+    return re.sub(r"( by)? (\S+ %|more than tenfold)", "", short)
 
 
 def change_words(change: float) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,7 +25,7 @@ OF_NAME = (
 )  # fmt: skip
 LEAST_PLACES = 4  # choice: curves that make a map
 FILLED = 0.5  # choice: share of the places of a grid that hold a curve, so that two numbers in names are places
-SAME_PLACE = 0.25  # choice: of the pitch, by which positions in one line of a grid may differ
+SAME_PLACE = 0.5  # choice: of the pitch, by which positions in one line of a grid may differ
 
 
 def placed(path: Path, curves: list[Curve], shape: tuple[int, int] | None) -> tuple[list[Curve], str]:
@@ -58,19 +60,31 @@ def _by_rank(path: Path, curves: list[Curve], shape: tuple[int, int]) -> list[Cu
 
 def _by_position(pixels: Sequence[Pixel]) -> list[Pixel] | None:
     """The places on a grid of curves at known positions; None where two share a place or they form no grid."""
-    column, row = (_lines(np.array([getattr(at, axis) for at in pixels])) for axis in ("x", "y"))
-    places = [replace(at, column=int(i), row=int(j)) for at, i, j in zip(pixels, column, row, strict=True)]
-    return places if _is_grid(places) else None
+    lines = (_lines(np.array([getattr(at, axis) for at in pixels])) for axis in "xy")
+    for column, row in sorted(
+        itertools.product(*lines), key=lambda pair: math.prod(np.unique(one).size for one in pair)
+    ):
+        places = [replace(at, column=int(i), row=int(j)) for at, i, j in zip(pixels, column, row, strict=True)]
+        if _is_grid(places):
+            return places
+    return None
 
 
-def _lines(values: Array) -> Array:
-    """The number of the line of a grid on which each value lies: lines are further apart than values on one of them."""
-    order = np.argsort(values)
-    gaps = np.diff(values[order])
-    apart = gaps > SAME_PLACE * float(np.max(gaps, initial=0.0))
-    lines = np.empty(values.size, dtype=int)
-    lines[order] = np.concatenate([[0], np.cumsum(apart)])
-    return lines
+def _lines(values: Array) -> Iterator[Array]:
+    """Numbers of the lines of a grid on which values may lie, those of lines without a value left free: where these are
+    apart by more than twice what values on one of them are."""
+    order, lines = np.argsort(values), np.zeros(values.size, dtype=int)
+    ordered = values[order]
+    gaps = np.diff(ordered)
+    for least in np.unique(gaps[gaps > 0])[::-1]:
+        starts = np.concatenate([[0], np.flatnonzero(gaps >= least) + 1])
+        wide = np.maximum.reduceat(ordered, starts) - ordered[starts]
+        distances = np.diff(np.add.reduceat(ordered, starts) / np.diff(np.append(starts, values.size)))
+        if wide.max() <= SAME_PLACE * distances.min():
+            pitch = float(np.median(distances[distances < 1.5 * distances.min()]))
+            numbers = np.concatenate([[0], np.cumsum(np.round(distances / pitch).astype(int))])
+            lines[order] = np.repeat(numbers, np.diff(np.append(starts, values.size)))
+            yield lines.copy()
 
 
 def _by_names(curves: Sequence[Curve]) -> tuple[list[Pixel] | None, str]:

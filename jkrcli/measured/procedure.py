@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 
@@ -224,6 +225,7 @@ def _changes(minimum: Minimum, settings: Settings, name: str, sigma: float) -> d
 OWN = {"w": "w_approach"}  # names of an approach alone
 OF_SHAPE = "the faces of the pyramid"
 OF_STRAINS = "large strains"
+UNREAD = "not read"
 NOTICED = 0.1  # choice: of the interval of w, the part by large strains from which on it is told
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
 SIDE_BY_SIDE = 64  # choice: curves that are fitted together, which shares what each step costs besides its rows
@@ -241,19 +243,37 @@ WARNED = {  # flags of a curve that matter
 
 @dataclass(frozen=True, eq=False)
 class Failure:
-    """A curve that could not be fitted; ``lines``: why, one sentence each; ``flags``: what is wrong with the record, in
-    a word or two each."""
+    """A curve that could not be fitted, without ``curve`` a file that could not be read; ``lines``: why, one sentence
+    each; ``flags``: what is wrong with the record, in a word or two each."""
 
-    curve: Curve
+    curve: Curve | None
     lines: tuple[str, ...]
 
     @property
     def flags(self) -> tuple[str, ...]:
-        return tuple(flags_of(self.curve))
+        return () if self.curve is None else tuple(flags_of(self.curve))
 
     @property
     def pixel(self) -> Pixel | None:
-        return self.curve.pixel
+        return None if self.curve is None else self.curve.pixel
+
+    @property
+    def where(self) -> str:
+        """File and name, for messages, which begin with them."""
+        return self.lines[0].partition(": ")[0] if self.curve is None else self.curve.where
+
+    @property
+    def file(self) -> str:
+        return self.where if self.curve is None else str(self.curve.origin or "")
+
+    @property
+    def name(self) -> str:
+        return Path(self.where).stem if self.curve is None else self.curve.name
+
+    @property
+    def reason(self) -> str:
+        """The first of the lines, without the place."""
+        return f"{UNREAD}: " * (self.curve is None) + self.lines[0].removeprefix(f"{self.where}: ")
 
 
 def _examined(curve: Curve) -> ForceCurve | None:

@@ -408,11 +408,11 @@ def raw_force_curve(curve: Curve, settings: Settings) -> Flow[ForceCurve | None]
 
 
 def _refuse_wrong_way(record: ForceCurve) -> None:
-    """InputError where the displacement counts the other way round."""
-    if reason := record.flags.get("wrong way"):
+    """InputError where the displacement counts the other way round; of a record without contact nobody can tell."""
+    if (reason := record.flags.get("wrong way")) and "no contact" not in record.flags:
         if any(TURNED in flag for flag in record.curve.flags):  # --flip is of the sign in the file
             reason = reason.replace("--flip delta", "its sign was turned when it was read: --factor delta=-1")
-        raise InputError(f"{record.curve.where}: {reason}")
+        raise InputError(f"{record.curve.where}: wrong way: {reason}")
 
 
 def _check_positions(curve: Curve, settings: Settings) -> None:

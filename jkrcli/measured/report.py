@@ -30,10 +30,10 @@ from ..series import Solution
 from ..tables import some
 from . import files as measured
 from . import range_alternative, text_formats
-from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
+from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, reason_of, status_of
 from .batch import read_batch
 from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
-from .grade import GOOD, GRADES, LOOK, UNFIT, change_words, size_words
+from .grade import GOOD, GRADES, LOOK, UNFIT, change_words, kind_of, size_words
 from .joint import JointFit
 from .model_changes import OF_ALTERNATIVES
 from .parameters import FittedValue
@@ -58,15 +58,13 @@ NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a small
 @dataclass(frozen=True, eq=False)
 class Fits(Several):
     """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
-    them together; ``sample`` of each curve, and ``unread_samples`` of each line in ``unread``, where there are samples;
-    ``own_tips``: whether each has a tip of its own."""
+    them together; ``sample`` of each curve, where there are samples; ``own_tips``: whether each has a tip of its
+    own."""
 
     outcomes: Sequence[Fit | Failure]
     body: str
     remarks: Sequence[str] = ()
-    unread: Sequence[str] = ()  # lines on curves and files that could not be read
     sample: Sequence[str] = ()
-    unread_samples: Sequence[str] = ()
     own_tips: bool = False
 
     @cached_property
@@ -81,7 +79,8 @@ class Fits(Several):
         """What is said of samples (``many/samples.py``); None where there are none."""
         summed_up = offered("samples of a fit") if self.sample else None
         own = transpose_rows([_of_radius(item) for item in self.outcomes]) if self.own_tips else {}
-        return summed_up and summed_up({**self.columns, **own}, self.unread_samples)
+        kinds = {"kind": [kind_of(reason_of(item)) for item in self.outcomes]}
+        return summed_up and summed_up({**self.columns, **own, **kinds})
 
     @cached_property
     def fits(self) -> list[Fit]:
@@ -101,7 +100,7 @@ class Fits(Several):
             return [fit_words(self.fits[0])]
         each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]
                 for verdict, *rest in [fit_words(item)]]  # fmt: skip
-        several = len(self.outcomes) + len(self.unread) >= LEAST_CURVES
+        several = len(self.outcomes) >= LEAST_CURVES
         return [[self._together()], *each] if several and len(_surfaces(self.fits)) == 1 else each
 
     def _together(self) -> str:
@@ -114,16 +113,11 @@ class Fits(Several):
             sizes, dimension = [one.value for one in estimates], estimates[0].dimension
             middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
             parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
-        doubts = Counter(flag for item in self.fits if status_of(item) == DOUBTFUL for flag in item.flags)
-        reasons = Counter[str]()  # why curves are unusable; where one has no flag, its first line without the place
-        for item in (item for item in self.outcomes if isinstance(item, Failure)):
-            reasons.update(item.flags or [item.lines[0].removeprefix(f"{item.curve.where}: ")[:LONGEST_REASON]])
-        doubtful = sum(status_of(item) == DOUBTFUL for item in self.fits)
-        failed, unread = len(self.outcomes) - len(self.fits), len(self.unread)
-        counts = [f"{len(self.fits):,} of {counted(len(self.outcomes) + unread, 'curve')} fitted",
-                  f"{doubtful:,} doubtful{_counted(doubts)}"]  # fmt: skip
-        counts += [f"{failed:,} unusable{_counted(reasons)}"] * bool(failed)
-        counts += [f"{unread:,} not read"] * bool(unread)
+        why = {word: Counter(kind_of(reason_of(item))[:LONGEST_REASON] for item in self.outcomes
+                             if status_of(item) == word) for word in (DOUBTFUL, UNUSABLE)}  # fmt: skip
+        counts = [f"{len(self.fits):,} of {counted(len(self.outcomes), 'curve')} fitted"]
+        counts += [f"{reasons.total():,} {word}{_counted(reasons)}" for word, reasons in why.items()
+                   if reasons or word == DOUBTFUL]  # fmt: skip
         return f"{', '.join(parts)}: {', '.join(counts)}"
 
     @property
@@ -178,10 +172,11 @@ def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
 
 def _row(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
-        cells = (str(item.curve.origin or ""), item.curve.name, UNUSABLE, " ".join(item.lines), None)
-        more = {"grade": UNFIT, "quality": 0.0, "flags": "; ".join(item.flags)}
+        cells = (item.file, item.name, UNUSABLE, item.reason, None)
+        more = {"grade": UNFIT, "grade_reason": item.reason, "quality": 0.0, "flags": "; ".join(item.flags)}
         return dict(zip(ALWAYS, cells, strict=True)) | _placed(item) | more
-    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, status_of(item), "", item.a.size), strict=True))
+    cells = (item.file, item.name, status_of(item), reason_of(item), item.a.size)
+    row: dict[str, Any] = dict(zip(ALWAYS, cells, strict=True))
     row |= _placed(item) | {"surface": item.surface}
     for estimate in item.estimates:
         parts = {"": estimate.value} | (_interval(estimate, item.settings.level) if estimate.free else {})
@@ -238,8 +233,8 @@ def identity(format: str, body: str) -> dict[str, Any]:
 def _summary(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         return {
-            "file": str(item.curve.origin or ""), "curve": item.curve.name, "status": UNUSABLE,
-            "reason": list(item.lines), "grade": UNFIT, "quality": 0.0, "flags": list(item.flags),
+            "file": item.file, "curve": item.name, "status": UNUSABLE, "reason": list(item.lines), "grade": UNFIT,
+            "grade_reason": item.reason, "quality": 0.0, "flags": list(item.flags),
         }  # fmt: skip
     structure, jkr, beside = item.structure, item.jkr, dict[str, Any]()
     # JKR beside a fit with a range, by what its misfit is larger

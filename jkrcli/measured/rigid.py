@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.errors import InputError, counted
 from ..base.numerics import Array
 from ..base.units import show
 from .batch import CONSTANT
@@ -83,10 +83,14 @@ def _slope(x: Array, z: Array) -> tuple[float, float]:
 
 
 def mean(found: Sequence[Sensitivity]) -> Sensitivity:
-    """The mean over several force curves; its error is their scatter where that is larger than each one's own."""
-    factors = np.array([one.factor for one in found])
-    scatter = float(factors.std(ddof=1)) if factors.size > 1 else 0.0
-    scale = float(factors.mean()) / found[0].factor
-    value = None if found[0].value is None else found[0].value * scale
-    error = max(scatter, max(one.error for one in found))
-    return Sensitivity(float(factors.mean()), error, value, all(one.straight for one in found))
+    """The mean over several force curves, of sensitivities or else of factors; its error is their scatter where that is
+    larger than each one's own. InputError where some hold volts and others none."""
+    factors, values = [one.factor for one in found], [one.value for one in found if one.value is not None]
+    if 0 < len(values) < len(found):
+        of = f"{len(values)} of {counted(len(found), 'force curve')}"
+        raise InputError(f"rigid specimen: {of} hold volts, the others loads or lengths: look at each kind by itself")
+    told = np.array(values or factors)
+    scatter = float(told.std(ddof=1) / told.mean()) if told.size > 1 else 0.0
+    factor, error = float(np.mean(factors)), max(scatter, *(one.error / one.factor for one in found))
+    value = float(told.mean()) if values else None
+    return Sensitivity(factor, error * factor, value, all(one.straight for one in found))

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import html
+import json
 import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from test_samples import SPECIMEN, write
+from force_curves import Instrument, record
+from test_samples import SPECIMEN, K, R, read, write
 
 from jkrcli.base.files import is_ours
+from jkrcli.measured.grade import kind_of
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 FREE = "".join(
@@ -22,12 +25,18 @@ FREE = "".join(
 
 @pytest.fixture(name="report")
 def _report(jkr: Callable, tmp_path: Path) -> str:
-    """Three samples, of which the last has a curve out of contact and a file that cannot be read."""
+    """Three samples: one has a curve of two moduli, one a curve out of contact and a file that cannot be read."""
     for number, name in enumerate(("ctrl", "drug A", "drug<B>")):
         (tmp_path / name).mkdir()
         for i in range(2):
             write(tmp_path / name / f"c{i}.txt", (1 + number) * 1e-3 * (1 + 0.1 * i), i)
     (tmp_path / "drug<B>/free.txt").write_text(f"# springConstant: 0.3\npiezo (um),force (pN),segment\n{FREE}")
+    both = {word: record(E_star, R, 4e-4, 2e-3, Instrument(K, 250, 1.5e-6, 94e-9, 2e-10), 1)
+            for word, E_star in (("approach", 2e5), ("retract", 1.4e5))}  # fmt: skip
+    lines = [f"{z * 1e6:.7g},{P * 1e9:.7g},{word}\n" for word, made in both.items()
+             for z, P, own in zip(made["z"], made["P"], made["segment"], strict=True) if own == word]  # fmt: skip
+    head = "# springConstant: 0.3\npiezo (um),force (nN),segment\n"
+    (tmp_path / "drug A/two.txt").write_text(head + "".join(lines))
     (tmp_path / "drug<B>/notes.txt").write_text("measured on Monday\n")
     done = jkr("fit", *SPECIMEN, "ctrl", "drug A", "drug<B>", "-o", "out", "--uncertain", "stiffness=10%", "--report")
     assert done.code == 0, done.err
@@ -40,7 +49,7 @@ def test_a_report_is_whole_and_names_what_was_left_out_and_why(report: str) -> N
     assert report.count("data:image/png;base64,") == 2  # E*, w by sample
     said = html.unescape(report)
     for words in (
-        "7 force curves of 3 samples", "between ctrl, drug A, drug<B>", "jkr fit --radius '5 um'", "numpy ",
+        "9 force curves of 3 samples", "between ctrl, drug A, drug<B>", "jkr fit --radius '5 um'", "numpy ",
         "Stiffness 0.3 N/m from the header of the file", "Standard uncertainty of stiffness: 10%.", "drug<B>/notes.txt",
         "no contact: the load never leaves its base line", "Paraboloid R = 5 um on a half-space (nu = 0.5)",
     ):  # fmt: skip
@@ -48,7 +57,7 @@ def test_a_report_is_whole_and_names_what_was_left_out_and_why(report: str) -> N
     assert hashlib.sha256(Path("ctrl/c0.txt").read_bytes()).hexdigest() in said
     assert "1 MPa" not in said  # which stands for a modulus that nobody gave
     (row,) = re.findall(r'href="(fit-curves\.html#\d+)">free<', report)
-    assert row == "fit-curves.html#7"  # its place on the page of all curves
+    assert row == "fit-curves.html#8"  # its place on the page of all curves
     values = re.search(
         r'fit-curves\.html#1">c0</a></td><td>([\w ]+)</td><td>([\d.]+)</td><td>([\d.]+) to ([\d.]+)<', report
     )
@@ -58,12 +67,45 @@ def test_a_report_is_whole_and_names_what_was_left_out_and_why(report: str) -> N
     assert is_ours(Path("out/report.md"))
 
 
+def test_a_curve_is_left_out_for_one_reason_wherever_it_is_told(report: str) -> None:
+    """A curve whose directions differ, one out of contact, a file that cannot be read: table, samples, report, page."""
+    rows = [row for row in read("out/fit.csv") if row["status"] != "fitted"]
+    assert [(row["curve"], row["grade"]) for row in rows] == [
+        ("two", "look at it"), ("free", "not usable"), ("notes", "not usable"),
+    ]  # fmt: skip
+    assert [row["reason"] for row in rows] == [row["grade_reason"] for row in rows]
+    assert rows[1]["reason"] == "no contact: the load never leaves its base line"
+    assert rows[2]["reason"].startswith("not read: ")
+    said = html.unescape(report)
+    why = {row["sample"]: row["why"] for row in read("out/samples.csv")}
+    assert why == {"ctrl": "", "drug A": f"1 {kind_of(rows[0]['reason'])}", "drug<B>": "1 no contact; 1 not read"}
+    page = json.loads(re.search(r'<script id="curves" type="application/json">(.*?)</script>',
+                                Path("out/fit-curves.html").read_text(encoding="utf-8"), re.S)[1])  # fmt: skip
+    grades = {curve["name"]: curve["grade"] for curve in page}
+    assert grades["two"] == [rows[0]["grade"], rows[0]["reason"]]
+    assert [grades[name] for name in ("free", "notes")] == [["not usable", "no contact"], ["not usable", "not read"]]
+    assert json.loads(Path("out/fit.json").read_text())["curves"][-1]["grade_reason"] == rows[2]["reason"]
+    for row in rows:
+        assert f"<td>{row['reason']}</td>" in said
+
+
+@pytest.mark.parametrize(
+    ("reason", "kind"),
+    [("no contact: the load never leaves its base line", "no contact"), ("E* ± 130 %", "E* uncertain"),
+     ("E* is not determined, its standard error is 1.4 times its value: fix w", "E* is not determined"),
+     ("misfit 12 % of the pull-off force", "misfit of the pull-off force"), ("w ± more than tenfold", "w uncertain"),
+     ("a direction left out changes E* by 33 %", "a direction left out changes E*")],
+)  # fmt: skip
+def test_reasons_are_counted_by_their_kind(reason: str, kind: str) -> None:
+    assert kind_of(reason) == kind
+
+
 def test_the_report_in_markdown_says_the_same(report: str) -> None:
     text = Path("out/report.md").read_text(encoding="utf-8")
     assert re.findall(r"<h2>(.*?)</h2>", report) == re.findall(r"^## (.*)$", text, re.M)
     assert "![E*, w of each sample](samples.png)" in text
     rows = [line.count("|") for line in text.splitlines() if line.startswith("| ")]
-    assert rows.count(4) == 4  # head and two curves that were left out
+    assert rows.count(4) == 5  # head and three curves that were left out
 
 
 @pytest.mark.slow
@@ -80,10 +122,10 @@ def test_report_and_page_of_curves_fit_a_phone_and_a_screen(report: str) -> None
         for width in (400, 1280):
             metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
             browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-            for page in ("report.html", "fit-curves.html#7"):
+            for page in ("report.html", "fit-curves.html#8"):
                 browser.get(Path("out").absolute().as_uri() + f"/{page}")
                 assert browser.execute_script("return document.documentElement.scrollWidth") <= width, page
-            assert browser.find_element("id", "place").text == "7 of 7"  # the curve that the report points to
+            assert browser.find_element("id", "place").text == "8 of 9"  # the curve that the report points to
             assert browser.find_element("id", "picture").size["width"] > 0.6 * width
         assert browser.get_log("browser") == []
     finally:

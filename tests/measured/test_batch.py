@@ -59,7 +59,9 @@ def test_a_folder_of_mixed_files_is_read_right_or_refused_as_a_whole(number: int
     for i, file in enumerate(files):
         file.write(tmp_path / f"{i:02}.txt", title, i)
     if contradict:
-        with pytest.raises(InputError, match=r"has one sign in \d+ files and the other in 4 .* a folder of their own"):
+        with pytest.raises(
+            InputError, match=r"increases .* the specimen in \d+ files and .* it in 4 .* a folder of their own"
+        ):
             read_batch([tmp_path], Reading())
         return
     batch = read_batch([tmp_path], Reading())
@@ -80,7 +82,7 @@ def test_a_folder_of_mixed_files_is_read_right_or_refused_as_a_whole(number: int
         np.testing.assert_allclose(curve.device, truth[: len(curve)], atol=1e-12)
         assert ("wrong way" in segment_force_curve(curve).flags) == (file.sign != most)  # which no fit takes
     lacking = [i for i, file in enumerate(files) if not file.stiffness]
-    assert any(f"taken for {len(lacking)} that name none" in note for note in batch.notes) == bool(lacking)
+    assert any(f"taken for {len(lacking)} file" in note for note in batch.notes) == bool(lacking)
 
 
 def test_one_file_alone_would_have_been_read_with_the_sign_of_its_noise(tmp_path: Path) -> None:
@@ -111,7 +113,7 @@ def test_different_constants_are_asked_for_and_a_sign_as_specified_is_kept(tmp_p
         File(1).write(tmp_path / f"{i}.txt", "piezo", i)
     File(1, stiffness=False).write(tmp_path / "3.txt", "piezo", 3)
     (tmp_path / "2.txt").write_text((tmp_path / "2.txt").read_text().replace(str(K), "0.7"))
-    with pytest.raises(InputError, match=r"1 files name no stiffness .*3\.txt.*, the others name 0\.3, 0\.7: give"):
+    with pytest.raises(InputError, match=r"1 file lacks the stiffness .*3\.txt.*, the others name 0\.3, 0\.7: give"):
         read_batch([tmp_path], Reading())
     flipped = read_batch([tmp_path], Reading(stiffness=K, flip=frozenset({"delta"})))
     assert flipped.notes == ()
@@ -125,6 +127,6 @@ def test_a_fit_names_what_the_files_settled(jkr: Callable, tmp_path: Path) -> No
     words = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", "--no-plots", "-o", "out")
     done = jkr("fit", *words, "day")
     assert done.code == 0, done.err
-    assert 'sign of "height" by 6 files that show where the specimen is, changed in all' in " ".join(done.err.split())
+    assert "the specimen, as 6 files show: sign changed in all" in " ".join(done.err.split())
     rows: list[Mapping[str, str]] = list(csv.DictReader((tmp_path / "out/day-fit.csv").read_text().splitlines()))
     np.testing.assert_allclose([float(row["E_star_Pa"]) for row in rows], 2e5, rtol=0.05)

@@ -151,7 +151,7 @@ def test_one_bad_curve_among_many_is_told_and_skipped(jkr, folder: Path) -> None
     assert "jkr: warning: skipped: few.csv: 5 rows to fit, at least 8 are needed\n" in outcome.err
     rows = list(csv.DictReader((folder / "sphere-fit.csv").open()))
     assert [row["status"] for row in rows] == ["fitted", "unusable"]
-    assert rows[1]["reason"] == "few.csv: 5 rows to fit, at least 8 are needed"
+    assert rows[1]["reason"] == "5 rows to fit, at least 8 are needed"
     outcome = jkr("fit", "sphere.toml", "few.csv", "--force")
     assert (outcome.code, outcome.err) == (2, "jkr: error: few.csv: 5 rows to fit, at least 8 are needed\n")
 

@@ -126,7 +126,8 @@ def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
     with pytest.raises(InputError) as caught:
         alone(raw_force_curve(turned, usual(contact="fitted")))
     assert caught.value.lines == (
-        "made: the displacement of the retract has the opposite sign: indentation must be positive (--flip delta)",
+        "made: wrong way: the displacement of the retract has the opposite sign: indentation must be positive "
+        "(--flip delta)",
     )
 
 

@@ -9,14 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from force_curves import Instrument, record
+from matplotlib.collections import QuadMesh
 
 from jkrcli.base.errors import InputError
-from jkrcli.measured.archive import IMAGES, Map
+from jkrcli.measured.archive import IMAGES, Map, map_of
 from jkrcli.measured.batch import read_batch
 from jkrcli.measured.curve import Curve, Pixel, Reading
 from jkrcli.measured.figures import map_figure
 from jkrcli.measured.grids import placed
 from jkrcli.measured.instruments import position_in
+from jkrcli.measured.procedure import Failure
 
 NOWHERE = Path("day")
 MADE = record(2e5, 5e-6, 2e-4, 1e-3, Instrument(0.3, 150, 1.5e-6, 40e-9, 1e-10), 1)
@@ -58,6 +60,16 @@ def test_positions_that_scatter_about_a_grid_are_its_lines() -> None:
     found, words = placed(NOWHERE, curves([str(i) for i in order], pixels), None)
     assert words == "positions in headers"
     assert places(found) == [(str(i), i % 4, i // 4) for i in range(12)]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.06])
+def test_lines_of_a_grid_without_a_curve_are_places_too(jitter: float) -> None:
+    rng = np.random.default_rng(8)
+    columns, rows = (0, 1, 6, 7), (0, 3, 4)
+    pixels = [Pixel(0, 0, *(2e-6 * (at + jitter * rng.normal()) for at in (i, j))) for j in rows for i in columns]
+    found, words = placed(NOWHERE, curves([f"{at.x}" for at in pixels], pixels), None)
+    assert words == "positions in headers"
+    assert [place[1:] for place in places(found)] == [(i, j) for j in rows for i in columns]
 
 
 @pytest.mark.parametrize(
@@ -112,6 +124,36 @@ def test_a_fit_says_which_places_it_took(jkr: Callable, tmp_path: Path) -> None:
     rows = list(csv.DictReader((tmp_path / "out/scan-fit.csv").read_text().splitlines()))
     assert [(row["map_column"], row["map_row"]) for row in rows] == [("0", "0"), ("1", "0"), ("0", "1"), ("1", "1")]
     assert [float(rows[3][name]) for name in ("x_m", "y_m")] == pytest.approx([5e-6, 3e-6])
+
+
+def test_a_sparse_map_has_its_cells_at_their_places() -> None:
+    """Columns 10 µm apart of which two hold no curve, rows numbered by twos: cells are squares, none is stretched."""
+    pixels = [Pixel(i, 2 * j, 1e-5 * i, 1e-5 * j) for j in range(3) for i in (0, 1, 4)]
+    unread = Failure(None, ("scan/notes.txt: is no table",))
+    scan = map_of([*(Failure(one, ("no contact",)) for one in curves([str(at) for at in pixels], pixels)), unread])
+    assert scan is not None
+    np.testing.assert_allclose(scan.x, 1e-5 * np.arange(5))
+    np.testing.assert_allclose(scan.y, 1e-5 * np.arange(3))
+    np.testing.assert_array_equal(np.isnan(scan.images["status"]), [[False, False, True, True, False]] * 3)
+    (mesh,) = (one for one in map_figure(scan).axes[0].collections if isinstance(one, QuadMesh))
+    corners = mesh.get_coordinates()
+    np.testing.assert_allclose(np.diff(corners[..., 0], axis=1), 1e-5, rtol=1e-9)
+    np.testing.assert_allclose(np.diff(corners[..., 1], axis=0), 1e-5, rtol=1e-9)
+
+
+def test_each_sample_with_places_is_a_map_of_its_own(jkr: Callable, tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    heads = [f"# x: {5 * (i % 2)} um\n# y: {3 * (i // 2)} um\n" for i in range(4)]
+    for name in ("ctrl", "drug A"):
+        write(tmp_path / name, [f"f{i}.txt" for i in range(4)], heads)
+    done = jkr("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", "ctrl", "drug A", "-o", "out")
+    assert done.code == 0, done.err
+    assert "the map of drug A (2 x 2, positions in headers) in out/fit-map-drug-A{.png,.svg}" in " ".join(
+        done.out.split()
+    )
+    assert sorted(path.name for path in Path("out").glob("*-map*.png")) == ["fit-map-ctrl.png", "fit-map-drug-A.png"]
+    with h5py.File("out/fit.h5") as file:
+        assert file["maps/drug A/E_star"].shape == (2, 2)
 
 
 def test_a_map_has_a_bar_of_its_scale_and_grey_places_without_a_value() -> None:

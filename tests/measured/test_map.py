@@ -108,13 +108,19 @@ def test_a_folder_of_files_is_a_map(jkr, tmp_path: Path) -> None:
     outcome = jkr(*BY_FLAGS, "--stiffness", f"{K} N/m", folder, "--no-plots", "-o", tmp_path / "out")
     assert outcome.code == 0, outcome.err
     rows = list(csv.DictReader((tmp_path / "out/site.A-fit.csv").open()))
-    assert [row["curve"] for row in rows] == ["curve1", "curve2", "curve10"]
-    np.testing.assert_allclose([float(row["w_J_per_m2"]) for row in rows], [5e-5, 1e-4, 2e-4], rtol=0.05)
-    assert "3 of 4 curves fitted, 0 doubtful, 1 not read" in " ".join(outcome.out.split())
+    assert [row["curve"] for row in rows] == ["curve1", "curve2", "curve10", "curve3"]
+    np.testing.assert_allclose([float(row["w_J_per_m2"]) for row in rows[:3]], [5e-5, 1e-4, 2e-4], rtol=0.05)
+    assert (rows[3]["status"], rows[3]["grade"]) == ("unusable", "not usable")
+    assert rows[3]["reason"].startswith("not read: ")
+    told = json.loads((tmp_path / "out/site.A-fit.json").read_text())["curves"][3]
+    assert (told["file"], told["grade_reason"]) == (str(folder / "curve3.csv"), rows[3]["reason"])
+    with pytest.importorskip("h5py").File(tmp_path / "out/site.A-fit.h5") as file:
+        assert json.loads(file["curves/summary"][3]) == told
+    assert "3 of 4 curves fitted, 0 doubtful, 1 unusable (1 not read)" in " ".join(outcome.out.split())
     assert "curve3.csv" in outcome.err
     one = jkr(*BY_FLAGS, "--stiffness", f"{K} N/m", folder, "--where", "curve=curve10", "--no-plots", "-o", tmp_path)
     assert one.code == 0, one.err
-    assert [row["curve"] for row in csv.DictReader((tmp_path / "site.A-fit.csv").open())] == ["curve10"]
+    assert [row["curve"] for row in csv.DictReader((tmp_path / "site.A-fit.csv").open())] == ["curve10", "curve3"]
 
 
 def test_an_empty_folder_is_refused(jkr, tmp_path: Path) -> None:

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from force_curves import Instrument, record
 
+from jkrcli.base.errors import InputError
 from jkrcli.measured.functions import identify, look
 from jkrcli.measured.instruments import constant_errors, constants
+from jkrcli.measured.rigid import Sensitivity, mean
 
 S, K = 45.2e-9, 0.3
 SPECIMEN = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
@@ -67,6 +69,18 @@ def test_files_on_glass_tell_one_sensitivity_which_a_fit_takes(jkr: Callable, tm
     assert done.out.startswith('rigid specimen: --sensitivity "45.')
     told = json.loads(jkr("look", "glass", "--rigid", "--no-plots", "--json").out)["files"][0]["rigid"]
     assert told["value"] == pytest.approx(S, rel=1e-3)
+
+
+def test_files_by_different_assumed_sensitivities_have_one_mean_and_its_scatter() -> None:
+    """Whichever is the first: the mean is of sensitivities, not of the factors to what each file assumed."""
+    found = [Sensitivity(factor, 0.001 * factor, factor * assumed, True)
+             for factor, assumed in ((1.1, 40e-9), (0.75, 60e-9), (46e-9, 1.0))]  # fmt: skip
+    for order in (found, found[::-1]):
+        one = mean(order)
+        assert one.value == pytest.approx(45e-9)
+        assert one.error / one.factor == pytest.approx(1 / 45)
+    with pytest.raises(InputError, match="3 of 4 force curves hold volts"):
+        mean([*found, Sensitivity(1.0, 0.01, None, True)])
 
 
 @pytest.mark.parametrize(

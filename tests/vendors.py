@@ -95,13 +95,18 @@ def zipped(path: Path, members: Mapping[str, bytes]) -> Path:
 
 
 # ---------------------------------------------------------------------- others
-def ibw(path: Path, pixel: tuple[int, int] | None = None) -> Path:
-    """A binary wave of Igor, version 5, as Asylum's microscopes write it; ``pixel``: column and row in a map."""
-    data = np.column_stack([-1.1 * HEIGHT, FORCE / K, -HEIGHT]).astype("<f4")
+def ibw(
+    path: Path, pixel: tuple[int, int] | None = None, marks: Mapping[str, str] | None = None,
+    record: tuple[np.ndarray, np.ndarray] = (HEIGHT, FORCE),
+) -> Path:  # fmt: skip
+    """A binary wave of Igor, version 5, as Asylum's microscopes write it; ``pixel``: column and row in a map; ``marks``
+    of its segments; ``record``: heights and forces."""
+    height, force = record
+    data = np.column_stack([-1.1 * height, force / K, -height]).astype("<f4")
     told = {"Wave": 1, "ImagingMode": "Contact", "NumPtsPerSec": 100, "InvOLS": SENSITIVITY, "TriggerChannel": "Force",
             "TriggerPoint": 1e-9, "SpringConstant": K, "InputTime": 0.8, "ApproachVelocity": 5e-6,
             "RetractVelocity": 5e-6, "MicroscopeModel": "MFP3D", "Version": "1", "Date": "2020-03-12",
-            "Time": "2:21:05 PM"}  # fmt: skip
+            "Time": "2:21:05 PM", **(marks or {})}  # fmt: skip
     if pixel is not None:
         told |= {"XLVDT": f"{1e-6 * pixel[0]:g}", "YLVDT": f"{1e-6 * pixel[1]:g}"}
         told |= {"FMapLineCounter": pixel[1], "FMapPointCounter": pixel[0]}

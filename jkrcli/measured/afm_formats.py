@@ -536,6 +536,11 @@ OWN_SENSITIVITY = "names its own sensitivity, or needs none: leave --sensitivity
 PLACE = ("grid index x", "grid index y", "position x", "position y")  # entries on the place of a curve in a map
 ENTRIES = ("spring constant", "point count", *PLACE)  # numbers that are read of a data set
 IN_NOTE = (b"FMapPointCounter", b"FMapLineCounter", b"XLVDT", b"YLVDT")  # of a wave that is one of a map
+# Of a wave of Asylum: the last row of each segment behind the first row of all, and the way of the piezo there (1:
+# approach, 0: dwell, -1: retraction).
+LAST_ROWS, WAYS = b"Indexes", b"Direction"
+MARKED = re.compile(rb"(?:\A|[\r\0])(%s): ?([^\r]*)(?=\r)" % b"|".join((LAST_ROWS, WAYS)))
+WORDS_OF_WAYS = {1: APPROACH, 0: "dwell", -1: RETRACT}
 COUNTED = re.compile(rb"(?:\A|\r)(%s): ?(-?\d+(?:\.\d*)?(?:e[-+]?\d{1,2})?)(?=\r)" % b"|".join(IN_NOTE))
 
 
@@ -723,13 +728,29 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
     flags: tuple[str, ...] = (f"displacement from the {height}",)
     if t is not None and (t[1:] < t[:-1]).any():
         t, flags = None, (*flags, "its time runs back and was left out")
-    segment = None
-    if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion divides them
+    segment = _marked(path, P.size) if path.suffix == ".ibw" else None
+    # Records of other modalities wait between: the motion divides them
+    if segment is None and _holds(data, "segment") and data.modality == "force-distance":
         numbers = np.asarray(data["segment"]).astype(int)
         starts = [0, *(np.flatnonzero(numbers[1:] != numbers[:-1]) + 1).tolist()][: numbers.size]
         words = [SEGMENTS.get(one, f"segment {one}") for one in numbers[starts].tolist()]
         segment = np.repeat(words, np.diff([*starts, numbers.size]))
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
+
+
+def _marked(path: Path, rows: int) -> Array | None:
+    """The segment of each row as the note of a wave marks them; None where it does not, or those of another number of
+    rows."""
+    note = dict(MARKED.findall(read_bytes(path, INTACT_WHAT)))
+    try:
+        ends, ways = ([float(part) for part in note[key].split(b",") if part.strip()] for key in (LAST_ROWS, WAYS))
+        words = [WORDS_OF_WAYS[int(way)] for way in ways[1:]]
+    except (KeyError, ValueError, OverflowError):
+        return None
+    lengths = np.diff([-1.0, *ends[1:-1], rows - 1.0])
+    if len(words) != lengths.size or not (ends[0] == 0 and abs(ends[-1] - rows) <= 1 and (lengths >= 0).all()):
+        return None
+    return np.repeat(words, lengths.astype(int))
 
 
 def _check_points(where: str, data: Any) -> None:

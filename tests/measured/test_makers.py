@@ -17,6 +17,7 @@ from vendors import FORCE, HEIGHT, ROWS, K
 from jkrcli.base.errors import InputError
 from jkrcli.measured import files as measured
 from jkrcli.measured.curve import Curve, Reading
+from jkrcli.measured.segmentation import segment_force_curve
 
 COUNT = vendors.PER_COUNT * vendors.SENSITIVITY  # m of deflection
 WAYS = ["approach"] * ROWS + ["retract"] * ROWS
@@ -296,6 +297,25 @@ def test_rows_are_selected_by_number_by_segment_and_by_column(tmp_path: Path) ->
         with pytest.raises(InputError) as caught:
             read_one(path, **how)
         assert words in str(caught.value)
+
+
+def test_a_wave_marks_its_dwells_which_its_motion_does_not_tell(tmp_path: Path) -> None:
+    """The piezo creeps on by a tenth of its way while the tip waits in contact, and waits again far away."""
+    pytest.importorskip("afmformats")
+    ways = np.concatenate([np.linspace(0, 1, 200), np.linspace(1, 1.1, 150), np.linspace(1.1, 0, 200), np.zeros(50)])
+    force = 4e-9 * np.maximum(ways - 0.6, 0) ** 1.5 + 2e-12 * np.random.default_rng(1).normal(size=ways.size)
+    told = {"Indexes": "0,199,349,549,599,", "Direction": "Inf,1,0,-1,0,"}
+
+    def segments(**marks: str) -> list[tuple[str, int]]:
+        curve = read_one(vendors.ibw(tmp_path / "x.ibw", marks=marks, record=(3e-6 - 2e-6 * ways, force)))
+        return [(part.kind, len(part)) for part in segment_force_curve(curve).segments]
+
+    marked = [("approach", 200), ("dwell", 150), ("retract", 200), ("dwell", 50)]
+    assert segments(**told) == segments(**told | {"Direction": " NaN,1,0,-1,0"}) == marked
+    by_motion = segments()
+    assert by_motion != marked
+    for wrong in ({"Indexes": "0,199,349,500,"}, {"Indexes": "0,349,199,549,599"}, {"Direction": "Inf,1,x,-1,0"}):
+        assert segments(**told | wrong) == by_motion
 
 
 def test_waves_of_a_map_know_their_pixel(tmp_path: Path) -> None:

@@ -132,13 +132,15 @@ class LabReport:
                     "{:.3g} to {:.3g}".format(*ends) if ends else "" for ends in (each.interval, each.g_interval)
                 )
                 size = "" if each.g is None else f"{each.g:.2g}"
-                pairs.append([each.sample, each.against, f"{each.ratio:.3g}", ratio, size, g])
+                parts = [f"{each.parts[kind]:.2g}" if kind in each.parts else "" for kind in ("statistical", *COMMON)]
+                pairs.append([each.sample, each.against, f"{each.ratio:.3g}", *parts, ratio, size, g])
             heads = ["sample", "n", f"{symbol} ({unit}), median", "quartiles", "geometric mean", level]
             blocks.append(Table([*heads, *(f"{kind} ±" for kind in COMMON)], rows))
             of_pairs = [
                 f"{symbol} of",
                 "over",
                 "ratio",
+                *(f"{kind} ±" for kind in ("statistical", *COMMON)),
                 f"{level}, all pairs together",
                 "Hedges' g",
                 f"{level}, all pairs",

@@ -1,16 +1,18 @@
 """Samples of measured curves: what each has of E* and w, and by how much they differ, from the table of a fit.
 
 Moduli and works of adhesion are positive and scatter by factors: means, intervals and tests are those of their
-logarithms. What all curves have in common, as an error of the spring constant, does not become less with their number
-and cancels in a ratio: it stands apart from the interval of a mean.
+logarithms. What curves have in common, as an error of the spring constant, does not become less with their number: it
+stands apart from the interval of a mean. Of a ratio it leaves what it changes in one sample more than in the other:
+
+    d ln(ratio)/dc = mean of d ln(q)/dc over one sample - that over the other
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -36,7 +38,7 @@ COMMON = ("calibration", "model")  # parts of the error that many curves may sha
 class Spread:
     """A quantity over the ``n`` curves of a sample [SI]: ``median`` and ``quartiles``; geometric ``mean`` with
     ``interval``, None where a value is not positive or there is one alone; ``log_sd``: standard deviation of the
-    logarithms; ``common``: relative half-widths of what the curves share, by its kind, medians."""
+    logarithms; ``common``: relative half-widths of what the curves share, by its kind."""
 
     n: int
     median: float
@@ -47,37 +49,40 @@ class Spread:
     common: Mapping[str, float]
 
 
-def spread_of(values: Array, common: Mapping[str, Array], level: float) -> Spread:
-    """The spread of ``values``, with half-widths of each kind of ``common`` error [SI]."""
+def spread_of(values: Array, common: Mapping[str, float], level: float) -> Spread:
+    """The spread of ``values``, with relative half-widths of each kind of ``common`` error."""
     low, middle, high = (float(q) for q in np.quantile(values, (0.25, 0.5, 0.75)))
-    shares = {kind: float(np.median(size / values)) for kind, size in common.items() if (values > 0).all()}
     if values.size < LEAST or not (values > 0).all():
-        return Spread(values.size, middle, (low, high), None, None, None, shares)
+        return Spread(values.size, middle, (low, high), None, None, None, common)
     # exp(mean(ln x) ± t s/sqrt(n))
     logs = np.log(values)
     sd, mean = float(logs.std(ddof=1)), float(logs.mean())
     half = _t(values.size - 1, level) * sd / math.sqrt(values.size)
     ends = math.exp(mean - half), math.exp(mean + half)
-    return Spread(values.size, middle, (low, high), math.exp(mean), ends, sd, shares)
+    return Spread(values.size, middle, (low, high), math.exp(mean), ends, sd, common)
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Of a ``sample`` from the sample ``against``: ``ratio`` of the geometric means and its ``interval`` (Welch), the
-    standardised difference of the logarithms ``g`` (Hedges) and its ``g_interval``, None where nothing scatters;
-    intervals hold for all pairs together at the level."""
+    """Of a ``sample`` from the sample ``against``: ``ratio`` of the geometric means and its ``interval`` by all
+    ``parts`` of the error, half-widths by their kinds, the statistical one that of Welch; the standardised difference
+    of the logarithms ``g`` (Hedges) and its ``g_interval``, None where nothing scatters; intervals hold for all pairs
+    together at the level."""
 
     sample: str
     against: str
     ratio: float
     interval: tuple[float, float]
+    parts: Mapping[str, float]
     g: float | None
     g_interval: tuple[float, float] | None
 
 
-def difference(names: tuple[str, str], x: Array, y: Array, level: float, own: float = 0.0) -> Difference:
-    """How the positive values ``x`` of one sample differ from ``y`` of the other; ``own``: relative half-width of what
-    each has of its own, as the radii of two tips.
+def difference(
+    names: tuple[str, str], x: Array, y: Array, level: float, common: Mapping[str, float] | None = None
+) -> Difference:
+    """How the positive values ``x`` of one sample differ from ``y`` of the other; ``common``: relative half-widths, by
+    kinds, of what errors of inputs and models leave of the ratio.
 
     Sources: Welch 1947 (unequal variances); Hedges and Olkin 1985, Sec. 5 (g, its variance).
     """
@@ -85,7 +90,8 @@ def difference(names: tuple[str, str], x: Array, y: Array, level: float, own: fl
     step = float(logs[0].mean() - logs[1].mean())
     squares = [float(log.var(ddof=1)) / log.size for log in logs]
     dof = sum(squares) ** 2 / sum(s**2 / (m - 1) for s, m in zip(squares, n, strict=True)) if sum(squares) else 1.0
-    half = math.hypot(_t(dof, level) * math.sqrt(sum(squares)), own)
+    parts = {"statistical": _t(dof, level) * math.sqrt(sum(squares)), **(common or {})}
+    half, ratio = math.hypot(*parts.values()), math.exp(step)
     # g = J (mean difference)/(pooled standard deviation), J = 1 - 3/(4 nu - 1)
     nu = sum(n) - 2
     pooled = math.sqrt(sum((m - 1) * float(log.var(ddof=1)) for log, m in zip(logs, n, strict=True)) / nu)
@@ -94,7 +100,8 @@ def difference(names: tuple[str, str], x: Array, y: Array, level: float, own: fl
         g = (1 - 3 / (4 * nu - 1)) * step / pooled
         reach = half_width(level) * math.sqrt(sum(n) / math.prod(n) + g**2 / (2 * sum(n)))
         ends = g - reach, g + reach
-    return Difference(*names, math.exp(step), (math.exp(step - half), math.exp(step + half)), g, ends)
+    each = {kind: ratio * math.sinh(part) for kind, part in parts.items()}
+    return Difference(*names, ratio, (ratio * math.exp(-half), ratio * math.exp(half)), each, g, ends)
 
 
 def shown(value: float) -> str:
@@ -109,10 +116,13 @@ def _t(dof: float, level: float) -> float:
 @dataclass(frozen=True, eq=False)
 class Samples(Result):
     """Samples of a fit, by the column ``sample`` of its ``table``, in which ``kind`` is that of the reason why a curve
-    is left out. Half-widths in columns ``own``, of the radius where each sample has its own tip, are common to a
-    sample alone: a ratio holds them."""
+    is left out; ``causes``: of each row what errors of inputs and models change, relative half-widths with their sign
+    by quantity, kind and cause. Those that are the same in all samples cancel in a ratio as far as they change these
+    alike, others, ``own``, do not, as the radii of two tips."""
 
     table: Mapping[str, Sequence[Any]]
+    causes: Sequence[Mapping[tuple[str, str, str], float]] = ()
+    own: Collection[str] = ()
 
     @cached_property
     def names(self) -> list[str]:
@@ -156,9 +166,26 @@ class Samples(Result):
         for name, sample in itertools.product(self.quantities, self.names):
             rows = [i for i in self.believed(sample) if np.isfinite(self.column(name, [i])).all()]
             if rows:
-                parts = {kind: np.nan_to_num(self.column(name, rows, kind)) for kind in COMMON}
-                found[name][sample] = spread_of(self.column(name, rows), parts, self.level)
+                found[name][sample] = spread_of(self.column(name, rows), self.common(name, sample), self.level)
         return found
+
+    def common(self, name: str, *samples: str) -> dict[str, float]:
+        """Relative half-widths, by their kinds, of what the curves of a sample have in common in a quantity, or of what
+        is left of it in the ratio of two."""
+        means = list[dict[tuple[str, str], float]]()
+        for sample in samples if self.causes else ():
+            rows = [i for i in self.believed(sample) if np.isfinite(self.column(name, [i])).all()]
+            mean = defaultdict[tuple[str, str], float](float)
+            for (quantity, kind, cause), change in (pair for i in rows for pair in self.causes[i].items()):
+                if quantity == name:
+                    mean[kind, cause] += change / len(rows)
+            means.append(mean)
+        left = dict[str, float]()
+        for kind, cause in dict.fromkeys(key for mean in means for key in mean):
+            first, *rest = (mean.get((kind, cause), 0.0) for mean in means)
+            size = math.hypot(first, *rest) if cause in self.own else first - sum(rest)
+            left[kind] = math.hypot(left.get(kind, 0.0), size)
+        return left
 
     @cached_property
     def differences(self) -> dict[str, list[Difference]]:
@@ -171,15 +198,10 @@ class Samples(Result):
             for against, sample in pairs:
                 values = [self.column(name, self.believed(one)) for one in (sample, against)]
                 x, y = (one[np.isfinite(one)] for one in values)
-                own = math.hypot(*(self._own(name, self.believed(one)) for one in (sample, against)))
-                own *= half_width(level) / half_width(self.level)
-                found[name].append(difference((sample, against), x, y, level, own))
+                wider = half_width(level) / half_width(self.level)
+                common = {kind: wider * part for kind, part in self.common(name, sample, against).items()}
+                found[name].append(difference((sample, against), x, y, level, common))
         return found
-
-    def _own(self, name: str, rows: Sequence[int]) -> float:
-        """The relative half-width of what the curves of one sample alone have in common."""
-        shares = np.nan_to_num(self.column(name, rows, "own")) / self.column(name, rows)
-        return float(np.median(shares[np.isfinite(shares)]))
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
@@ -202,7 +224,9 @@ class Samples(Result):
             first = [each for each in self.differences[name] if each.sample == sample][:1]
             for each in first:
                 row |= {f"{name}_against": each.against, f"{name}_ratio": each.ratio}
-                row |= dict(zip((f"{name}_ratio_low", f"{name}_ratio_high"), each.interval, strict=True))
+                low, high = each.interval
+                parts = {"err": (high - low) / 2, "low": low, "high": high, **each.parts}
+                row |= {f"{name}_ratio_{part}": value for part, value in parts.items()}
                 row |= {f"{name}_g": each.g}
                 row |= dict(zip((f"{name}_g_low", f"{name}_g_high"), each.g_interval or (None, None), strict=True))
         return row | {"level": self.level}
@@ -240,13 +264,14 @@ class Samples(Result):
 
     @property
     def _common(self) -> str:
-        """The error that all curves share, where there is any."""
-        parts = []
-        for name, spreads in self.spreads.items():
-            share = max((sum(one.common.get(kind, 0.0) ** 2 for kind in COMMON) ** 0.5 for one in spreads.values()),
-                        default=0.0)  # fmt: skip
-            parts += [f"{100 * share:.2g} % of {SYMBOLS.get(name, name)}"] * (share > 0)
-        return f"; common error (calibration, model) apart: {', '.join(parts)}" * bool(parts)
+        """The errors that curves share, where there are any, by their kinds."""
+        kinds = []
+        for kind in COMMON:
+            shares = {name: max((one.common.get(kind, 0.0) for one in each.values()), default=0.0)
+                      for name, each in self.spreads.items()}  # fmt: skip
+            told = [f"± {100 * share:.2g} % of {SYMBOLS.get(name, name)}" for name, share in shares.items() if share]
+            kinds += [f"{kind} {', '.join(told)}"] * bool(told)
+        return f"; beside these: {'; '.join(kinds)}" * bool(kinds)
 
     def unit(self, name: str) -> tuple[float, str]:
         """The one unit in which a quantity is shown of all samples, in SI and as it is called."""

@@ -77,6 +77,15 @@ def header_errors(curves: Sequence[Curve]) -> dict[str, float]:
     return found
 
 
+def constants_apart(curves: Sequence[Curve], sample: Sequence[str]) -> list[str]:
+    """The constants of the device that headers name differently in the samples, or within one: errors of different
+    cantilevers."""
+    found = defaultdict[str, set[float]](set)
+    for name, value in (pair for one in curves if sample for flag in one.flags for pair in CONSTANT.findall(flag)):
+        found[name].add(float(value))
+    return [name for name, values in found.items() if len(values) > 1]
+
+
 def _with_constants(
     path: Path, curves: list[Curve], lines: list[str], reading: Reading, notes: list[str]
 ) -> tuple[list[Curve], list[str]]:

@@ -25,7 +25,7 @@ from ..base.process import SILENCE, duration, one_thread
 from ..base.registry import Result
 from ..base.units import show
 from ..base.wings import is_offered, offered
-from ..bodies.problem import RELAXATIONS
+from ..bodies.problem import RADIUS, RELAXATIONS
 from ..cli import options
 from ..cli.inputs import Flags, body_options
 from ..cli.options import Parallel, as_one, begin, flag, several, verb
@@ -34,7 +34,7 @@ from ..methods.protocol import Forecast, Limits
 from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import files as measured
-from .batch import header_errors, read_batch
+from .batch import constants_apart, header_errors, read_batch
 from .curve import Curve, Reading
 from .files import folders_of, holds_map
 from .forward_model import FittedBody
@@ -315,7 +315,8 @@ def fit_curves(
     told = attempted(what, lambda: list(words()), none, left)
     preferred, friction_words = (told, none) if several else (none, told)
     remarks, places = [*batch.notes, *friction_words], ", ".join(filter(None, dict.fromkeys(batch.places)))
-    result = Fits(outcomes, request.body_words, remarks, [*names, *unread_names], len(asked.tip_radius) > 1)
+    own = [RADIUS] * (len(asked.tip_radius) > 1) + constants_apart(curves, names)
+    result = Fits(outcomes, request.body_words, remarks, [*names, *unread_names], own)
     count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves), places)
     for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
         warn(line)

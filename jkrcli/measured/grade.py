@@ -42,6 +42,7 @@ LIMITS = {
 DOUBTS = ("no force curve", "wrong way", "wrong sign", "no base line", "some permanent set", "too stiff")
 UNDETERMINED = "not determined"  # the flag of a search that did not end
 LEFT_OUT = "a direction left out"  # the part of the model's error
+UNEXPLAINED = "misfit"  # another
 LEFT_OUT_APART = 4.0  # choice: standard errors, up to which what leaving out a direction changes is noise
 LEFT_OUT_DIFFERS = 0.01  # choice: of E* or w, a change that is none
 TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
@@ -77,7 +78,7 @@ def grade_of(
     sizes = {**sizes, **{name: size for name, size in errors.items() if size is not None}}
     if verdict is not None and verdict.alternatives.named:
         best = verdict.alternatives.named[0]
-        sizes |= {"E_star_by_alternative": best.change(best.E_star), "w_by_alternative": best.change(best.w)}
+        sizes |= {"E_star_by_alternative": best.change("E_star"), "w_by_alternative": best.change("w")}
     if w.free and "w_error" not in sizes:  # nothing pulls off
         sizes.pop("misfit_of_pull_off", None)
     graded = {name: LIMITS[name] for name in LIMITS if name in sizes}

@@ -698,7 +698,7 @@ class _Changed:
 
 # ---------------------------------------------------------------------- uncertain inputs, to first order
 def wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> FittedValue:
-    """The estimate with its ``systematic`` errors by name added in quadrature."""
+    """The estimate with its ``systematic`` errors by name, what each changes, added in quadrature."""
     total = math.hypot(*systematic.values())
     if total == 0:
         return item
@@ -707,7 +707,7 @@ def wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> Fitte
     high = None if item.high is None else item.value + math.hypot(item.high - item.value, t * total)
     if low is not None and item.dimension in ("modulus", "work"):
         low = max(low, 0.0)
-    return replace(item, error=error, low=low, high=high, systematic={k: abs(v) for k, v in systematic.items()})
+    return replace(item, error=error, low=low, high=high, systematic=dict(systematic))
 
 
 # --------------------------------------------------------------------------------------------------

@@ -30,8 +30,9 @@ ANSWER_VAGUE = 0.3  # choice: relative standard error beyond which a value is li
 @dataclass(frozen=True)
 class FittedValue:
     """A parameter or what follows from it, SI. ``error``: standard error, ``low, high``: the confidence interval;
-    None where the data do not determine it, or where it is fixed. ``systematic``: from uncertain inputs, by name, part
-    of the interval; ``model``: half-widths from models near this one that the data do not exclude, beside it."""
+    None where the data do not determine it, or where it is fixed. ``systematic``: changes by one standard
+    error of each uncertain input, by name, part of the interval; ``model``: half-widths from models near this one that
+    the data do not exclude, beside it, with the sign of the change where that is known."""
 
     name: str
     value: float

@@ -39,7 +39,7 @@ from .force_curve import (
 )
 from .forward_model import FittedBody
 from .free_rows import WAVE, Term
-from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, change_words, is_misfit, left_out, misfits
+from .grade import LEFT_OUT, NO_CHANGE, UNDETERMINED, UNEXPLAINED, change_words, is_misfit, left_out, misfits
 from .hypotheses import amount_of_range, finite_range, range_of
 from .least_squares import Intervals, Least, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .lockstep import Flow, alone
@@ -180,7 +180,6 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
 # What alternative models make of a fit: flags, warnings, the systematic parts, and the formula beside it.
 
 REJECTED, DIFFER = "model rejected", "directions differ"
-UNEXPLAINED = "misfit"  # the part of the model's error
 OF_DEVICE = "stiffness of the cantilever"  # an alternative by which the loads change too
 
 # When alternatives leave nothing determined.
@@ -209,6 +208,10 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Cur
         moves["E_star"] = abs(E_star_approach / result.value("E_star") - 1)
     if not is_misfit(misfits(fit, fit.model.noise)):
         alternatives = replace(alternatives, excess=1.0)
+    here, told = outcome_of(fit, fit.x, body), {"E_star": result.estimate("modulus"), "w": result.work}
+    alternatives = alternatives.told_of({
+        name: here[item.name] / item.value for name, item in told.items() if item.value > 0 and here[item.name] > 0
+    })  # fmt: skip
     estimates = tuple(_with_part(item, alternatives, moves) for item in result.estimates)
     sizes = {**(result.sizes or {}), **{f"{name}_by_direction": size for name, size in moves.items()}}
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
@@ -222,10 +225,10 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Cur
 def _with_size(sizes: Mapping[str, float], remarks: list[str], scores: RecordAlternatives) -> RecordAlternatives:
     """The alternatives, none of them named where neither the misfit nor what those would change has a size, as in
     readings without noise: then a remark."""
-    changes = [one.change(rate) for one in scores.named for rate in (one.E_star, one.w)]
+    changes = [one.change(name) for one in scores.named for name in ("E_star", "w")]
     if not changes or is_misfit(sizes) or max(map(abs, changes)) > NO_CHANGE:
         return scores
-    names = " or ".join(f"{one.name} (E* {one.change(one.E_star):+.2%})" for one in scores.named)
+    names = " or ".join(f"{one.name} (E* {one.change('E_star'):+.2%})" for one in scores.named)
     remarks.append(f"the residuals favour {names}: of no size")
     return scores.undecided()
 
@@ -261,9 +264,9 @@ def _with_ties(item: FittedValue, tied: Sequence[FittedAlternative], results: Ma
     moves = {}
     for one in tied[1:]:
         shift = (one.E_star / best.E_star - 1) * item.value if of_modulus else one.w - best.w
-        moves[one.name] = max(abs(shift), _beyond(item, results[one.name]))
+        moves[one.name] = math.copysign(max(abs(shift), _beyond(item, results[one.name])), shift)
     moves |= dict(item.model or {})
-    worst = max(moves, key=lambda name: moves[name], default="")
+    worst = max(moves, key=lambda name: abs(moves[name]), default="")
     return replace(item, model={worst: moves[worst]}) if worst else item
 
 
@@ -279,7 +282,7 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
     """Flags with a sentence each; a quantity whose interval is wider than what alternatives may change it by tells so
     itself."""
     if alternatives.named:
-        names = " or ".join(f"{one.name} (E* {change_words(one.change(one.E_star))})" for one in alternatives.named)
+        names = " or ".join(f"{one.name} (E* {change_words(one.change('E_star'))})" for one in alternatives.named)
         apart = ", not distinguishable by this test" if len(alternatives.named) > 1 else ""
         yield REJECTED, f"the residuals favour {names}{apart}"
     if alternatives.named and (one := alternatives.named[0]).of_directions:
@@ -288,8 +291,8 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
     for quantity, symbol, error in zip(("E_star", "w"), ("E*", work), relative_errors(fit), strict=True):
         worst = alternatives.worst(quantity)
-        if worst is not None and worst[1] > max(VERDICT_LARGE, HALF_WIDTH * error):
-            yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
+        if worst is not None and abs(worst[1]) > max(VERDICT_LARGE, HALF_WIDTH * error):
+            yield f"{symbol} not determined", f"{worst[0]} may change it by {abs(worst[1]):.0%}"
 
 
 def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mapping[str, float]) -> FittedValue:
@@ -302,7 +305,7 @@ def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mappi
     worst = alternatives.worst("E_star" if of_modulus else "w")
     if worst is not None:
         least = VERDICT_LEAST[not of_modulus] if alternatives.named else 0.0
-        item = replace(item, model={worst[0]: max(worst[1], least) * abs(item.value)})
+        item = replace(item, model={worst[0]: math.copysign(max(abs(worst[1]), least), worst[1]) * abs(item.value)})
     scale = max((abs(one.amount) + one.quantile * one.error for one in alternatives.named if one.name == OF_DEVICE),
                 default=0.0)  # fmt: skip
     parts = {LEFT_OUT: moves.get("E_star" if of_modulus else item.name, 0.0), "scale of the loads": scale}

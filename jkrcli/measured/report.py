@@ -20,7 +20,6 @@ from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show, show_within
 from ..base.wings import offered
 from ..bodies.indenters import Indenter
-from ..bodies.problem import RADIUS
 from ..report import archive
 from ..report.result import SHOWN, Figure, Several
 from ..report.tables import AT_LEVEL, DIMENSIONS, quantities, stacked, transpose_rows, with_unit
@@ -33,7 +32,7 @@ from . import range_alternative, text_formats
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, reason_of, status_of
 from .batch import read_batch
 from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
-from .grade import GOOD, GRADES, LOOK, UNFIT, change_words, kind_of, size_words
+from .grade import GOOD, GRADES, LEFT_OUT, LOOK, UNEXPLAINED, UNFIT, change_words, kind_of, size_words
 from .joint import JointFit
 from .model_changes import OF_ALTERNATIVES
 from .parameters import FittedValue
@@ -52,20 +51,21 @@ ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
 REASONS_SHOWN, LONGEST_REASON = 6, 60  # choice: of a line; letters of one
 LOPSIDED = 0.05  # choice: of an interval, by which its middle may miss the value before its ends are printed
 VAGUE = "not determined"  # how flags end of what alternatives may change by much
+OWN_OF_A_CURVE = (LEFT_OUT, UNEXPLAINED)  # parts of the model's error whose sign nobody knows
 NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a smaller part lies below the second
 
 
 @dataclass(frozen=True, eq=False)
 class Fits(Several):
     """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
-    them together; ``sample`` of each curve, where there are samples; ``own_tips``: whether each has a tip of its
-    own."""
+    them together; ``sample`` of each curve, where there are samples; ``own``: inputs of which
+    each has one of its own, as its tip."""
 
     outcomes: Sequence[Fit | Failure]
     body: str
     remarks: Sequence[str] = ()
     sample: Sequence[str] = ()
-    own_tips: bool = False
+    own: Sequence[str] = ()
 
     @cached_property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
@@ -78,9 +78,9 @@ class Fits(Several):
     def samples(self) -> Any:
         """What is said of samples (``many/samples.py``); None where there are none."""
         summed_up = offered("samples of a fit") if self.sample else None
-        own = transpose_rows([_of_radius(item) for item in self.outcomes]) if self.own_tips else {}
         kinds = {"kind": [kind_of(reason_of(item)) for item in self.outcomes]}
-        return summed_up and summed_up({**self.columns, **own, **kinds})
+        parts = [_causes(item) for item in self.outcomes]
+        return summed_up and summed_up({**self.columns, **kinds}, parts, {*self.own, *OWN_OF_A_CURVE})
 
     @cached_property
     def fits(self) -> list[Fit]:
@@ -200,18 +200,18 @@ def _interval(item: FittedValue, level: float) -> dict[str, float | None]:
     return ends | {kind: parts.get(kind) for kind in ("statistical", "calibration", "model")}
 
 
-def _of_radius(item: Fit | Failure) -> dict[str, float]:
-    """The half-widths of E* and w by the error of the tip's radius, as columns."""
+def _causes(item: Fit | Failure) -> dict[tuple[str, str, str], float]:
+    """By how much inputs and models may change each quantity, relative, at the level of the intervals and with the sign
+    where it is known: by quantity, part of the error, cause."""
     if isinstance(item, Failure):
         return {}
-    own = dict[str, float]()
-    for one in item.estimates:
+    changes = dict[tuple[str, str, str], float]()
+    for one in (one for one in item.estimates if one.value > 0):
         by = one.systematic or {}
-        share = by.get(RADIUS, 0.0) / (math.hypot(*by.values()) or 1.0)
-        own[with_unit(f"{one.name}_own", one.dimension)] = share * one.parts(item.settings.level).get(
-            "calibration", 0.0
-        )
-    return own
+        half = one.parts(item.settings.level).get("calibration", 0.0) / (math.hypot(*by.values()) or 1.0)
+        changes |= {(one.name, "calibration", cause): half * size / one.value for cause, size in by.items()}
+        changes |= {(one.name, "model", cause): size / one.value for cause, size in (one.model or {}).items()}
+    return changes
 
 
 def _placed(item: Fit | Failure) -> dict[str, Any]:
@@ -287,10 +287,15 @@ def estimate_summary(item: FittedValue, level: float = LEVEL) -> dict[str, Any]:
     unit = "m/N" if item.name == "compliance" else SI[item.dimension]
     numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
     if item.free:
-        numbers |= {"standard_error": item.error, **_interval(item, level), "model": dict(item.model or {})}
+        numbers |= {"standard_error": item.error, **_interval(item, level), "model": _sizes(item.model)}
     if item.systematic:
-        numbers["systematic"] = dict(item.systematic)
+        numbers["systematic"] = _sizes(item.systematic)
     return numbers
+
+
+def _sizes(parts: Mapping[str, float] | None) -> dict[str, float]:
+    """The parts of an error by their causes, without their signs."""
+    return {name: abs(size) for name, size in (parts or {}).items()}
 
 
 @WORDS.register(Fit)
@@ -302,7 +307,7 @@ def fit_words(item: Fit) -> list[str]:
     stuck = ", no slip" if item.surface == "sticking" else ""
     # A line on the longest range that the rows leave, where w rests on it more than on the noise
     w, left = item.work, item.range_left
-    part = (w.model or {}).get(range_alternative.RANGE, 0.0)
+    part = abs((w.model or {}).get(range_alternative.RANGE, 0.0))
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         range_words = []
     else:
@@ -354,7 +359,7 @@ def cause_words(alternatives: RecordAlternatives) -> str:
     """What may cause a misfit, and how much the likeliest of each family would change."""
     likeliest = {one.family: one for one in reversed(alternatives.named)}
     changes = [
-        f"{family} would change E* by {change_words(one.change(one.E_star))}, w by {change_words(one.change(one.w))}"
+        f"{family} would change E* by {change_words(one.change('E_star'))}, w by {change_words(one.change('w'))}"
         for family in alternatives.families for one in [likeliest[family]]
     ]  # fmt: skip
     return f"cause{' not identifiable' * (len(changes) > 1)}: {'; '.join(changes)}"
@@ -414,7 +419,7 @@ def alternatives_table(item: Fit) -> list[str]:
         return []
     head = f"  {'alternative model':<43}{'the data':<21}{'p':>8}{'E*':>8}{'w':>8}{'chi^2':>10}"
     return [head, *(
-        f"  {one.name:<43}{one.word:<21}{one.chance:>8.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
+        f"  {one.name:<43}{one.word:<21}{one.chance:>8.1g}{one.change('E_star'):>+8.1%}{one.change('w'):>+8.1%}"
         f"{-one.taken:>10.3g}" for one in item.verdict.alternatives.scores
     ), *(
         f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
@@ -456,8 +461,8 @@ def _verdict(item: Fit) -> dict[str, Any]:
             "standard_error": one.error if math.isfinite(one.error) else None, "p": one.chance,
             "share_of_misfit": one.share,
             # the relative moves of E* and w with what was found of it
-            "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
-            "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
+            "E_star_moves": one.change("E_star"), "w_moves": one.change("w"),
+            "E_star_may_move": abs(one.moved("E_star")), "w_may_move": abs(one.moved("w")),
         } for one in verdict.alternatives.scores],
     }}  # fmt: skip
 
@@ -483,7 +488,7 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
         ends = [None if end is None else show(end, dimension, 4) for end in (low, high)]
         text += f", {100 * level:g} %: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
     least = NOTICEABLE * (estimate.error or 0.0)
-    inputs = [f"{name} {value / estimate.error:.0%}" for name, value in (estimate.systematic or {}).items()
+    inputs = [f"{name} {value / estimate.error:.0%}" for name, value in _sizes(estimate.systematic).items()
               if estimate.error and value > least]  # fmt: skip
     return text + (f" (share of the error: {', '.join(inputs)})" if inputs else "")
 

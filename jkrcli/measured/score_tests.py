@@ -11,9 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from operator import itemgetter
 from typing import Any, Protocol
 
 import numpy as np
@@ -54,7 +53,8 @@ class Score:
     ``error``: standard error of the amount, infinite where no row determines it; ``chance`` of as much from noise;
     ``taken`` from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per
     amount. ``least, known``: the amounts that are likely before the data; ``word``: DETECTED, EXCLUDED or UNDECIDED;
-    ``quantile``: half-width of intervals, in standard errors.
+    ``quantile``: half-width of intervals, in standard errors; ``over``: E* and w of the fit over the values that
+    changes are told of, those of one direction where both differ.
     """
 
     name: str
@@ -72,19 +72,27 @@ class Score:
     known: float
     word: str
     quantile: float = HALF_WIDTH
+    over: Mapping[str, float] = field(default_factory=dict, hash=False)
 
-    def change(self, rate: float) -> float:
-        """Relative change, with the amount, of a quantity whose logarithm moves by ``rate`` per amount."""
-        return math.expm1(min(self.amount * rate, 700.0))
+    def _log(self, quantity: str) -> tuple[float, float]:
+        """By how much the logarithm of a quantity moves per amount, and what it is without any."""
+        return self.E_star if quantity == "E_star" else self.w, math.log(self.over.get(quantity, 1.0))
 
-    def moved(self, rate: float) -> float:
-        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount and its error, at
-        the level of the intervals, where the alternative is detected; else by the largest that the data and what is
-        known leave."""
+    def change(self, quantity: str) -> float:
+        """Relative change of "E_star" or "w" with the amount."""
+        rate, before = self._log(quantity)
+        return math.expm1(min(before + self.amount * rate, 700.0))
+
+    def moved(self, quantity: str) -> float:
+        """How far "E_star" or "w" may be off, relative: by the amount and its error, at the level of the intervals,
+        where the alternative is detected; else by the largest that the data and what is known leave. With its sign,
+        there for an amount above 0."""
+        rate, before = self._log(quantity)
         if self.word == DETECTED and math.isfinite(self.error):
-            logs = [rate * (self.amount + end * self.error) for end in (-self.quantile, self.quantile)]
-            return max(*logs, -math.expm1(min(logs)))  # it falls by no more than all, and rises to first order
-        return abs(rate) * self.most if rate else 0.0
+            logs = [before + rate * (self.amount + end * self.error) for end in (-self.quantile, self.quantile)]
+            low, high = -math.expm1(min(logs)), max(logs)  # it falls by no more than all, and rises to first order
+            return high if high >= low else -low
+        return rate * self.most if rate else 0.0
 
     @cached_property
     def most(self) -> float:
@@ -118,9 +126,14 @@ class RecordAlternatives:
     def worst(self, quantity: str) -> tuple[str, float] | None:
         """The alternative that may move "E_star" or "w" most, and by how much, relative: of the named, where some
         are."""
-        moves = [(one.moved(getattr(one, quantity)), one.name) for one in self.named or self.scores]
-        most, name = max(moves, key=itemgetter(0), default=(0.0, ""))
-        return (name, most) if most > 0 else None
+        moves = {one.name: one.moved(quantity) for one in self.named or self.scores}
+        name = max(moves, key=lambda name: abs(moves[name]), default="")
+        return (name, moves[name]) if moves.get(name) else None
+
+    def told_of(self, over: Mapping[str, float]) -> RecordAlternatives:
+        """The same, with changes of values which E* and w of the fit are so many times ``over``."""
+        scores, named = (tuple(replace(one, over=over) for one in some) for some in (self.scores, self.named))
+        return replace(self, scores=scores, named=named)
 
     def undecided(self) -> RecordAlternatives:
         """The same, none of them named."""

@@ -20,11 +20,11 @@ from ..measured.alternative_fits import chi2_of
 from ..measured.curve import Curve
 from ..measured.fitted_record import FittedRecord
 from ..measured.force_curve import ForceCurveFit
-from ..measured.grade import misfits
+from ..measured.grade import UNEXPLAINED, misfits
 from ..measured.least_squares import STATISTICS_IMPROBABLE, wider
 from ..measured.model_changes import MEMORY
 from ..measured.parameters import FittedValue
-from ..measured.record import UNEXPLAINED, line_of
+from ..measured.record import line_of
 from ..measured.result import Fit
 from ..measured.score_tests import (
     DETECTED,

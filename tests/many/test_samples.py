@@ -53,7 +53,7 @@ def read(path: str) -> list[dict[str, str]]:
 def table(**samples: list[float]) -> Mapping[str, list]:
     rows = [(name, value) for name, values in samples.items() for value in values]
     return {"sample": [name for name, _ in rows], "status": ["fitted"] * len(rows), "w_J_per_m2": [w for _, w in rows],
-            "w_calibration_J_per_m2": [0.1 * w for _, w in rows], "level": [0.95] * len(rows)}  # fmt: skip
+            "level": [0.95] * len(rows)}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -66,12 +66,11 @@ def test_values_have_three_digits(value: float, said: str) -> None:
 
 def test_the_mean_of_logarithms_has_the_interval_of_student() -> None:
     values = np.array([1.0, 2.0, 4.0, 8.0])
-    one = spread_of(values, {"calibration": 0.1 * values}, 0.9)
+    one = spread_of(values, {"calibration": 0.1}, 0.9)
     assert one.mean == pytest.approx(math.sqrt(8))
     low, high = stats.t.interval(0.9, 3, np.log(values).mean(), stats.sem(np.log(values)))
     assert one.interval == pytest.approx((math.exp(low), math.exp(high)))
-    assert one.median == 3.0
-    assert one.common == {"calibration": pytest.approx(0.1)}
+    assert (one.median, one.common) == (3.0, {"calibration": 0.1})
 
 
 def test_a_value_of_zero_has_no_geometric_mean() -> None:
@@ -79,7 +78,7 @@ def test_a_value_of_zero_has_no_geometric_mean() -> None:
     assert (one.mean, one.interval, one.median) == (None, None, 1.0)
 
 
-def test_a_ratio_has_the_interval_of_welch_and_a_tip_of_its_own_widens_it() -> None:
+def test_a_ratio_has_the_interval_of_welch_and_what_does_not_cancel_widens_it() -> None:
     rng = np.random.default_rng(3)
     x, y = np.exp(rng.normal(1, 0.2, 9)), np.exp(rng.normal(0, 0.6, 30))
     one = difference(("x", "y"), x, y, 0.95)
@@ -87,8 +86,10 @@ def test_a_ratio_has_the_interval_of_welch_and_a_tip_of_its_own_widens_it() -> N
     assert np.log(one.interval) == pytest.approx(tuple(test.confidence_interval(0.95)), rel=1e-6)
     assert one.ratio == pytest.approx(stats.gmean(x) / stats.gmean(y))
     half = float(np.diff(np.log(one.interval))[0]) / 2
-    own = difference(("x", "y"), x, y, 0.95, own=0.3)
-    assert float(np.diff(np.log(own.interval))[0]) / 2 == pytest.approx(math.hypot(half, 0.3))
+    own = difference(("x", "y"), x, y, 0.95, {"calibration": 0.3, "model": 0.1})
+    assert float(np.diff(np.log(own.interval))[0]) / 2 == pytest.approx(math.hypot(half, 0.3, 0.1))
+    parts = {"statistical": half, "calibration": 0.3, "model": 0.1}
+    assert own.parts == pytest.approx({kind: own.ratio * math.sinh(part) for kind, part in parts.items()})
 
 
 def test_hedges_g_of_one_pooled_deviation() -> None:
@@ -106,14 +107,60 @@ def test_what_does_not_scatter_has_a_ratio_and_no_standardised_difference() -> N
 
 def test_intervals_of_all_pairs_hold_together_and_a_common_factor_cancels() -> None:
     samples = {"a": [1.0, 1.1, 1.3], "b": [2.0, 2.2, 2.1], "c": [3.0, 3.9, 3.3]}
-    found = Samples(table(**samples))
+    found = Samples(table(**samples), [{("w", "calibration", "stiffness"): 0.1}] * 9)
     pairs = {(one.sample, one.against): one for one in found.differences["w"]}
     assert list(pairs) == [("b", "a"), ("c", "a"), ("c", "b")]
     alone = difference(("b", "a"), *(np.array(samples[name]) for name in "ba"), 1 - 0.05 / 3)
     assert pairs["b", "a"].interval == pytest.approx(alone.interval)
     twice = Samples(table(**{name: [1.2 * w for w in values] for name, values in samples.items()}))
     assert [one.ratio for one in twice.differences["w"]] == pytest.approx([one.ratio for one in pairs.values()])
-    assert "common error (calibration, model) apart: 10 % of w" in found.words()[0]
+    assert pairs["b", "a"].parts["calibration"] == 0
+    assert found.words()[0].endswith("; beside these: calibration ± 10 % of w")
+    assert "beside" not in twice.words()[0]
+
+
+def test_of_a_common_error_a_ratio_holds_what_it_changes_in_one_sample_more() -> None:
+    """Half-widths with their signs: means of 0.1 and 0.3 leave 0.2 of one sensitivity, of two tips both; a cause of the
+    other sign adds; the sign of a misfit is unknown."""
+    by = [(0.05, 0.0, 0.02), (0.15, 0.2, -0.02), (0.3, 0.1, 0.04), (0.3, 0.1, 0.04)]
+    causes = [{("w", "calibration", "sensitivity"): s, ("w", "model", "misfit"): m, ("w", "model", "strains"): large,
+               ("E_star", "calibration", "sensitivity"): 9.0} for s, m, large in by]  # fmt: skip
+    values = table(a=[1.0, 1.2], b=[3.0, 3.3])
+    one = Samples(values, causes, ["misfit"])
+    assert one.common("w", "a") == pytest.approx({"calibration": 0.1, "model": 0.1})
+    assert one.common("w", "b", "a") == pytest.approx({"calibration": 0.2, "model": math.hypot(0.1, 0.1, 0.04)})
+    two = Samples(values, causes, ["misfit", "sensitivity"])
+    assert two.common("w", "b", "a")["calibration"] == pytest.approx(math.hypot(0.1, 0.3))
+
+
+def test_an_error_of_the_sensitivity_moves_a_ratio_of_unlike_specimens_as_it_says(jkr, tmp_path: Path) -> None:
+    """Deflections in volts on a soft and a stiff specimen, fitted with 5 % more and less of the sensitivity."""
+    for name, E_star in (("soft", 5e4), ("stiff", 4e5)):
+        (tmp_path / name).mkdir()
+        for i in range(2):
+            made = record(E_star, R, 2e-4, 1e-3, Instrument(K, 250, 1.5e-6, 60e-9, 1e-10), i)
+            rows = zip(made["z"] * 1e6, made["P"] / K / 40e-9, made["segment"], strict=True)
+            text = "".join(f"{z:.7g},{V:.7g},{word}\n" for z, V, word in rows)
+            (tmp_path / name / f"{i}.txt").write_text(
+                f"# springConstant: {K}\npiezo (um),deflection (V),segment\n{text}"
+            )
+
+    def ratios(sensitivity: float) -> dict[str, float]:
+        done = jkr("fit", *SPECIMEN, "soft", "stiff", "--sensitivity", f"{sensitivity} nm/V", "--no-plots", "--force",
+                   "--uncertain", "sensitivity=5%", "--uncertain", "stiffness=10%", "-o", "out")  # fmt: skip
+        assert done.code == 0, done.err
+        return {name: float(value) for name, value in read("out/samples.csv")[1].items() if "_ratio" in name}
+
+    here, low, high = (ratios(40 * factor) for factor in (1, 0.95, 1.05))
+    for name in ("E_star", "w"):
+        moved = 1.96 * abs(math.log(high[f"{name}_ratio"] / low[f"{name}_ratio"])) / 2
+        assert here[f"{name}_ratio_calibration"] == pytest.approx(
+            here[f"{name}_ratio"] * math.sinh(moved), rel=0.05, abs=1e-3
+        )
+    assert here["E_star_ratio_calibration"] > 0.03 * here["E_star_ratio"]
+    parts = [here[f"E_star_ratio_{kind}"] / here["E_star_ratio"] for kind in ("statistical", "calibration", "model")]
+    whole = math.log(here["E_star_ratio_high"] / here["E_star_ratio"])
+    assert whole == pytest.approx(math.hypot(*map(math.asinh, parts)))
 
 
 def test_intervals_of_a_mean_hold_it_as_often_as_they_say() -> None:
@@ -135,6 +182,7 @@ def test_folders_are_samples_with_a_table_a_picture_and_six_lines(jkr, folders: 
         assert float(row["w_low_J_per_m2"]) < 1.05 * WORKS[row["sample"]] < float(row["w_high_J_per_m2"])
         assert float(row["E_star_calibration_relative"]) == pytest.approx(0.196, rel=0.02)
     assert float(rows[1]["w_ratio"]) == pytest.approx(2, rel=0.02)
+    assert 0 < float(rows[1]["w_ratio_calibration"]) < 1e-3  # one cantilever
     curves = read("results/fit.csv")
     assert [row["sample"] for row in curves] == ["ctrl"] * 3 + ["drug"] * 4
     assert json.loads(Path("results/fit.json").read_text())["samples"]["differences"]["w"][0]["against"] == "ctrl"
@@ -143,6 +191,16 @@ def test_folders_are_samples_with_a_table_a_picture_and_six_lines(jkr, folders: 
     lines = done.out.splitlines()
     assert lines[0].startswith("2 samples: 6 of 7 curves fitted, 1 left out (1 no contact)")
     assert any(line.startswith("  drug over ctrl: E* x 1.00 (") for line in lines)
+
+
+def test_errors_of_two_cantilevers_do_not_cancel(jkr, folders: list[str], tmp_path: Path) -> None:
+    for path in (tmp_path / "drug").glob("c*.txt"):
+        path.write_text(path.read_text().replace(f"springConstant: {K}", "springConstant: 0.31"))
+    words = ("--no-plots", "-o", "results", "--uncertain", "stiffness=10%")
+    assert jkr("fit", *SPECIMEN, *folders, *words).code == 0
+    ratio = read("results/samples.csv")[1]
+    told = math.asinh(float(ratio["w_ratio_calibration"]) / float(ratio["w_ratio"]))
+    assert told == pytest.approx(0.196 * math.sqrt(2), rel=0.05)
 
 
 def test_results_of_another_selection_are_replaced_by_force_alone(jkr, folders: list[str]) -> None:

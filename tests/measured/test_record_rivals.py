@@ -124,9 +124,22 @@ def test_e_star_of_a_modulus_that_changes_is_that_at_the_largest_radius() -> Non
 def test_what_falls_by_a_detected_amount_falls_by_no_more_than_all() -> None:
     """E* by three factors e down, or up: 95 % less, or by three of it to first order."""
     score = alternatives_of_record(still_record()).scores[0]
-    found = replace(score, word=DETECTED, amount=3.0, error=0.0)
-    assert found.moved(-1.0) == pytest.approx(1 - math.exp(-3))
-    assert found.moved(1.0) == pytest.approx(3.0)
+    found = replace(score, word=DETECTED, amount=3.0, error=0.0, E_star=-1.0, w=1.0)
+    assert found.moved("E_star") == pytest.approx(math.exp(-3) - 1)
+    assert found.moved("w") == pytest.approx(3.0)
+
+
+def test_changes_are_told_of_the_value_that_is_printed() -> None:
+    """E* of one direction, 0.8 of that of the fit of both, which an alternative that is detected raises by a tenth."""
+    found = alternatives_of_record(still_record())
+    score = replace(found.scores[0], word=DETECTED, amount=1.0, error=0.0, E_star=math.log(1.1), w=0.0)
+    (one,) = replace(found, scores=(score,), named=(score,)).told_of({"E_star": 1 / 0.8}).named
+    assert one.change("E_star") == pytest.approx(1.1 / 0.8 - 1)
+    assert one.moved("E_star") == pytest.approx(math.log(1.1 / 0.8))
+    assert one.change("w") == 0
+    assert replace(one, word=UNDECIDED, least=-0.2, known=0.2, error=math.inf).moved("E_star") == pytest.approx(
+        0.2 * math.log(1.1)
+    )
 
 
 def test_names_and_families() -> None:
@@ -268,7 +281,7 @@ def test_what_is_left_of_a_known_amount() -> None:
     assert replace(one, known=1.0).most == pytest.approx(0.3)
     assert replace(one, amount=-0.2, known=1.0).most == pytest.approx(0.2)
     assert replace(one, amount=-0.2, least=0.0).most == 0
-    assert replace(one, known=1.0, word=DETECTED).moved(2.0) == pytest.approx(0.6)
+    assert replace(one, known=1.0, word=DETECTED, E_star=2.0).moved("E_star") == pytest.approx(0.6)
 
 
 def test_columns_are_finite_and_few_alternatives_mean_nothing() -> None:
@@ -407,7 +420,7 @@ def test_the_part_of_a_likely_range_is_what_that_range_does() -> None:
     made = wrong_records.maugis(replace(AT, noise=AT.noise / 10), neck / 10e-9)
     item = fit(BODY, curve(made), usual()).estimate("w")
     part = (item.model or {})["adhesion of finite range"]
-    assert item.value - AT.w < part < 2 * (item.value - AT.w)
+    assert item.value - AT.w < -part < 2 * (item.value - AT.w)
 
 
 def test_the_other_profile_is_no_answer_where_a_range_explains_as_much() -> None:
@@ -472,8 +485,8 @@ def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     tried.moves.update({4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)})
     found = alone(_of_amounts(tried, score))
     assert found.known == 4
-    assert found.moved(found.E_star) == pytest.approx(0.3 * 1.96 / math.sqrt(6), rel=1e-4)
-    assert found.moved(found.w) == pytest.approx(0.4 * 1.96 / math.sqrt(7), rel=1e-4)
+    assert abs(found.moved("E_star")) == pytest.approx(0.3 * 1.96 / math.sqrt(6), rel=1e-4)
+    assert abs(found.moved("w")) == pytest.approx(0.4 * 1.96 / math.sqrt(7), rel=1e-4)
 
 
 def test_a_look_ahead_tells_where_steps_lead() -> None:

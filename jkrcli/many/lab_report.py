@@ -29,6 +29,7 @@ from ..report.result import SHOWN, Figure
 from .samples import COMMON, FITTED, SYMBOLS, Samples, shown
 
 PAGE = Template(resources.files(__package__).joinpath("lab_report.html").read_text(encoding="utf-8"))
+LITTLE = 1e-3  # choice: of a ratio, a part of its error that is none
 PACKAGES = ("numpy", "scipy", "h5py", "matplotlib")
 
 
@@ -132,7 +133,7 @@ class LabReport:
                     "{:.3g} to {:.3g}".format(*ends) if ends else "" for ends in (each.interval, each.g_interval)
                 )
                 size = "" if each.g is None else f"{each.g:.2g}"
-                parts = [f"{each.parts[kind]:.2g}" if kind in each.parts else "" for kind in ("statistical", *COMMON)]
+                parts = [_part(each.parts.get(kind), each.ratio) for kind in ("statistical", *COMMON)]
                 pairs.append([each.sample, each.against, f"{each.ratio:.3g}", *parts, ratio, size, g])
             heads = ["sample", "n", f"{symbol} ({unit}), median", "quartiles", "geometric mean", level]
             blocks.append(Table([*heads, *(f"{kind} ±" for kind in COMMON)], rows))
@@ -193,6 +194,11 @@ class LabReport:
         parts = (f"## {title}\n\n" + "\n\n".join(filter(None, (_markdown(block) or pictures for block in blocks)))
                  for title, blocks in self.sections)  # fmt: skip
         return "\n\n".join([f"# {self.title}", *parts, f"<!-- jkr {__version__} -->\n"])
+
+
+def _part(size: float | None, of: float) -> str:
+    """A half-width, or that it is next to nothing ``of`` a value."""
+    return "" if size is None else f"{size:.2g}" if size > LITTLE * of else f"< {LITTLE * of:.1g}"
 
 
 def _picture(figure: Figure, words: str) -> Picture:

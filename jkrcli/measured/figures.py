@@ -210,13 +210,16 @@ def map_figure(scan: Map) -> Figure:
 
 
 def _profiles(scan: Map) -> list[tuple[str, Array, Array, tuple[Array, Array]]]:
-    """E* over the distance [m] along the middle row and the middle column, with the ends of the line in the image;
-    places without a value leave gaps."""
-    x, y, image = scan.x - scan.x[0], scan.y - scan.y[0], scan.images["E_star"]
-    row, column = y.size // 2, x.size // 2
-    of_row = "along the middle row", x, image[row], (x[[0, -1]], np.full(2, y[row]))
-    of_column = "along the middle column", y, image[:, column], (np.full(2, x[column]), y[[0, -1]])
-    return [line for line in (of_row, of_column) if np.isfinite(line[2]).sum() >= PROFILED]
+    """E* over the distance [m] along the row and the column nearest to the middle that hold enough values, with the
+    ends of the line in the image; places without a value leave gaps."""
+    x, y, image, lines = scan.x - scan.x[0], scan.y - scan.y[0], scan.images["E_star"], []
+    for what, at, across, values in (("row", x, y, image), ("column", y, x, image.T)):
+        held = np.flatnonzero(np.isfinite(values).sum(axis=1) >= PROFILED)
+        for line in held[np.argsort(np.abs(held - across.size // 2), kind="stable")][:1]:
+            place = f"the middle {what}" if line == across.size // 2 else f"{what} {line + 1}"
+            ends = at[[0, -1]], np.full(2, across[line])
+            lines.append((f"along {place}", at, values[line], ends if what == "row" else ends[::-1]))
+    return lines
 
 
 def _scale_bar(axes: Axes, scan: Map) -> None:

@@ -32,7 +32,7 @@ class FittedValue:
     """A parameter or what follows from it, SI. ``error``: standard error, ``low, high``: the confidence interval;
     None where the data do not determine it, or where it is fixed. ``systematic``: changes by one standard
     error of each uncertain input, by name, part of the interval; ``model``: half-widths from models near this one that
-    the data do not exclude, beside it, with the sign of the change where that is known."""
+    the data do not exclude, beside it; ``lowers``: those of them by which the value is lower."""
 
     name: str
     value: float
@@ -43,6 +43,7 @@ class FittedValue:
     high: float | None = None
     systematic: Mapping[str, float] | None = None
     model: Mapping[str, float] | None = None
+    lowers: frozenset[str] = frozenset()
 
     def with_model(self, name: str, half_width: float) -> FittedValue:
         """The same with one more part by models near this one."""

@@ -264,9 +264,9 @@ def _with_ties(item: FittedValue, tied: Sequence[FittedAlternative], results: Ma
     moves = {}
     for one in tied[1:]:
         shift = (one.E_star / best.E_star - 1) * item.value if of_modulus else one.w - best.w
-        moves[one.name] = math.copysign(max(abs(shift), _beyond(item, results[one.name])), shift)
+        moves[one.name] = max(abs(shift), _beyond(item, results[one.name]))
     moves |= dict(item.model or {})
-    worst = max(moves, key=lambda name: abs(moves[name]), default="")
+    worst = max(moves, key=lambda name: moves[name], default="")
     return replace(item, model={worst: moves[worst]}) if worst else item
 
 
@@ -305,7 +305,8 @@ def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mappi
     worst = alternatives.worst("E_star" if of_modulus else "w")
     if worst is not None:
         least = VERDICT_LEAST[not of_modulus] if alternatives.named else 0.0
-        item = replace(item, model={worst[0]: math.copysign(max(abs(worst[1]), least), worst[1]) * abs(item.value)})
+        lowers = frozenset(worst[:1]) if worst[1] < 0 else frozenset[str]()
+        item = replace(item, model={worst[0]: max(abs(worst[1]), least) * abs(item.value)}, lowers=lowers)
     scale = max((abs(one.amount) + one.quantile * one.error for one in alternatives.named if one.name == OF_DEVICE),
                 default=0.0)  # fmt: skip
     parts = {LEFT_OUT: moves.get("E_star" if of_modulus else item.name, 0.0), "scale of the loads": scale}

@@ -210,7 +210,8 @@ def _causes(item: Fit | Failure) -> dict[tuple[str, str, str], float]:
         by = one.systematic or {}
         half = one.parts(item.settings.level).get("calibration", 0.0) / (math.hypot(*by.values()) or 1.0)
         changes |= {(one.name, "calibration", cause): half * size / one.value for cause, size in by.items()}
-        changes |= {(one.name, "model", cause): size / one.value for cause, size in (one.model or {}).items()}
+        changes |= {(one.name, "model", cause): (-1 if cause in one.lowers else 1) * size / one.value
+                    for cause, size in (one.model or {}).items()}  # fmt: skip
     return changes
 
 
@@ -287,15 +288,10 @@ def estimate_summary(item: FittedValue, level: float = LEVEL) -> dict[str, Any]:
     unit = "m/N" if item.name == "compliance" else SI[item.dimension]
     numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
     if item.free:
-        numbers |= {"standard_error": item.error, **_interval(item, level), "model": _sizes(item.model)}
+        numbers |= {"standard_error": item.error, **_interval(item, level), "model": dict(item.model or {})}
     if item.systematic:
-        numbers["systematic"] = _sizes(item.systematic)
+        numbers["systematic"] = {name: abs(size) for name, size in item.systematic.items()}
     return numbers
-
-
-def _sizes(parts: Mapping[str, float] | None) -> dict[str, float]:
-    """The parts of an error by their causes, without their signs."""
-    return {name: abs(size) for name, size in (parts or {}).items()}
 
 
 @WORDS.register(Fit)
@@ -307,7 +303,7 @@ def fit_words(item: Fit) -> list[str]:
     stuck = ", no slip" if item.surface == "sticking" else ""
     # A line on the longest range that the rows leave, where w rests on it more than on the noise
     w, left = item.work, item.range_left
-    part = abs((w.model or {}).get(range_alternative.RANGE, 0.0))
+    part = (w.model or {}).get(range_alternative.RANGE, 0.0)
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         range_words = []
     else:
@@ -488,8 +484,8 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
         ends = [None if end is None else show(end, dimension, 4) for end in (low, high)]
         text += f", {100 * level:g} %: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
     least = NOTICEABLE * (estimate.error or 0.0)
-    inputs = [f"{name} {value / estimate.error:.0%}" for name, value in _sizes(estimate.systematic).items()
-              if estimate.error and value > least]  # fmt: skip
+    inputs = [f"{name} {abs(value) / estimate.error:.0%}" for name, value in (estimate.systematic or {}).items()
+              if estimate.error and abs(value) > least]  # fmt: skip
     return text + (f" (share of the error: {', '.join(inputs)})" if inputs else "")
 
 

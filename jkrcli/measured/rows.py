@@ -57,6 +57,9 @@ ROWS_LARGEST_NOISE = 0.1  # tuned on records by `make tuning`: of the curve: row
 ROWS_OPPOSITE = -0.3  # choice: correlation of columns of which one has the wrong sign
 ROWS_ORDERED = 0.9  # choice: rank correlation of rows with their order, from which on they go one way
 ROWS_SWING = 0.2  # choice: of the range of a column, the least way back that is a turn and no noise
+ROWS_STAND = 3.0  # choice: of the usual step, up to which rows stand at the turn
+ROWS_HELD = 12  # choice: rows that stand there, from which on they are a hold
+HELD = "dwell"
 ROWS_WAY = 5  # choice: rows between turns, of several; those of rows in no order are fewer
 ROWS_BALANCE = 0.05  # tuned on records by `make tuning`: least ratio of the axes' relative scatters
 
@@ -189,6 +192,11 @@ def orient(curve: Curve) -> Curve:
     if min(part.size for part in parts) <= ROWS_LEAST or min(map(_rising, parts)) < ROWS_ORDERED:
         return curve
     words = np.where(np.arange(len(curve)) <= turn, APPROACH, RETRACT)
+    # A hold at the turn is of neither direction: all its rows are one state, by whose depth the radius of an edge that
+    # rests from there on changes the loads to second order only, a valley without an end
+    held = np.flatnonzero(driven > driven[turn] - ROWS_STAND * np.median(np.abs(np.diff(driven))))
+    if held.size > ROWS_HELD:
+        words[held[0] + 1 : held[-1]] = HELD
     return replace(curve, segment=words)
 
 
@@ -910,13 +918,20 @@ def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
 
 def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
     """The minimum from ``values`` on at which each row lies on the edge that it was fitted with; w is fixed where no
-    row of a cycle recedes, the turn where none rests."""
+    row of a cycle recedes, the turn where none rests, or where a search by it does not end: of a contact that hardly
+    adheres it changes the loads to second order only, and steps of first order leap to and fro over the best one."""
     parameters, points, x = objective.parameters, _assigned(objective, values)[1], objective.scaled(values)
+    leaps = False
     for _ in range(MOST_SOLVES):
         assert points.edges is not None
-        idle = [name for edge, name in ((RECEDING, "w"), (RESTING, "a_turn")) if edge not in points.edges]
+        idle = [name for edge, name in ((RECEDING, "w"), (RESTING, "a_turn"))
+                if edge not in points.edges or (leaps and name == "a_turn")]  # fmt: skip
         objective = replace(objective, parameters=parameters, points=points).holding(x, *idle)
         minimum = minimise(objective, x)
+        if not minimum.least.ended and "a_turn" not in idle:
+            leaps, x = True, objective.scaled(minimum.values)
+            objective = objective.holding(x, "a_turn")
+            minimum = minimise(objective, x)
         before, points = points, _assigned(objective, minimum.values)[1]
         x = objective.scaled(minimum.values)
         if np.all(points.edges == before.edges):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from pathlib import Path
 
@@ -62,6 +63,33 @@ def test_the_order_of_rows_tells_the_branches() -> None:
     told, untold = (fitted(lens(np.random.default_rng(1), "a,P", True, words).curve) for words in (WORDS, None))
     names = ("E_star", "w", "w_approach")
     assert [told.value(name) for name in names] == pytest.approx([untold.value(name) for name in names], rel=5e-3)
+
+
+def hertzian(seed: int, held: int) -> tuple[np.ndarray, np.ndarray]:
+    """Depths [nm] and loads [mN] of a sphere of 20 um on an elastic body of E* = 3 GPa: pressed, held, unloaded,
+    lifted."""
+    up = np.linspace(0, 2e-7, 300)
+    depth = np.concatenate([up, np.full(held, up[-1]), up[::-1], np.linspace(0, -3e-7, 150)])
+    load = 4 / 3 * 3e9 * np.sqrt(20e-6) * np.maximum(depth, 0) ** 1.5
+    return depth * 1e9, (load + 2e-6 * np.random.default_rng(seed).normal(size=depth.size)) * 1e3
+
+
+def test_a_hold_at_the_turn_is_of_neither_direction(jkr, tmp_path: Path) -> None:
+    """Held rows tell nothing of an edge that rests, which does not adhere: with them the search had no end."""
+    for seed, held in ((2, 100), (3, 100), (2, 0)):
+        depth, load = hertzian(seed, held)
+        rows = "".join(f"{h:.6g},{P:.6g}\n" for h, P in zip(depth, load, strict=True))
+        (tmp_path / "table.csv").write_text(f"h (nm),P (mN)\n{rows}")
+        words = orient(Curve("held", delta=depth, P=load)).segment
+        assert words is not None
+        assert abs(int(np.count_nonzero(words == "dwell")) - held) < 8
+        done = jkr("fit", "table.csv", "--radius", "20 um", "--nu", "0.3", "--shape", "paraboloid", "--no-plots",
+                   "--json", "--force")  # fmt: skip
+        (told,) = json.loads(done.out)["curves"]
+        assert told["status"] == "fitted"
+        E_star, w = (told["estimates"][name] for name in ("E_star", "w"))
+        assert E_star["low"] < 3e9 < E_star["high"]
+        assert (w["low"], w["high"] < 0.05) == (0, True)
 
 
 def cycles(count: int, noise: float) -> tuple[Curve, np.ndarray]:

@@ -181,5 +181,8 @@ def test_a_map_with_positions_shows_E_star_along_its_middle_row_and_column() -> 
     np.testing.assert_allclose(column.get_ydata(), 10.0 * np.arange(7) + 2)
     _, *lines = map_figure(Map(x, y, names)).axes[0].get_lines()
     assert [len({*line.get_ydata()}) for line in lines] == [1, 2]
+    image[3], image[:, 2] = np.nan, np.nan  # lines beside these hold values
+    titles = {axes.get_title() for axes in map_figure(Map(x, y, names)).axes}
+    assert {"along row 3", "along column 2"} <= titles
     unplaced = map_figure(Map(np.arange(5.0), np.arange(7.0), names, positions=False))
     assert not any("along" in axes.get_title() for axes in unplaced.axes)

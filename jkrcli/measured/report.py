@@ -762,6 +762,7 @@ def work_words(item: WorkAlong) -> list[str]:
 # --------------------------------------------------------------------------------------------------
 # What a measured file holds, in words and as JSON: reading, segments, base lines, touch, jumps, adhesion, flags.
 
+LOOK_FORMAT, LOOK_VERSION = "jkr-look", 1  # choice: type and version of the JSON
 NO_BASE_LINE = Unknown("there is no base line")
 HOPELESS = ("no contact", "wrong way", "no force curve")  # flags of records of which no fit is taken
 
@@ -822,7 +823,8 @@ class Look(Result):
             elif glance is not None:
                 rough = {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
             curves.append(as_dict(record) | rough)
-        whole = {"file": str(self.path), "level": LEVEL, "curves": curves, "unusable": list(self.unusable)}
+        whole = {"format": LOOK_FORMAT, "version": LOOK_VERSION, "file": str(self.path), "level": LEVEL,
+                 "curves": curves, "unusable": list(self.unusable)}  # fmt: skip
         return whole | ({"rigid": asdict(self.rigid)} if self.rigid else {})
 
     def words(self) -> list[str]:

@@ -56,7 +56,9 @@ def test_look_leaves_a_page_of_all_curves(jkr: Callable, files: list[str]) -> No
     curve = next(iter(measured.each(Path("one.txt"), measured.Reading())))
     load = np.concatenate([column(line["y"]) for line in one["lines"]])
     assert [load.min(), load.max()] == pytest.approx([curve.P.min(), curve.P.max()], abs=2e-5 * np.ptp(curve.P))
-    found = json.loads(jkr("look", "one.txt", "--json", "--no-plots").out)["files"][0]["curves"][0]
+    told = json.loads(jkr("look", "one.txt", "--json", "--no-plots").out)["files"][0]
+    assert (told["format"], told["version"]) == ("jkr-look", 1)
+    found = told["curves"][0]
     for direction, (place, _), (x0, y0, x1, y1) in zip(
         ("approach", "retract"), one["contact"], one["base"], strict=True
     ):
@@ -162,6 +164,10 @@ def test_four_thousand_curves_in_a_browser(tmp_path: Path) -> None:
         assert {"0,114,178", "213,94,0"} <= set(colours)  # approach and retraction are drawn
         assert "contact point" in browser.find_element("id", "legend").text
         browser.find_element("id", "all").click()
+        left = "return document.querySelectorAll('#thumbs canvas:not([data-drawn])').length"
+        assert browser.execute_script(left) > 3000  # far below
+        browser.execute_script("dispatchEvent(new Event('beforeprint'))")
+        assert browser.execute_script(left) == 0
         thumbs = browser.find_elements("css selector", "#thumbs button")
         assert (len(thumbs), len(browser.find_elements("css selector", "#table tr"))) == (4000, 4001)
         thumbs[7].click()

@@ -78,7 +78,7 @@ def _looked_at(item: ForceCurve | Failure, points: int) -> dict[str, Any]:
             return {"name": name, "status": UNUSABLE, "grade": grade, "cells": {}, "words": reasons,
                     **_axes("delta", "P"), "lines": [], "base": [], "contact": []}  # fmt: skip
     else:
-        name, grade = item.curve.name, [*inverse.look_grade(item)]
+        name, record, grade = item.curve.name, item, [*inverse.look_grade(item)]
     z, P = record.curve.device, record.curve.P
     assert P is not None
     based = [side for side in record.directions if side.based]

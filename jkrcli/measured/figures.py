@@ -212,13 +212,14 @@ def map_figure(scan: Map) -> Figure:
 def _profiles(scan: Map) -> list[tuple[str, Array, Array, tuple[Array, Array]]]:
     """E* over the distance [m] along the row and the column nearest to the middle that hold enough values, with the
     ends of the line in the image; places without a value leave gaps."""
-    x, y, image, lines = scan.x - scan.x[0], scan.y - scan.y[0], scan.images["E_star"], []
+    x, y, image = scan.x - scan.x[0], scan.y - scan.y[0], scan.images["E_star"]
+    lines = list[tuple[str, Array, Array, tuple[Array, Array]]]()
     for what, at, across, values in (("row", x, y, image), ("column", y, x, image.T)):
         held = np.flatnonzero(np.isfinite(values).sum(axis=1) >= PROFILED)
         for line in held[np.argsort(np.abs(held - across.size // 2), kind="stable")][:1]:
             place = f"the middle {what}" if line == across.size // 2 else f"{what} {line + 1}"
-            ends = at[[0, -1]], np.full(2, across[line])
-            lines.append((f"along {place}", at, values[line], ends if what == "row" else ends[::-1]))
+            ends, level = at[[0, -1]], np.full(2, across[line])
+            lines.append((f"along {place}", at, values[line], (ends, level) if what == "row" else (level, ends)))
     return lines
 
 

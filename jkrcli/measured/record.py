@@ -208,9 +208,9 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Cur
         moves["E_star"] = abs(E_star_approach / result.value("E_star") - 1)
     if not is_misfit(misfits(fit, fit.model.noise)):
         alternatives = replace(alternatives, excess=1.0)
-    here, told = outcome_of(fit, fit.x, body), {"E_star": result.estimate("modulus"), "w": result.work}
+    here, stated = outcome_of(fit, fit.x, body), {"E_star": result.estimate("modulus"), "w": result.work}
     alternatives = alternatives.told_of({
-        name: here[item.name] / item.value for name, item in told.items() if item.value > 0 and here[item.name] > 0
+        name: here[item.name] / item.value for name, item in stated.items() if item.value > 0 and here[item.name] > 0
     })  # fmt: skip
     estimates = tuple(_with_part(item, alternatives, moves) for item in result.estimates)
     sizes = {**(result.sizes or {}), **{f"{name}_by_direction": size for name, size in moves.items()}}

@@ -172,9 +172,9 @@ def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
 
 def _row(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
-        cells = (item.file, item.name, UNUSABLE, item.reason, None)
+        unread = (item.file, item.name, UNUSABLE, item.reason, None)
         more = {"grade": UNFIT, "grade_reason": item.reason, "quality": 0.0, "flags": "; ".join(item.flags)}
-        return dict(zip(ALWAYS, cells, strict=True)) | _placed(item) | more
+        return dict(zip(ALWAYS, unread, strict=True)) | _placed(item) | more
     cells = (item.file, item.name, status_of(item), reason_of(item), item.a.size)
     row: dict[str, Any] = dict(zip(ALWAYS, cells, strict=True))
     row |= _placed(item) | {"surface": item.surface}

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -54,27 +54,31 @@ BINS = 120  # choice: places of a device that does not move in straight pieces
 DEEPER = 1.5  # choice: times the depth, to which a body is solved
 # Where a search begins.
 RATIOS, TIMES, SHARES = (0.25, 0.75), (0.15,), (0.0, 0.5, 1.0)  # choice: shares: from very fast to from rest
-ONSETS, APART_TIMES = (0.003, 0.05), 4.0  # choice: of power laws; from time to time of a series
+ONSET, APART_TIMES = 0.01, 4.0  # choice: of power laws; from time to time of a series
 ZONES = (0.25, 0.02, 0.0)  # choice: zones over the contact radius, where no range is known; 0: the likely range
-LINE = ("P0", "tilt")
+LINE, ZONE = ("P0", "tilt"), ("stress", "range")
 APART = 1.5  # theory: rows from a jump, within which no row shows when it was
+# choice: of the time in contact, within which loads fall to a jump as no derivative foretells, of searches and the end
+STEEP = (0.015, 0.004)
 JUMP_SEEN = 7.0  # theory: of the noise, a step between two rows that it does not make
 NEAR = 10  # choice: rows, within which a jump lies that is seen
 MEAN = 3  # choice: rows to either side, of whose loads means are taken
 MODULI, TRIED = 1e6, 50  # choice: in those of the body, the moduli among which a search begins
-FARTHEST = 4.0  # choice: of logs, from where a search begins
+FARTHEST, REACH = 4.0, 1.5  # choice: of logs, from what is likely of a record, and from where a search begins
 ROUNDS = 3  # choice: modulus and zero in turn, good to a tenth
 SEEN = 4.0  # choice: part of the pull-off force, beyond noise
 BEGINS = 3  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
-SEARCH, FINE = (0.03, 1e-2, 4), (0.012, 4e-3, 12)
+SEARCH, FINE = (0.03, 2e-2, 4), (0.012, 8e-3, 12)
 FINEST = 0.5  # choice: of these zones, those that are extrapolated with them
+LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME, JUMP_TIME = 0.003, 4e-4  # choice: of the time in contact, errors of jumps in a search and of the march
 ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where a rough fit is to exclude the law
-STRAIGHT, VALLEYS = 2, 3  # choice: evaluations between, and steps along valleys
-CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
-POWER_STEP = 1.4  # theory: of log rates of a power law's exponentials, which then err by 1e-3
+HELD = 0.05  # choice: of steps of others, those of a stress that is held
+WITHIN = (0.01, 0.3, 1.0)  # choice: steps of logs at least, at first, and at most
+CONVERGED, SCATTERS = 0.5, 1e-3  # theory: of sums of squares by noise, less than a standard error; of marches
+POWER_STEP = 1.1  # theory: of log rates of a power law's exponentials, which then err by 1e-4
 POWER_SLOWEST, POWER_LEAST = 0.02, 1e-6  # theory: rates times time that one stands for; weights that do not count
 STEP = 0.01  # choice: of logs of the modulus and w, for differences; of others what changes loads alike
 STEPS = {"time": 0.05, "onset": 0.3, "stress": 0.1, "delta0": 0.003, "ratio": 0.01, "weight": 0.01, "exponent": 0.01}
@@ -195,6 +199,12 @@ class Cycle:
         return first, self.behind.start
 
     @property
+    def touch(self) -> float:
+        """Where the tip is as contact begins, before it jumps [m]."""
+        first = self.contact[0]
+        return float(self.z[first - 1] if first else self.tip[0])
+
+    @property
     def spacing(self) -> float:
         """Time from row to row [s]."""
         return float(np.median(np.diff(self.t)))
@@ -211,6 +221,10 @@ class Cycle:
             seen = 0 < edge < self.t.size and sign * steps[i] > JUMP_SEEN * self.noise
             times.append(float(self.t[i] + self.t[i + 1]) / 2 if seen else math.inf)
         return times[0], float(self.t[-1]) if self.held else times[1]
+
+    def near(self, rows: float) -> Array:
+        """Mask of those within so many of a jump that is seen."""
+        return np.any(np.abs(self.t[:, None] - np.array(self.jumps)) < rows * self.spacing, axis=1)
 
     @property
     def held(self) -> bool:
@@ -320,7 +334,7 @@ class Adhering:
     """The residuals of a ``cycle`` as a function of ``unknowns``, with marches of ``width`` and ``tolerance``;
     ``sigma``: standard deviations of the loads, ``left_out``: rows near jumps, ``jumps``: times of the begin and end of
     contact and their standard deviations (2, 2), infinite where there are none; ``correction``: what narrower zones add
-    to the loads [N]."""
+    to the loads [N]; ``steep``: of the time in contact, how near to jumps rows do not count."""
 
     body: FittedBody
     attracted: AttractedBody
@@ -333,6 +347,7 @@ class Adhering:
     jumps: Array
     left_out: Array
     correction: Array | float = 0.0
+    steep: float = STEEP[0]
 
     def trial(self, theta: Array) -> Trial:
         """The specimen of the unknowns ``theta``."""
@@ -342,14 +357,10 @@ class Adhering:
         modes = _few(self.settings.relaxation(values), float(np.ptp(self.cycle.t)))
         return Trial(w / m, stress / m, self.cycle.stiffness / m, modes, values["delta0"])
 
-    def marched(self, thetas: Sequence[Array]) -> list[Marched]:
-        """Marches of many unknowns."""
-        return self.march([self.trial(theta) for theta in thetas])
-
-    def march(self, trials: Sequence[Trial]) -> list[Marched]:
-        """Marches of many trials."""
+    def march(self, trials: Sequence[Trial], leaders: Sequence[int] | None = None) -> list[Marched]:
+        """Marches of many trials, each with the steps of that of its ``leaders``."""
         steps = None if self.settings.most is None else ROUGH_STEPS
-        how = self.cycle.program, self.width, self.tolerance, steps
+        how = self.cycle.program, self.width, self.tolerance, steps, leaders
         return March(self.body.problem, self.attracted, trials, *how).run()
 
     def instant(self, theta: Array) -> float:
@@ -367,14 +378,14 @@ class Adhering:
 
     def corrected(self, theta: Array, here: Marched, narrow: Marched) -> Adhering:
         """The same with what zones of no width change from the march ``here`` with ``theta``, by a ``narrow`` one, in
-        loads and in the end of contact."""
+        loads and in the end of contact, for rows nearer to jumps."""
         t = self.cycle.t
         change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - FINEST)
         change = np.where(self.apart(here, (narrow.begun, narrow.lost)), 0.0, change)
         later = (narrow.lost - here.lost) / (1 - FINEST)
         jumps = self.jumps.copy()
         jumps[1, 0] -= later if math.isfinite(later) and math.isfinite(jumps[1, 1]) else 0.0
-        return replace(self, correction=change, jumps=jumps)
+        return replace(self, correction=change, jumps=jumps, steep=STEEP[1])
 
     def apart(self, one: Marched, other: tuple[float, float]) -> Array:
         """Mask of rows between jumps of a march and ``other`` ones."""
@@ -385,22 +396,20 @@ class Adhering:
                 mask |= (t >= low) & (t <= high)
         return mask
 
-    def state(self, theta: Array, marches: Sequence[Marched]) -> State:
-        """Residuals and derivatives from the march at ``theta`` and those of its steps."""
-        cycle, here, steps, left = self.cycle, marches[0], self.steps(theta), iter(marches[1:])
-        times, seen = self.times(here), np.isfinite(self.jumps[:, 1])
-        off = np.where(self.out(here), 0.0, (self.loads(theta, here) - cycle.P) / self.sigma)
-        columns = []
+    def state(self, theta: Array, here: Marched, columns: Mapping[str, Array]) -> State:
+        """Residuals from the march at ``theta``, with their derivatives by what moves the contact."""
+        out, seen = self.out(here), np.isfinite(self.jumps[:, 1])
+        off = np.where(out, 0.0, (self.loads(theta, here) - self.cycle.P) / self.sigma)
+        off = np.append(off, ((self.times(here) - self.jumps[:, 0]) / self.jumps[:, 1])[seen])
+        line = {"P0": np.ones_like(self.cycle.z), "tilt": self.cycle.z - self.cycle.z[0]}
+        J = np.zeros((off.size, theta.size))
         for i, name in enumerate(self.unknowns.names):
             if name in LINE:
-                line = (1.0 if name == "P0" else cycle.z - cycle.z[0]) * self.unknowns.scales[i]
-                columns.append(np.append(np.where(self.out(here), 0.0, line / self.sigma), np.zeros(seen.sum())))
+                J[: out.size, i] = np.where(out, 0.0, line[name] * self.unknowns.scales[i] / self.sigma)
             else:
-                moved = theta + steps[i] * (np.arange(theta.size) == i)
-                columns.append(self.change(theta, here, moved, next(left)) / steps[i])
+                J[:, i] = columns[name]
         prior, J_prior = self.prior(theta)
-        J = np.concatenate([np.stack(columns, axis=1), J_prior])
-        return State(np.concatenate([off, ((times - self.jumps[:, 0]) / self.jumps[:, 1])[seen], prior]), lambda: J)
+        return State(np.append(off, prior), lambda: np.concatenate([J, J_prior]))
 
     def times(self, one: Marched) -> Array:
         """When contact began and was lost [s], not beyond the record."""
@@ -411,15 +420,17 @@ class Adhering:
         """Mask of rows that do not count: beside jumps, or between those of the record and of the march ``one``."""
         mine, t = np.array([one.begun, one.lost]), self.cycle.t
         theirs = np.where(np.isfinite(self.jumps[:, 1]), self.jumps[:, 0], mine)
-        beside = np.any(np.abs(t[:, None] - mine) < APART * self.cycle.spacing, axis=1)
+        width = max(APART * self.cycle.spacing, self.steep * self.cycle.lasting)
+        beside = np.any(np.abs(t[:, None] - mine) < width, axis=1)
         return self.left_out | self.apart(one, (float(theirs[0]), float(theirs[1]))) | beside
 
-    def change(self, theta: Array, here: Marched, moved: Array, there: Marched) -> Array:
-        """How residuals, of loads and jumps, change from the march ``here`` at ``theta`` to ``there`` at ``moved``."""
+    def change(self, here: Marched, loads: Array, moved: Array, there: Marched) -> Array:
+        """How residuals, of loads and jumps, change from the march ``here`` with its ``loads`` to ``there`` at
+        ``moved``."""
         seen = np.isfinite(self.jumps[:, 1])
         out = self.out(here) | self.apart(here, (there.begun, there.lost))
-        loads = np.where(out, 0.0, (self.loads(moved, there) - self.loads(theta, here)) / self.sigma)
-        return np.append(loads, ((self.times(there) - self.times(here)) / self.jumps[:, 1])[seen])
+        change = np.where(out, 0.0, (self.loads(moved, there) - loads) / self.sigma)
+        return np.append(change, ((self.times(there) - self.times(here)) / self.jumps[:, 1])[seen])
 
     def march_errors(self, here: Marched, theta: Array) -> Array:
         """What loads of marches may err by, in standard deviations of the rows, in each half of each piece."""
@@ -452,33 +463,42 @@ class Adhering:
                 by.append((sign * unit[names.index(name)] + w) / RANGES)
         return np.array(rows), np.array(by).reshape(-1, theta.size)
 
-    def asked(self, theta: Array) -> list[Array]:
-        """The unknowns whose marches make a state: ``theta`` and its steps."""
-        steps, all_ = self.steps(theta), [theta]
-        for i, name in enumerate(self.unknowns.names):
-            if name not in LINE:
-                moved = theta.copy()
-                moved[i] += steps[i]
-                all_.append(moved)
-        return all_
+    def moved(self, theta: Array, names: Sequence[str]) -> list[Array]:
+        """``theta`` with a step of each of some unknowns."""
+        steps = np.diag(self.steps(theta))
+        return [theta + steps[self.unknowns.names.index(name)] for name in names]
+
+    def rates(self, theta: Array, here: Marched, names: Sequence[str], there: Iterable[Marched]) -> dict[str, Array]:
+        """Derivatives by unknowns from the marches of their steps."""
+        steps = dict(zip(self.unknowns.names, self.steps(theta), strict=True))
+        loads = self.loads(theta, here)
+        return {name: self.change(here, loads, moved, one) / steps[name]
+                for name, moved, one in zip(names, self.moved(theta, names), there, strict=True)}  # fmt: skip
+
+    @staticmethod
+    def many(asked: Sequence[tuple[Adhering, Array]]) -> list[State]:
+        """The states of several searches of one cycle by one march."""
+        model = asked[0][0]
+        names = [name for name in model.unknowns.names if name not in LINE]
+        sets = [[theta, *model.moved(theta, names)] for _, theta in asked]
+        leaders = np.repeat(np.arange(len(sets)) * (len(names) + 1), len(names) + 1)
+        marches = iter(model.march([model.trial(theta) for some in sets for theta in some], leaders.tolist()))
+        found = []
+        for theta, *_ in sets:
+            here, *there = itertools.islice(marches, len(names) + 1)
+            found.append(model.state(theta, here, model.rates(theta, here, names, there)))
+        return found
 
     def __call__(self, theta: Array) -> State:
         (state,) = self.many([(self, theta)])
         return state
 
-    @staticmethod
-    def many(asked: Sequence[tuple[Adhering, Array]]) -> list[State]:
-        """The states of several searches of one cycle by one march."""
-        one = asked[0][0]
-        sets = [model.asked(theta) for model, theta in asked]
-        marches = iter(one.marched([theta for some in sets for theta in some]))
-        return [model.state(some[0], list(itertools.islice(marches, len(some))))
-                for (model, _), some in zip(asked, sets, strict=True)]  # fmt: skip
-
     def search(self, start: Array, evaluations: int) -> LeastSquares:
-        """What is minimised from ``start`` on."""
-        low, high = self.unknowns.bounds(start, FARTHEST)
-        return LeastSquares(self, (low, high), 1e-6, CONVERGED / self.cycle.t.size, evaluations)
+        """What is minimised from ``start`` on, with the cohesive stress of this."""
+        low, high = self.unknowns.bounds(start, REACH)
+        held = np.isin(self.unknowns.names, ZONE)
+        bounds = np.where(held, start, low), np.where(held, start, high)
+        return LeastSquares(self, bounds, 1e-6, CONVERGED / self.cycle.t.size, evaluations)
 
 
 def _likely(name: str, lasting: float) -> tuple[float, float] | None:
@@ -503,21 +523,61 @@ def _few(law: Relaxation, lasting: float) -> Modes:
     return Modes(0.0, weights / weights.sum(), rates)
 
 
-def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
-    """The fit of a force curve with its retraction and free rows, w among the unknowns."""
+def adhering_fit(
+    body: FittedBody, curve: Curve, settings: RelaxationSettings, like: RelaxationFit | None = None
+) -> RelaxationFit:
+    """The fit of a force curve with its retraction and free rows, w among the unknowns; ``like``: the fit of one that
+    may be alike, as that of a neighbour, where it begins."""
     if body.no_range:
         raise InputError(body.no_range.replace("adhesion of finite range", "adhesion on a viscoelastic specimen"))
     cycle = Cycle.of(curve)
+    _check(cycle)
+    settings = _with_base_line(cycle, settings)
+    depth = float(cycle.tip.max()) - cycle.touch
+    body = body.to_depth(DEEPER * depth)
+    z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
+    units = {"delta0": max(depth, 1e-3 * z), "P0": P, "tilt": P / z}
+
+    # All rows by their noise, the jumps where the rows show them.
+    seen, error = np.array(cycle.jumps), math.hypot(cycle.spacing / math.sqrt(12), JUMP_TIME * cycle.lasting)
+    jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, np.full(2, error)], axis=1), [0.0, math.inf])
+    fine = Adhering(body, AttractedBody(body.problem), cycle, settings, Unknowns(settings.parameters, units), *FINE[:2],
+                    np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
+    wide = None if like is None else _least(Nearby.of(fine, _alike(fine, like)), FINE[2])
+    if wide is None or like is None or not wide.ended or wide.scatter > LIKE * like.scatter:
+        near = Nearby.of(*_begun(fine))
+        wide = _least(near if settings.law == "sls" else near.by_law(settings), FINE[2])
+    far = ~cycle.near(NEAR)
+    if settings.most is not None and float(np.mean(wide.state.residuals[: far.size][far] ** 2)) > settings.most:
+        raise SolveError("no history of this specimen leaves as little")
+    # Narrower zones, extrapolated, and the least with what they change.
+    fine = wide.model
+    (narrow,) = replace(fine, width=FINEST * FINE[0]).march([fine.trial(wide.x)])
+    corrected = replace(wide, model=fine.corrected(wide.x, wide.here, narrow))
+    before = replace(wide, model=replace(fine, steep=STEEP[1])).state
+    shift = np.linalg.pinv(corrected.state.jacobian) @ (before.residuals - corrected.state.residuals)
+    fit = _result(_least(corrected, FINE[2]), shift)
+    return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if wide.here.given_up or narrow.given_up else fit
+
+
+def _check(cycle: Cycle) -> None:
+    """InputError where no adhesion shows, or a load is prescribed."""
     if _load_is_prescribed(cycle):
         raise InputError(
-            f"{curve.where}: w: adhesive cycles are fitted under a prescribed displacement, here the load is "
+            f"{cycle.curve.where}: w: adhesive cycles are fitted under a prescribed displacement, here the load is "
             "prescribed: leave w out"
         )
     if (
         cycle.pulled < ROWS_APART * cycle.noise / math.sqrt(2 * MEAN + 1)
         or float(-cycle.load.min()) < ROWS_APART * cycle.noise
     ):
-        raise InputError(f"{curve.where}: w: no adhesion shows, no load lies below that before contact; leave w out")
+        raise InputError(
+            f"{cycle.curve.where}: w: no adhesion shows, no load lies below that before contact; leave w out"
+        )
+
+
+def _with_base_line(cycle: Cycle, settings: RelaxationSettings) -> RelaxationSettings:
+    """Free too, unless fixed, are the stress and, where there are free rows, the zeros."""
     if not settings.ranged:
         settings = replace(settings, adhesion=(*settings.adhesion, "stress"))
     free = cycle.free.sum() >= BASE_FEWEST
@@ -526,55 +586,30 @@ def adhering_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -
     ]
     if "tilt" in zeros and "tilt" not in settings.zeros and np.ptp(cycle.z[cycle.free]) < 0.05 * np.ptp(cycle.z):
         zeros.remove("tilt")
-    settings = replace(settings, zeros=tuple(zeros))
-    depth = float(cycle.tip.max() - cycle.tip[cycle.contact[0]])
-    body = body.to_depth(DEEPER * depth)
-    attracted = AttractedBody(body.problem)
-    z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
-    units = {"delta0": max(depth, 1e-3 * z), "P0": P, "tilt": P / z}
-    # the search of a series begins with a standard solid
-    known = {name: value for name, value in settings.fixed.items() if name not in settings.of_law}
-    first = settings if settings.law != "prony" else replace(settings, law="sls", fixed=known)
-    unknowns = Unknowns(first.parameters, units)
+    return replace(settings, zeros=tuple(zeros))
 
+
+def _alike(model: Adhering, like: RelaxationFit) -> Array:
+    """The unknowns with the specimen of another fit; where contact begins is the record's own."""
+    values = {item.name: item.value for item in like.estimates} | dict(like.settings.fixed)
+    length = values["range"] if "range" in values else values["w"] / values["stress"]
+    own = {"delta0": model.cycle.touch + length, "P0": model.cycle.base[0], "tilt": model.cycle.base[1]}
+    return model.unknowns.at({**values, **own, **model.settings.fixed})
+
+
+def _begun(fine: Adhering) -> tuple[Adhering, Array]:
+    """The problem ``fine`` with a standard solid, by which every search begins, and its unknowns after rough ones."""
+    cycle, settings = fine.cycle, fine.settings
+    if settings.law != "sls":
+        known = {name: value for name, value in settings.fixed.items() if name not in settings.of_law}
+        settings = replace(settings, law="sls", fixed=known)
+    fine = replace(fine, settings=settings, unknowns=Unknowns(settings.parameters, fine.unknowns.units))
     rough = np.maximum(ROUGH * (cycle.pulled + np.abs(cycle.load)), cycle.noise)
-    seen = np.array(cycle.jumps)
-    jumps = np.where(
-        np.isfinite(seen)[:, None], np.stack([seen, np.full(2, ROUGH_TIME * cycle.lasting)], axis=1), [0.0, math.inf]
-    )
-    near = np.any(np.abs(cycle.t[:, None] - seen) < NEAR * cycle.spacing, axis=1)
+    jumps = fine.jumps.copy()
+    jumps[np.isfinite(jumps[:, 1]), 1] = ROUGH_TIME * cycle.lasting
     sigma = np.where(cycle.free, 3 * cycle.noise, rough)
-    model = Adhering(body, attracted, cycle, first, unknowns, *SEARCH[:2], sigma, jumps, near)
-    theta = _best(model, _starts(model), SEARCH[2])
-    rough_least = model.search(theta, SEARCH[2]).least(theta)
-    if settings.law == "prony":
-        values = unknowns.values(rough_least.x)
-        model = replace(model, settings=settings, unknowns=Unknowns(settings.parameters, units))
-        (law,) = _laws_of(settings, values["ratio"], values["time"], cycle.lasting)
-        theta = model.unknowns.at({**values, **law, **settings.fixed})
-        rough_least = model.search(theta, 1).least(theta)
-    if settings.most is not None:
-        off = (model.loads(rough_least.x, model.marched([rough_least.x])[0]) - cycle.P)[~near] / cycle.noise
-        if float(np.mean(off**2)) > settings.most:
-            raise SolveError("no history of this specimen leaves as little")
-    roughly = settings.most is not None
-    begun = [rough_least.x, *Posterior.of(model, rough_least, 1.0).modes()]
-
-    # All rows by their noise, the jumps where the rows show them.
-    error = math.hypot(cycle.spacing / math.sqrt(12), JUMP_TIME * cycle.lasting)
-    fine = replace(
-        model, width=FINE[0], tolerance=FINE[1], sigma=np.full(cycle.t.size, cycle.noise),
-        jumps=np.where(np.isfinite(jumps), [1.0, error / (ROUGH_TIME * cycle.lasting)], 1.0) * jumps,
-        left_out=np.any(np.abs(cycle.t[:, None] - seen) < APART * cycle.spacing, axis=1),
-    )  # fmt: skip
-    x = _best(fine, begun, STRAIGHT)
-    wide = fine.search(x, FINE[2]).least(x) if roughly else _along_valley(fine, x)
-    # Narrower zones, extrapolated, and the least with what they change.
-    (here,), (there,) = fine.marched([wide.x]), replace(fine, width=FINEST * FINE[0]).marched([wide.x])
-    fine = fine.corrected(wide.x, here, there)
-    least = fine.search(wide.x, FINE[2]).least(wide.x)
-    fit = _result(fine, least, least.x - wide.x)
-    return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if here.given_up or there.given_up else fit
+    model = replace(fine, width=SEARCH[0], tolerance=SEARCH[1], sigma=sigma, jumps=jumps, left_out=cycle.near(NEAR))
+    return fine, _best(model, _starts(model), SEARCH[2])
 
 
 def _load_is_prescribed(cycle: Cycle) -> bool:
@@ -590,7 +625,7 @@ def _starts(model: Adhering) -> list[Array]:
     cycle, body, settings = model.cycle, model.body, model.settings
     limits, fixed = ElasticLimits(body.nonadhesive), settings.fixed
     first, end = cycle.contact
-    shows, top = float(cycle.tip[first]), first + int(np.argmax(cycle.z[first:end]))  # at the reversal
+    shows, top = cycle.touch, first + int(np.argmax(cycle.z[first:end]))  # at the reversal
     depth, load = float(cycle.tip[top]), float(cycle.load[top])
     radius = float(np.interp(depth - shows, body.series.delta, body.series.a))
     starts = []
@@ -611,13 +646,12 @@ def _starts(model: Adhering) -> list[Array]:
             zero = shows + min(length, depth - shows)
         values = {"w": w, "stress": w / length, "range": length, "delta0": zero}
         values |= {"P0": cycle.base[0], "tilt": cycle.base[1]}
-        for law in _laws_of(settings, ratio, time * cycle.lasting, cycle.lasting):
-            own = {"modulus": modulus * law.get("modulus", 1.0)}
-            starts.append(model.unknowns.at({**values, **law, **own, **fixed}))
+        law = {"ratio": ratio, "time": time * cycle.lasting}
+        starts.append(model.unknowns.at({**values, **law, "modulus": modulus, **fixed}))
     low, high = zip(*(model.unknowns.bounds(theta, FARTHEST) for theta in starts), strict=True)
     starts = [np.clip(theta, a, b) for theta, a, b in zip(starts, low, high, strict=True)]
     costs = []
-    for theta, march in zip(starts, model.marched(starts), strict=True):
+    for theta, march in zip(starts, model.march([model.trial(theta) for theta in starts]), strict=True):
         off = (model.loads(theta, march) - cycle.P) / model.sigma
         lost = march.lost if math.isfinite(march.lost) else cycle.t[-1] + cycle.lasting / 4
         missed = 0.0 if math.isinf(model.jumps[1, 1]) else (lost - model.jumps[1, 0]) / cycle.lasting
@@ -635,59 +669,58 @@ def _best(model: Adhering, begun: Sequence[Array], evaluations: int) -> Array:
     return theta
 
 
-def _laws_of(settings: RelaxationSettings, ratio: float, time: float, lasting: float) -> Iterator[dict[str, float]]:
-    """Parameters of laws near a standard solid of ``ratio`` and ``time`` [s] in a contact ``lasting`` so long [s]; the
+def _law_near(settings: RelaxationSettings, ratio: float, time: float, lasting: float) -> dict[str, float]:
+    """Parameters of a law near a standard solid of ``ratio`` and ``time`` [s] in a contact ``lasting`` so long [s]; the
     "modulus" of a power law is over that at t = 0."""
-    if settings.law == "sls":
-        yield {"ratio": ratio, "time": time}
-    elif settings.law == "power":
-        left = ratio + (1 - ratio) * math.exp(-lasting / time)
-        for onset in (share * lasting for share in ONSETS):
-            exponent = min(max(-math.log(left) / math.log1p(lasting / onset), 0.01), 0.9)
-            yield {"onset": onset, "exponent": exponent, "modulus": (settings.fixed["time"] / onset) ** -exponent}
-    else:
-        n = settings.terms
-        weights = {f"weight{i + 1}": max((1 - ratio) / n, 0.01) for i in range(n)}
-        yield weights | {f"time{i + 1}": time * APART_TIMES ** (i - (n - 1) / 2) for i in range(n)}
+    if settings.law == "power":
+        left, onset = ratio + (1 - ratio) * math.exp(-lasting / time), ONSET * lasting
+        exponent = min(max(-math.log(left) / math.log1p(lasting / onset), 0.01), 0.9)
+        return {"onset": onset, "exponent": exponent, "modulus": (settings.fixed["time"] / onset) ** -exponent}
+    n = settings.terms
+    weights = {f"weight{i + 1}": max((1 - ratio) / n, 0.01) for i in range(n)}
+    return weights | {f"time{i + 1}": time * APART_TIMES ** (i - (n - 1) / 2) for i in range(n)}
 
 
-def _along_valley(model: Adhering, x: Array) -> Least:
-    """The least near ``x`` of all rows. Laws that differ hardly in r(t) within the record lie along bent valleys: the
-    least of loads that are linear in r(t), whatever its parameters, leads on where steps of Gauss and Newton creep."""
-    least = model.search(x, STRAIGHT).least(x)
-    for _ in range(VALLEYS):
-        x = Posterior.of(model, least, 1.0).likeliest()
-        there = model.search(x, STRAIGHT).least(x)
-        gained = least.cost - there.cost
-        least = there if gained > 0 else least
-        if gained < CONVERGED:
-            break
-    return least
+def _least(near: Nearby, evaluations: int) -> Nearby:
+    """Where the record is likeliest, by steps to where it is by what it says near the last ones, first with the stress
+    nearly held, which takes up what other unknowns are off; ``ended`` where the loads there hardly differ."""
+    for held in (HELD, 1.0):
+        within, ended = WITHIN[1], False
+        for _ in range(evaluations):
+            there = Posterior.of(near, 1.0, within, held).likeliest()
+            if ended := near.moves(there) < CONVERGED:
+                break
+            new = Nearby.of(near.model, there)
+            gained = near.cost - new.cost
+            near = new if gained > 0 else near
+            if ended := abs(gained) < CONVERGED + SCATTERS * near.cost:
+                break
+            within = min(within * 3, WITHIN[2]) if gained > 0 else within / 5
+            if within < WITHIN[0]:
+                break
+    return replace(near, ended=ended)
 
 
-def _scatter(model: Adhering, least: Least) -> float:
-    """Standard deviation of the residuals of the rows over the noise they are weighed by."""
-    rows = least.state.residuals[: model.cycle.t.size]
-    return math.sqrt(float(rows @ rows) / max(int(np.count_nonzero(rows)) - least.x.size, 1))
-
-
-def _result(model: Adhering, least: Least, shift: Array) -> RelaxationFit:
-    """The answer of the ``least``; ``shift``: of the unknowns, by the widths of zones that are extrapolated."""
+def _result(near: Nearby, shift: Array) -> RelaxationFit:
+    """The answer ``near`` the likeliest unknowns; ``shift``: of these, by the widths of zones that are extrapolated."""
+    model, state = near.model, near.state
     settings, unknowns, cycle = model.settings, model.unknowns, model.cycle
-    J, off, n, scatter = least.state.jacobian, least.state.residuals, cycle.t.size, _scatter(model, least)
+    J, off, n = state.jacobian, state.residuals, cycle.t.size
     rows = np.any(J[:n] != 0, axis=1)
-    variance = max(1.0, scatter**2)
+    variance = max(1.0, near.scatter**2)
     own = covariance(J, variance)
     own = own if own is None else own + MARCH_ERROR**2 * np.outer(shift, shift)
-    middle, samples = Posterior.of(model, least, variance).samples(shift)
-    least = replace(least, x=middle)
+    middle, samples = Posterior.of(near, variance).samples(shift)
+    low, high = unknowns.bounds(middle, FARTHEST)
+    problem = LeastSquares(model, (low, high))
+    least = Least(problem, middle, state, near.cost, (middle <= low) | (middle >= high), 0, near.ended)
     intervals = Intervals.of(unknowns, least, settings.level, "covariance", model.body.problem.E_star, variance)
     intervals = replace(intervals, covariance=own, samples=samples)
     fit = RelaxationFit(
         estimates=intervals.estimates(), free=unknowns.names, dof=least.dof, covariance=unknowns.covariance(own),
         relaxation=settings.relaxation(unknowns.values(least.x)), record=cycle.record(), imposed=cycle.z,
         response=np.where(rows, cycle.P + off[:n] * model.sigma, np.nan), settings=settings,
-        scatter=scatter, samples=samples * unknowns.scales,
+        scatter=near.scatter, samples=samples * unknowns.scales,
     )  # fmt: skip
     warnings = [*fit.record.flags, *([BESIDE] if settings.law == "power" else [])]
     warnings += [] if least.ended else [f"{UNSETTLED}: values and intervals are preliminary"]
@@ -701,128 +734,240 @@ def _result(model: Adhering, least: Least, shift: Array) -> RelaxationFit:
 # ellipse. The loads, though, are nearly linear in r(t) itself: r = r_0 + sum of omega_k (exp(-q_k t) - 1).
 
 SPECTRUM = np.geomspace(0.3, 3000.0, 11)  # choice: rates q_k over the time in contact
-SPECTRUM_STEP = 0.01  # choice: of r, for differences
+SPECTRUM_STEP, LAW_STEP = 0.03, 1e-3  # choice: of r, and of parameters of laws, for differences
 SPECTRUM_TIMES = np.geomspace(1e-4, 1.0, 50)  # choice: over the time in contact, at which r is told by these
+OMEGA = np.linalg.pinv(np.expm1(-np.multiply.outer(SPECTRUM_TIMES, SPECTRUM)), rcond=1e-4).T  # of r at these
 # choice: quantiles are then good to a tenth of a standard error
-WALKERS, WALKED, BURNT, KEPT, TRIALS = 48, 450, 200, 600, 96
+WALKERS, WALKED, BURNT, KEPT, TRIALS = 48, 330, 160, 600, 96
 # choice: steps to valleys, and near them, where samples begin; ends of shares there; times over that in contact
 SETTLING, SETTLING_NEAR, SHARE_ENDS, TIMES_TRIED = 15, 5, 1e-3, (0.01, 100.0)
-MODES = (0.03, 0.3, 3.0)  # choice: times over that in contact, of laws among which a search begins
 STRETCH = 2.0  # theory: of Goodman and Weare's moves (Comm. App. Math. Comp. Sci. 5 (2010) 65)
 SEED = 1  # choice: the same samples every day
 
 
 @dataclass(frozen=True, eq=False)
-class Posterior:
-    """What is likely of the law's parameters ``best`` (of the unknowns ``own``), and of the others given these: minus
-    twice its log is |``right`` + ``matrix`` omega|^2, and the others are ``mean`` + ``by`` omega with the Cholesky root
-    ``spread`` of their covariance."""
+class Nearby:
+    """What the record says near the unknowns ``x``, by the ``marches`` of these with the ``modes``, of steps of those
+    that are not of the law and of r(t) at each rate; ``ended``: whether ``x`` is the likeliest."""
 
     model: Adhering
     x: Array
-    own: Array
-    right: Array
-    matrix: Array
-    mean: Array
-    by: Array
-    spread: Array
+    modes: Modes
+    marches: Sequence[Marched]
+    ended: bool = False
 
     @classmethod
-    def of(cls, model: Adhering, least: Least, variance: float) -> Posterior:
-        names, x, settings = model.unknowns.names, least.x, model.settings
-        own = np.array([_likely(name, model.cycle.lasting) is not None for name in names])
-        trial, rates = model.trial(x), SPECTRUM / model.cycle.lasting
-        sign = 1.0 if trial.modes.relaxed > 2 * SPECTRUM_STEP else -1.0
-        trials = [trial]
-        for q in rates.tolist():
-            modes = trial.modes
-            added = modes._replace(relaxed=modes.relaxed - sign * SPECTRUM_STEP,
-                                   weights=np.append(modes.weights, sign * SPECTRUM_STEP),
-                                   rates=np.append(modes.rates, q))  # fmt: skip
-            trials.append(replace(trial, modes=added))
-        marches = model.march(trials)
-        J_r = np.stack([model.change(x, marches[0], x, one) for one in marches[1:]], axis=1) / (sign * SPECTRUM_STEP)
-        J, off, n_law = least.state.jacobian, least.state.residuals, int(own.sum())
-        law = slice(J_r.shape[0], J_r.shape[0] + n_law)  # what is likely of the law is told apart
-        keep = np.delete(np.arange(off.size), np.arange(law.start, law.stop))
-        spread_r = np.zeros((off.size, rates.size))
-        spread_r[: J_r.shape[0]] = J_r
-        scale = 1 / math.sqrt(variance)
-        J, off, J_r = J[keep][:, ~own] * scale, off[keep] * scale, spread_r[keep] * scale
-        # what marches err by, another in each half of each piece of the program, are unknowns too
-        errs = model.march_errors(marches[0], x) * scale
-        m, p = errs.shape[1], J.shape[1]
-        wide = np.zeros((J.shape[0], m))
-        wide[: errs.shape[0]] = errs
-        J = np.block([[J, wide], [np.zeros((m, p)), np.eye(m)]])
-        off, J_r = np.append(off, np.zeros(m)), np.vstack([J_r, np.zeros((m, J_r.shape[1]))])
-        Q, R = np.linalg.qr(J)
-        others = np.linalg.pinv(R)
-        left, J_left = off - Q @ (Q.T @ off), J_r - Q @ (Q.T @ J_r)
-        Q_r, matrix = np.linalg.qr(J_left)
-        others = others[:p]
-        spread = others @ others.T
-        root = np.linalg.cholesky(spread + 1e-12 * np.diag(np.diag(spread)))
-        assert settings.law in RELAXED
-        return cls(model, x, own, Q_r.T @ left, matrix, -others @ (Q.T @ off), -others @ (Q.T @ J_r), root)
+    def of(cls, model: Adhering, x: Array) -> Nearby:
+        trial, added, names = model.trial(x), list[Trial](), cls._others(model)
+        modes, step = trial.modes, cls._step(trial.modes)
+        for q in (SPECTRUM / model.cycle.lasting).tolist():
+            more = Modes(modes.relaxed - step, np.append(modes.weights, step), np.append(modes.rates, q))
+            added.append(replace(trial, modes=more))
+        trials = [trial, *map(model.trial, model.moved(x, names)), *added]
+        return cls(model, x, modes, model.march(trials, [0] * len(trials)))
 
-    def off(self, law: Array) -> tuple[Array, Array]:
-        """What is left of all rows and of what is likely before, by parameters ``law`` (n, parameters), as residuals
-        (n, rows), and omega of these."""
-        lasting = self.model.cycle.lasting
-        t = SPECTRUM_TIMES * lasting
-        here, there = (self.r(one, t) / self.r(one, np.zeros(1)) for one in (self.x[self.own][None], law))
-        omega = (there - here) @ np.linalg.pinv(np.expm1(-np.multiply.outer(t, SPECTRUM / lasting)), rcond=1e-4).T
-        means, widths = np.array([_likely(name, lasting) for name in self.names]).T
-        return np.concatenate([self.right + omega @ self.matrix.T, (law - means) / widths], axis=1), omega
+    @staticmethod
+    def _step(modes: Modes) -> float:
+        return SPECTRUM_STEP if modes.relaxed > 2 * SPECTRUM_STEP else -SPECTRUM_STEP
 
-    def log(self, law: Array) -> Array:
-        """Logs of what parameters ``law`` (n, parameters) are likely."""
-        shares = law[:, [not _is_time(name) for name in self.names]]
-        weights = law[:, [name.startswith("weight") for name in self.names]]
-        possible = ((shares > 0) & (shares < 1)).all(axis=1) & (weights.sum(axis=1) < 1)
-        return np.where(possible, -np.sum(self.off(law)[0] ** 2, axis=1) / 2, -np.inf)
+    def by_law(self, settings: RelaxationSettings) -> Nearby:
+        """The same for the parameters of another law that is not far."""
+        model, cycle = self.model, self.model.cycle
+        values = model.unknowns.values(self.x)
+        unknowns = Unknowns(settings.parameters, model.unknowns.units)
+        law = _law_near(settings, values["ratio"], values["time"], cycle.lasting)
+        at_once = values["modulus"] * law.pop("modulus", 1.0)
+        x = unknowns.at({**values, **law, "modulus": at_once, **settings.fixed})
+        return replace(self, model=replace(model, settings=settings, unknowns=unknowns), x=x)
+
+    @staticmethod
+    def _others(model: Adhering) -> list[str]:
+        """The unknowns that are not of the law and move the contact."""
+        return [name for name in model.unknowns.names
+                if name not in LINE and _likely(name, model.cycle.lasting) is None]  # fmt: skip
+
+    @property
+    def here(self) -> Marched:
+        return self.marches[0]
+
+    @cached_property
+    def own(self) -> Array:
+        """Mask of the unknowns of the law."""
+        return np.array([_likely(name, self.model.cycle.lasting) is not None for name in self.model.unknowns.names])
 
     @property
     def names(self) -> list[str]:
         """Of the unknowns of the law."""
         return [name for name, own in zip(self.model.unknowns.names, self.own, strict=True) if own]
 
+    @cached_property
+    def by_r(self) -> Array:
+        """Derivatives of the residuals by the omega_k, (rows, rates)."""
+        step, there = self._step(self.modes), self.marches[1 + len(self._others(self.model)) :]
+        loads = self.model.loads(self.x, self.here)
+        return np.stack([self.model.change(self.here, loads, self.x, one) for one in there], axis=1) / step
+
+    @cached_property
+    def state(self) -> State:
+        """Residuals at ``x`` and their derivatives, by the law through r(t)."""
+        others, law, unit = self._others(self.model), self.x[self.own], np.eye(int(self.own.sum()))
+        columns = self.model.rates(self.x, self.here, others, self.marches[1 : 1 + len(others)])
+        for name, direction in zip(self.names, unit, strict=True):
+            ends = law + LAW_STEP * np.multiply.outer([1.0, -1.0], direction)
+            by = np.diff(self.spectrum(ends), axis=0)[0] / (-2 * LAW_STEP)
+            columns[name] = self.by_r @ by
+            if "modulus" in columns:
+                stiffer = math.log(np.divide(*self.r(ends, np.zeros(1))[:, 0])) / (2 * LAW_STEP)
+                columns[name] = columns[name] + stiffer * columns["modulus"]
+        return self.model.state(self.x, self.here, columns)
+
+    @property
+    def cost(self) -> float:
+        return self.state.cost
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of the residuals of the rows over the noise they are weighed by."""
+        off = self.state.residuals[: self.model.cycle.t.size]
+        return math.sqrt(float(off @ off) / max(int(np.count_nonzero(off)) - self.x.size, 1))
+
     def r(self, law: Array, t: Array) -> Array:
-        """r at the times ``t`` [s] (n, times)."""
+        """r at the times ``t`` [s] (n, times) of laws (n, parameters)."""
         settings = self.model.settings
         every: dict[str, Array] = {name: np.asarray(value) for name, value in settings.fixed.items()}
         every |= {name: np.exp(one) if _is_time(name) else one for name, one in zip(self.names, law.T, strict=True)}
         return RELAXED[settings.law](every, t)
 
+    def spectrum(self, law: Array) -> Array:
+        """The weights of exp(-q_k t) - 1 in r(t)/r(0) - 1 of laws (n, parameters), (n, rates)."""
+        r = self.r(law, np.append(0.0, SPECTRUM_TIMES) * self.model.cycle.lasting)
+        found: Array = (r[:, 1:] / r[:, :1] - 1) @ OMEGA
+        return found
+
+    @cached_property
+    def own_spectrum(self) -> Array:
+        """That of the ``modes``."""
+        t = SPECTRUM_TIMES * self.model.cycle.lasting
+        found: Array = np.expm1(-np.multiply.outer(t, self.modes.rates)) @ self.modes.weights @ OMEGA
+        return found
+
+    def stiffer(self, law: Array) -> Array:
+        """Log of r(0) of laws (n, parameters) over that of ``x``, (n,)."""
+        zero = np.zeros(1)
+        found: Array = np.log(self.r(law, zero) / self.r(self.x[self.own][None], zero))[:, 0]
+        return found
+
+    def moves(self, x: Array) -> float:
+        """By how many standard errors of the rows the loads at ``x`` differ from those here, squared."""
+        law, by = x[self.own][None], x - self.x
+        if "modulus" in self.model.unknowns.names:
+            i = self.model.unknowns.names.index("modulus")
+            by[i] = math.expm1(by[i] + self.stiffer(law)[0])
+        stiffer = 1 + (by[i] if "modulus" in self.model.unknowns.names else 0.0)
+        omega = stiffer * (self.spectrum(law)[0] - self.own_spectrum)
+        moved = self.state.jacobian[: len(self.by_r), ~self.own] @ by[~self.own] + self.by_r @ omega
+        return float(moved @ moved)
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """What is likely of the law's parameters by what the record says ``near`` some unknowns, and of the others given
+    these. Loads are linear in E(t), (1 + mu) r(t) + sum omega_k (exp(-q_k t) - 1) over the modulus at t = 0: minus
+    twice the log is |``left`` + ``stiff`` mu + ``matrix`` omega|^2, least in mu, and the others, all but that
+    modulus at t = 0, are ``mean`` + ``by`` (mu, omega) with the Cholesky root ``spread`` of their covariance."""
+
+    near: Nearby
+    others: Array
+    left: Array
+    stiff: Array
+    matrix: Array
+    mean: Array
+    by: Array
+    spread: Array
+
+    @classmethod
+    def of(cls, near: Nearby, variance: float, within: float = math.inf, held: float = 1.0) -> Posterior:
+        """Of residuals of the ``variance``, over the noise; ``within``: how far off logs of the others are likely, of
+        the cohesive stress that times ``held``."""
+        J, off, rows = near.state.jacobian, near.state.residuals, len(near.by_r)
+        modulus = np.array([name == "modulus" for name in near.model.unknowns.names])
+        logs = np.array([one.kind == "log" for one in near.model.unknowns.free])
+        others = ~near.own & ~modulus
+        far = logs / within / np.where(np.isin(near.model.unknowns.names, ZONE), held, 1.0)
+        # in the end what marches err by, another in each half of each piece of the program, are unknowns too
+        errs = near.model.march_errors(near.here, near.x) * math.isinf(within)
+        m, p, n = errs.shape[1], int(others.sum()), off.size
+        every = np.zeros((n + m + p + 1, p + m + near.by_r.shape[1] + 2))
+        every[:n, :p], every[:n, p + m], every[:n, -1] = J[:, others], J[:, modulus].sum(axis=1), off
+        every[: len(errs), p : p + m], every[:rows, p + m + 1 : -1] = errs, near.by_r
+        every[rows : rows + int(near.own.sum())] = 0.0  # what is likely of the law is told apart
+        every[:n] /= math.sqrt(variance)
+        every[n : n + m, p : p + m] = np.eye(m)
+        every[n + m : -1, :p], every[-1, p + m] = np.diag(far[others]), modulus @ far
+        Q, R = np.linalg.qr(every[:, : p + m])
+        on = Q.T @ every[:, p + m :]
+        seen = np.linalg.qr(every[:, p + m :] - Q @ on)[1]
+        back = np.linalg.pinv(R)[:p]
+        spread, found = back @ back.T, -back @ on
+        root = np.linalg.cholesky(spread + 1e-12 * np.diag(np.diag(spread)))
+        return cls(near, others, seen[:, -1], seen[:, 0], seen[:, 1:-1], found[:, -1], found[:, :-1], root)
+
+    def told(self, law: Array) -> tuple[Array, Array, Array]:
+        """What is left of all rows and of what is likely before, by parameters ``law`` (n, parameters), as residuals
+        (n, rows), with the likeliest mu (n,), and its standard deviation."""
+        changed = (self.near.spectrum(law) - self.near.own_spectrum) @ self.matrix.T
+        off = self.left + changed
+        mu, known = np.zeros(len(law)), np.zeros(len(law))
+        if self.stiff.any():
+            by = self.stiff + changed
+            known = 1 / np.maximum(np.sqrt(np.sum(by**2, axis=1)), TINY)
+            mu = np.maximum(-np.sum(by * off, axis=1) * known**2, SAME - 1)
+            off = off + mu[:, None] * by
+        likely = np.array([_likely(name, self.near.model.cycle.lasting) for name in self.near.names]).reshape(-1, 2)
+        return np.concatenate([off, (law - likely[:, 0]) / likely[:, 1]], axis=1), mu, known
+
+    def off(self, law: Array) -> Array:
+        """The residuals of ``told``."""
+        return self.told(law)[0]
+
+    def log(self, law: Array) -> Array:
+        """Logs of what parameters ``law`` (n, parameters) are likely."""
+        shares = law[:, [not _is_time(name) for name in self.near.names]]
+        weights = law[:, [name.startswith("weight") for name in self.near.names]]
+        possible = ((shares > 0) & (shares < 1)).all(axis=1) & (weights.sum(axis=1) < 1)
+        return np.where(possible, -np.sum(self.off(law) ** 2, axis=1) / 2, -np.inf)
+
     def samples(self, march: Array) -> tuple[Array, Array]:
         """A point in the middle of what is likely, and samples of all unknowns (n, unknowns); ``march``: what narrower
         zones moved them, of which a part may be left over."""
         rng = np.random.default_rng(SEED)
-        law = np.tile(self.x[self.own], (KEPT, 1))
+        law = np.tile(self.near.x[self.near.own], (KEPT, 1))
         if law.size:
             law = rng.choice(self._walked(rng), KEPT, replace=False)
-        found = self._whole(law)
-        found[:, ~self.own] += rng.standard_normal((KEPT, int((~self.own).sum()))) @ self.spread.T
+        found = self._whole(law, rng.standard_normal(KEPT))
+        found[:, self.others] += rng.standard_normal((KEPT, len(self.mean))) @ self.spread.T
         found += MARCH_ERROR * rng.standard_normal((KEPT, 1)) * march
-        shares = [i for i, name in enumerate(self.model.unknowns.names) if self.own[i] and not _is_time(name)]
+        shares = [i for i, name in enumerate(self.near.model.unknowns.names) if self.near.own[i] and not _is_time(name)]
         found[:, shares] = np.clip(found[:, shares], SAME, 1 - SAME)
         return self._central(law), found
 
-    def _whole(self, law: Array) -> Array:
-        """All unknowns (n, unknowns) with those of the ``law`` and the most likely of the others."""
-        found = np.tile(self.x, (len(law), 1))
-        found[:, self.own] = law
-        found[:, ~self.own] += self.mean + self.off(law)[1] @ self.by.T
-        zero = np.zeros(1)
-        if "modulus" in self.model.unknowns.names:  # that at t = 0 is what the loads tell
-            i = self.model.unknowns.names.index("modulus")
-            found[:, i] -= np.log(self.r(law, zero) / self.r(self.x[self.own][None], zero))[:, 0]
+    def _whole(self, law: Array, errors: Array | float = 0.0) -> Array:
+        """All unknowns (n, unknowns) with those of the ``law`` and the most likely of the others; of a modulus at t = 0
+        that is so many standard ``errors`` more."""
+        _, mu, known = self.told(law)
+        mu = np.maximum(mu + errors * known, SAME - 1)
+        omega = (1 + mu)[:, None] * (self.near.spectrum(law) - self.near.own_spectrum)
+        found = np.tile(self.near.x, (len(law), 1))
+        found[:, self.near.own] = law
+        found[:, self.others] += self.mean + np.column_stack([mu, omega]) @ self.by.T
+        if "modulus" in self.near.model.unknowns.names:
+            i = self.near.model.unknowns.names.index("modulus")
+            found[:, i] += np.log1p(mu) - self.near.stiffer(law)
         return found
 
     def _central(self, law: Array) -> Array:
         """Of the samples of a ``law`` that whose r(t) is nearest to the medians, with the most likely others."""
-        r = np.log(np.maximum(self.r(law, SPECTRUM_TIMES * self.model.cycle.lasting), TINY))
+        r = np.log(np.maximum(self.near.r(law, SPECTRUM_TIMES * self.near.model.cycle.lasting), TINY))
         off = (r - np.median(r, axis=0)) / np.maximum(np.std(r, axis=0), TINY)
         nearest = int(np.argmin(np.sum(off**2, axis=1)))
         whole: Array = self._whole(law[nearest : nearest + 1])[0]
@@ -834,22 +979,10 @@ class Posterior:
         whole: Array = self._whole(law[:1])[0]
         return whole
 
-    def modes(self) -> list[Array]:
-        """The unknowns with laws of short, middle and long times."""
-        lasting, found = self.model.cycle.lasting, list[Array]()
-        for share in MODES:
-            law, middle = np.full(len(self.names), 0.3), (len(self.names) - 1) / 2
-            for i, name in enumerate(self.names):
-                if _is_time(name):
-                    law[i] = math.log(share * lasting) + (i - middle) / 2 * math.log(APART_TIMES)
-            if law.size:
-                found.append(self._whole(self._settled(law[None]))[0])
-        return found
-
     def _about(self, rng: np.random.Generator) -> Array:
         """Parameters of the law: its own, first, others near to it, and as many anywhere."""
-        here, lasting = np.tile(self.x[self.own], (TRIALS, 1)), self.model.cycle.lasting
-        for i, name in enumerate(self.names):
+        here, lasting = np.tile(self.near.x[self.near.own], (TRIALS, 1)), self.near.model.cycle.lasting
+        for i, name in enumerate(self.near.names):
             width = 10 ** rng.uniform(-3, 0.3, TRIALS - 1) * (2.0 if _is_time(name) else 0.3)
             here[1:, i] += rng.normal(0, 1, TRIALS - 1) * width
             low, high = np.log(TIMES_TRIED).tolist()
@@ -864,11 +997,11 @@ class Posterior:
         """Each of many parameters ``law`` by steps of Levenberg and Marquardt in the valley next to it, the likeliest
         first."""
         d, log, damping = law.shape[1], self.log(law), np.full(len(law), 1e-2)
-        steps = np.array([0.01 if _is_time(name) else 1e-3 for name in self.names])
-        shares = np.array([not _is_time(name) for name in self.names], dtype=bool)
+        steps = np.array([0.01 if _is_time(name) else 1e-3 for name in self.near.names])
+        shares = np.array([not _is_time(name) for name in self.near.names], dtype=bool)
         for _ in range(steps_of if d else 0):
-            off = self.off(law)[0]
-            J = np.stack([(self.off(law + step)[0] - off) / step.sum() for step in np.diag(steps)], axis=2)
+            off = self.off(law)
+            J = np.stack([(self.off(law + step) - off) / step.sum() for step in np.diag(steps)], axis=2)
             A = np.einsum("nri,nrj->nij", J, J)
             A += damping[:, None, None] * (A * np.eye(d)) + TINY * np.eye(d)
             moved = -np.linalg.solve(A, np.einsum("nri,nr->ni", J, off)[..., None])[..., 0]
@@ -882,10 +1015,9 @@ class Posterior:
     def _walked(self, rng: np.random.Generator) -> Array:
         """Samples of the law's parameters, (n, parameters), by walks over the logs of the slopes weight/time, by which
         laws of times beyond the record are alike, and of the times."""
-        exponentials = self.model.settings.law != "power" and [*map(_is_time, self.names)] == [False, True] * (
-            len(self.names) // 2
-        )
-        turned = -1.0 if self.names[0] == "ratio" else 1.0  # the weight is 1 - ratio
+        names, power = self.near.names, self.near.model.settings.law == "power"
+        exponentials = not power and [*map(_is_time, names)] == [False, True] * (len(names) // 2)
+        turned = -1.0 if self.near.names[0] == "ratio" else 1.0  # the weight is 1 - ratio
 
         def slopes(law: Array) -> Array:
             here = law.copy()
@@ -920,8 +1052,8 @@ class Posterior:
 
     def _in_order(self, law: Array) -> Array:
         """The terms of Prony's series by their times, where none of them is fixed."""
-        terms = self.model.settings.terms
-        if self.model.settings.law != "prony" or len(self.names) < 2 * terms:
+        terms = self.near.model.settings.terms
+        if self.near.model.settings.law != "prony" or len(self.near.names) < 2 * terms:
             return law
         pairs = law.reshape(-1, terms, 2)
         order = np.argsort(pairs[..., 1], axis=1)

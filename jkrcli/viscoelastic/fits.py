@@ -13,7 +13,7 @@ from ..tables import some
 from .law_fits import RelaxationFits
 from .rate_fit import rate_fit, rate_settings
 from .relaxation_fit import relaxation_fit
-from .timed_record import relaxation_settings
+from .timed_record import RelaxationFit, relaxation_settings
 
 
 def fit_law(request: FitRequest) -> None:
@@ -37,11 +37,11 @@ def fit_relaxation(request: FitRequest) -> None:
         asked.relaxation, asked.fix, request.names, body.problem.E_star, body.range_of_case, **how
     )
     curves, skipped = usable(request.measured, request.reading)
-    done = []
+    done: list[RelaxationFit] = []
     for curve in curves:
         try:
             with one_thread():
-                done.append(relaxation_fit(body, curve, settings))
+                done.append(relaxation_fit(body, curve, settings, done[-1] if done else None))
         except InputError as error:
             skipped += error.lines
     if not done:

@@ -45,6 +45,7 @@ from .relaxing_adhesion import LEAST_LEFT, ZONE_SLOPE, creep
 NODES = 12  # choice: of Gauss, over a zone
 INNER = 6  # choice: points of the profile, over the narrowest zone
 MOST = 6000  # choice: of them
+CLOSE = 5e-3  # choice: of the zone, from which one step of Newton's leaves 1e-4
 NEWTON = 12  # choice: steps of Newton's from a prediction, beyond which a shorter step of time is tried
 KERNEL_WIDER = 1.5  # choice: from reach to reach of kernels, which are kept
 FARTHEST = 4.0  # choice: of the radius as deep as the device goes, that of the largest contact
@@ -53,7 +54,7 @@ JUMP_LASTS = 1e-9  # choice: of the program, for rows of one time each
 JUMPS_MOST = 5  # choice: of a contact, beyond which it is given up
 KERNELS = 8  # choice: that are kept
 KERNEL = 1e-5  # theory: of the largest, terms of the kernel that are left out
-BENDS = 0.15  # choice: of the largest load, what it is off a straight line, as a zone that its prediction misses
+BENDS = 0.3  # choice: of the largest load, what it is off a straight line, as a zone that its prediction misses
 GROWS = 1.4  # choice: from step to step; of twice as long ones loads have the noise of where they begin
 SEARCHED = 32  # choice: radii among which a jump's end is looked for
 MOVES = 0.5  # choice: of the zone, by which its edge moves at most while its body relaxes
@@ -101,8 +102,9 @@ class Kernel:
 
     def at(self, x: Array) -> Array:
         """u at ``x`` of any shape, one axis more."""
-        y = np.clip(x / self.reach, 0, 1) * (len(self.u) - 1)
-        i = np.minimum(y.astype(int), len(self.u) - 2)
+        last = len(self.u) - 1
+        y = np.minimum(x * (last / self.reach), last)
+        i = np.minimum(y.astype(int), last - 1)
         return self.u[i] + (y - i)[..., None] * (self.u[i + 1] - self.u[i])
 
     @cached_property
@@ -116,8 +118,9 @@ class Kernel:
 
     def disc(self, a: Array) -> tuple[Array, Array]:
         """(1/kappa + A)^-1, (n, m, m), and beta (n, m) of the radii ``a`` [m]."""
-        y = np.clip(a / self.reach, 0, 1) * (len(self.u) - 1)
-        i = np.minimum(y.astype(int), len(self.u) - 2)
+        last = len(self.u) - 1
+        y = np.minimum(a * (last / self.reach), last)
+        i = np.minimum(y.astype(int), last - 1)
         low, high = self.discs[i], self.discs[i + 1]
         both = low + (y - i)[:, None, None] * (high - low)
         return both[..., :-1], both[..., -1]
@@ -167,10 +170,13 @@ class Marched:
 
 class March:
     """All ``trials`` through the ``program`` (times [s] and places [m] of its corners) of one device; ``width``: of the
-    zone over the contact radius at least, ``tolerance`` of steps in zones."""
+    zone over the contact radius at least, ``tolerance`` of steps in zones; each trial takes
+    the steps of that of the ``leaders``, so that what these err by is not in their differences."""
 
     def __init__(self, problem: Problem, body: AttractedBody, trials: Sequence[Trial], program: tuple[Array, Array],
-                 width: float = 0.004, tolerance: float = 4e-3, steps: int | None = None) -> None:  # fmt: skip
+                 width: float = 0.004, tolerance: float = 4e-3, steps: int | None = None,
+                 leaders: Sequence[int] | None = None) -> None:  # fmt: skip
+        self.leader = np.arange(len(trials)) if leaders is None else np.asarray(leaders)
         self.F, self.E, self.tolerance = problem.indenter.abel, problem.E_star, tolerance
         self.steps = steps or MOST_ITERATIONS
         self.t, self.x = program
@@ -331,32 +337,33 @@ class March:
         length = self.w[rows] / self.sigma[rows]
         if np.isfinite(h).all():
             length = length * np.exp(self.harder[rows])
-        todo, last = at, np.zeros(n, dtype=bool)
+        # where the last step left a state within CLOSE, its equations are looked at once more, without slopes
+        todo, last, slopes = at, np.zeros(n, dtype=bool), np.zeros((4, n))
         for _ in range(NEWTON):
             r, A, B = rows[todo], a[todo], b[todo]
+            touching, wanted = A > 0, length[todo]
+            known = bool(last[todo].all())
+            many = 1 if known else 3
             e = 1e-4 * B
-            touching = A > 0
-            three = (np.concatenate([A, np.where(touching, A + e, A), A]),
-                     np.concatenate([B, np.where(touching, B - e, B), B + e]))  # fmt: skip
-            r3 = np.tile(r, 3)
-            delta, P, gap, mu = self._rim(np.tile(todo, 3), r3, *three)
-            wanted = np.tile(length[todo], 3)
-            delta = np.where(three[0] > 0, delta, delta + gap - wanted)
-            place = (delta + P / self.k[r3]).reshape(3, -1)
-            opens = np.log(np.maximum(gap / wanted, TINY)).reshape(3, -1)
-            off = place[0] - x[todo]
-            xa, xc = (place[1] - place[0]) / e, (place[2] - place[0]) / e
-            ga, gc = (opens[1] - opens[0]) / e, (opens[2] - opens[0]) / e
+            radii = (A, B) if known else (np.concatenate([A, A + e * touching, A]),
+                                          np.concatenate([B, B - e * touching, B + e]))  # fmt: skip
+            delta, P, gap, mu = self._rim(np.tile(todo, many), np.tile(r, many), *radii)
+            delta, P, gap = delta.reshape(many, -1), P.reshape(many, -1), gap.reshape(many, -1)
+            place = np.where(touching, delta, delta + gap - wanted) + P / self.k[r]
+            opens = np.log(np.maximum(gap / wanted, TINY))
+            if not known:
+                slopes[:2, todo], slopes[2:, todo] = (place[1:] - place[0]) / e, (opens[1:] - opens[0]) / e
+            xa, xc, ga, gc = slopes[:, todo]
+            place, opens, off = place[0], opens[0], place[0] - x[todo]
             det = xa * gc - xc * ga
             stable = np.where(touching, (gc > 0) & (det > 0), xc > 0)
             safe = np.where(det != 0, det, 1.0)
-            da = np.where(touching, (xc * opens[0] - gc * off) / safe, 0.0)
-            dc = np.where(touching, (ga * off - xa * opens[0]) / safe, -off / np.where(xc != 0, xc, 1.0))
+            da = np.where(touching, (xc * opens - gc * off) / safe, 0.0)
+            dc = np.where(touching, (ga * off - xa * opens) / safe, -off / np.where(xc != 0, xc, 1.0))
             # closed at the axis, or open there
-            closing = ~touching & last[todo] & (gap.reshape(3, -1)[0] > wanted.reshape(3, -1)[0])
-            n1 = todo.size
+            closing = ~touching & last[todo] & (gap[0] > wanted)
             finished = last[todo] & stable & ~closing
-            for target, value in zip(result, (A, A + B, delta[:n1], P[:n1], mu[:n1]), strict=True):
+            for target, value in zip(result, (A, A + B, place - P[0] / self.k[r], P[0], mu[: A.size]), strict=True):
                 target[todo[finished]] = value[finished]
             good[todo[~stable]] = False
             moved = np.maximum(np.abs(da), np.abs(dc - da)) / B
@@ -366,7 +373,7 @@ class March:
             part = np.where(opened & ~small, np.minimum(part, (A - 5e-4 * B) / np.where(da < 0, -da, 1.0)), part)
             a[todo] = np.where(small, 0.0, np.where(closing, 1e-3 * B, A + part * da))
             b[todo] = np.where(small, A + B, np.where(closing, (1 - 1e-3) * B, B + part * (dc - da)))
-            last[todo] = (moved < 1e-3) & ~small & ~closing
+            last[todo] = (moved < CLOSE) & ~small & ~closing
             done[todo[finished]] = True
             outside = ~(a + b < self.reach[rows] * (1 - 1e-6)) | ~(b > 0)
             good &= ~outside
@@ -474,10 +481,13 @@ class March:
         self.h[rows] = step * np.where(
             taken, np.clip(0.8 * np.sqrt(self.tolerance / np.maximum(missed, TINY)), 0.4, GROWS), 0.4
         )
+        good = np.zeros(self.active.size, dtype=bool)
+        good[rows] = taken
+        self.h = np.where(good & good[self.leader], self.h[self.leader], self.h)
         if taken.any():
             self._reached(rows[taken], np.flatnonzero(taken), there, step[taken], rest[taken])
-        shortest = np.minimum(1e-5 * np.ptp(self.t), 1e-3 / self.rates[rows].max(axis=1))
-        stuck = rows[~taken & (self.h[rows] < shortest)]
+        standing = np.minimum(1e-5 * np.ptp(self.t), 1e-3 / self.rates[rows].max(axis=1))
+        stuck = rows[~taken & (self.h[rows] < standing)]
         if stuck.size:
             self._jump(stuck, self.speeds[1, stuck] > 0)
 

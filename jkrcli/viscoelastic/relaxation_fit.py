@@ -50,25 +50,28 @@ RANGE = "the numbers leave the range of arithmetic"
 FAILURES = (JkrError, FloatingPointError, OverflowError, ValueError)  # of a history far from any record
 
 
-def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
+def relaxation_fit(
+    body: FittedBody, curve: Curve, settings: RelaxationSettings, like: RelaxationFit | None = None
+) -> RelaxationFit:
     """The parameters that bring the history of ``body`` nearest to the record ``curve``; InputError where it does not
-    allow it, SolveError where no history is found; both name the curve."""
+    allow it, SolveError where no history is found; both name the curve. ``like``: a fit with w of one that may be
+    alike, where it begins."""
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             part = curve if settings.segment in (None, "both") else curve.only(settings.segment)
-            return _fit(body, part, settings)
+            return _fit(body, part, settings, like)
     except SolveError as error:
         raise SolveError(f"{curve.where}: {error}") from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise SolveError(f"{curve.where}: {RANGE} ({error}); are all sizes and units right?") from error
 
 
-def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
+def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings, like: RelaxationFit | None) -> RelaxationFit:
     if body.problem.indenter.material is not None or body.problem.sticks:
         raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
     if settings.adheres:
         with np.errstate(all="ignore"):  # of trials far from any record
-            return adhering_fit(body, curve, settings)
+            return adhering_fit(body, curve, settings, like)
     record = timed_record(curve)
     settings = _with_base_line(record, settings)
     body = body.to_depth(FIT_DEEPER * record.depth)

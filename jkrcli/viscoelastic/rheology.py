@@ -62,7 +62,7 @@ def rheology(fit: RelaxationFit) -> dict[str, tuple[float, float, float]]:
 
     here = values_of(fit.settings.law, {item.name: item.value for item in fit.estimates}, fit.value("E_star"))
     ends = fit.intervals(logs)[:, 1:]
-    return {name: (value, *map(float, pair)) for name, value, pair in zip(names, here, ends, strict=True)}
+    return {name: (value, float(low), float(high)) for name, value, (low, high) in zip(names, here, ends, strict=True)}
 
 
 def columns(fit: RelaxationFit) -> dict[str, float]:

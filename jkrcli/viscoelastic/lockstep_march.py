@@ -232,7 +232,8 @@ class March:
         logs, starts, steps = [], [], []
         for i in range(self.w.size):
             keep, least = self.weights[i] != 0, max(self.relaxed[i], LEAST_LEFT)
-            weights = self.weights[i, keep] * (1 - least) / (1 - self.relaxed[i])
+            keep[0] = True  # of an elastic body
+            weights = self.weights[i, keep] * (1 - least) / max(1 - self.relaxed[i], TINY)
             _, c, q = creep(Modes(least, weights, self.rates[i, keep]))
             T = CRACK / q.max()
             opening, closing, edge = (1 + one @ c for one in passing(np.multiply.outer(T, q)))

@@ -410,13 +410,13 @@ def test_an_uncertain_input_widens_the_intervals() -> None:
     kind = (1.5e-6, 0.45)
     curve, layer = cycled(1, kind=kind), case(kind, 1e4)
     found = fit(layer, curve, usual(layer, uncertain={"h:1": 0.05 * kind[0]}, segment="retract"))
-    ends = [fit(layer.with_values({"h:1": (1 + change) * kind[0]}), curve, usual(segment="retract"))
+    ends = [fit(layer.with_values({"h:1": (1 + change) * kind[0]}), curve, usual(layer, segment="retract"))
             for change in (-0.05, 0.05)]  # fmt: skip
     for name in ("E_star", "w"):
         low, high = (end.value(name) for end in ends)
         systematic = found.estimate(name).systematic
         assert systematic is not None
-        assert systematic["h:1"] == pytest.approx((high - low) / 2, rel=2e-4)  # searches end at 1e-3 of an error
+        assert systematic["h:1"] == pytest.approx((high - low) / 2, rel=2e-3)  # each with the noise that it finds
         assert found.estimate(name).error > abs(systematic["h:1"])
 
 

@@ -58,7 +58,7 @@ ONSET, APART_TIMES = 0.01, 4.0  # choice: of power laws; from time to time of a 
 ZONES = (0.25, 0.02, 0.0)  # choice: zones over the contact radius, where no range is known; 0: the likely range
 LINE, ZONE = ("P0", "tilt"), ("stress", "range")
 APART = 1.5  # theory: rows from a jump, within which no row shows when it was
-# choice: of the time in contact, within which loads fall to a jump as no derivative foretells, of searches and the end
+# choice: of the time in contact, within which loads fall to a jump as no derivative foretells, and no march
 STEEP = (0.015, 0.004)
 JUMP_SEEN = 7.0  # theory: of the noise, a step between two rows that it does not make
 NEAR = 10  # choice: rows, within which a jump lies that is seen
@@ -70,14 +70,15 @@ SEEN = 4.0  # choice: part of the pull-off force, beyond noise
 BEGINS = 3  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
 SEARCH, FINE = (0.03, 2e-2, 4), (0.012, 8e-3, 12)
-FINEST = 0.5  # choice: of these zones, those that are extrapolated with them
+FINEST = 0.25  # choice: of these zones, those that are extrapolated with them by squares of widths
 LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME, JUMP_TIME = 0.003, 4e-4  # choice: of the time in contact, errors of jumps in a search and of the march
 ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where a rough fit is to exclude the law
 HELD = 0.05  # choice: of steps of others, those of a stress that is held
 WITHIN = (0.01, 0.3, 1.0)  # choice: steps of logs at least, at first, and at most
-CONVERGED, SCATTERS = 0.5, 1e-3  # theory: of sums of squares by noise, less than a standard error; of marches
+CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
+SCATTERS = 1e-3, 8e-3  # choice: of that sum, what a step may still gain, or lose by what marches err
 POWER_STEP = 1.1  # theory: of log rates of a power law's exponentials, which then err by 1e-4
 POWER_SLOWEST, POWER_LEAST = 0.02, 1e-6  # theory: rates times time that one stands for; weights that do not count
 STEP = 0.01  # choice: of logs of the modulus and w, for differences; of others what changes loads alike
@@ -378,14 +379,14 @@ class Adhering:
 
     def corrected(self, theta: Array, here: Marched, narrow: Marched) -> Adhering:
         """The same with what zones of no width change from the march ``here`` with ``theta``, by a ``narrow`` one, in
-        loads and in the end of contact, for rows nearer to jumps."""
+        loads and in the end of contact."""
         t = self.cycle.t
-        change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - FINEST)
+        change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - FINEST**2)
         change = np.where(self.apart(here, (narrow.begun, narrow.lost)), 0.0, change)
-        later = (narrow.lost - here.lost) / (1 - FINEST)
+        later = (narrow.lost - here.lost) / (1 - FINEST**2)
         jumps = self.jumps.copy()
         jumps[1, 0] -= later if math.isfinite(later) and math.isfinite(jumps[1, 1]) else 0.0
-        return replace(self, correction=change, jumps=jumps, steep=STEEP[1])
+        return replace(self, correction=change, jumps=jumps)
 
     def apart(self, one: Marched, other: tuple[float, float]) -> Array:
         """Mask of rows between jumps of a march and ``other`` ones."""
@@ -554,8 +555,7 @@ def adhering_fit(
     fine = wide.model
     (narrow,) = replace(fine, width=FINEST * FINE[0]).march([fine.trial(wide.x)])
     corrected = replace(wide, model=fine.corrected(wide.x, wide.here, narrow))
-    before = replace(wide, model=replace(fine, steep=STEEP[1])).state
-    shift = np.linalg.pinv(corrected.state.jacobian) @ (before.residuals - corrected.state.residuals)
+    shift = np.linalg.pinv(corrected.state.jacobian) @ (wide.state.residuals - corrected.state.residuals)
     fit = _result(_least(corrected, FINE[2]), shift)
     return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if wide.here.given_up or narrow.given_up else fit
 
@@ -693,7 +693,7 @@ def _least(near: Nearby, evaluations: int) -> Nearby:
             new = Nearby.of(near.model, there)
             gained = near.cost - new.cost
             near = new if gained > 0 else near
-            if ended := abs(gained) < CONVERGED + SCATTERS * near.cost:
+            if ended := -CONVERGED - SCATTERS[1] * near.cost < gained < CONVERGED + SCATTERS[0] * near.cost:
                 break
             within = min(within * 3, WITHIN[2]) if gained > 0 else within / 5
             if within < WITHIN[0]:
@@ -705,10 +705,8 @@ def _result(near: Nearby, shift: Array) -> RelaxationFit:
     """The answer ``near`` the likeliest unknowns; ``shift``: of these, by the widths of zones that are extrapolated."""
     model, state = near.model, near.state
     settings, unknowns, cycle = model.settings, model.unknowns, model.cycle
-    J, off, n = state.jacobian, state.residuals, cycle.t.size
-    rows = np.any(J[:n] != 0, axis=1)
     variance = max(1.0, near.scatter**2)
-    own = covariance(J, variance)
+    own = covariance(state.jacobian, variance)
     own = own if own is None else own + MARCH_ERROR**2 * np.outer(shift, shift)
     middle, samples = Posterior.of(near, variance).samples(shift)
     low, high = unknowns.bounds(middle, FARTHEST)
@@ -719,7 +717,8 @@ def _result(near: Nearby, shift: Array) -> RelaxationFit:
     fit = RelaxationFit(
         estimates=intervals.estimates(), free=unknowns.names, dof=least.dof, covariance=unknowns.covariance(own),
         relaxation=settings.relaxation(unknowns.values(least.x)), record=cycle.record(), imposed=cycle.z,
-        response=np.where(rows, cycle.P + off[:n] * model.sigma, np.nan), settings=settings,
+        response=np.where(replace(model, steep=STEEP[1]).out(near.here), np.nan, model.loads(near.x, near.here)),
+        settings=settings,
         scatter=near.scatter, samples=samples * unknowns.scales,
     )  # fmt: skip
     warnings = [*fit.record.flags, *([BESIDE] if settings.law == "power" else [])]

@@ -70,7 +70,8 @@ SEEN = 4.0  # choice: part of the pull-off force, beyond noise
 BEGINS = 3  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
 SEARCH, FINE = (0.03, 2e-2, 4), (0.012, 8e-3, 12)
-FINEST = 0.25  # choice: of these zones, those that are extrapolated with them by squares of widths
+FINEST = 0.25, 0.5  # choice: of these zones, those that are extrapolated with them by squares of widths, or else
+ALIKE = 0.05  # choice: of the time in contact, by which its end may differ in them
 LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME, JUMP_TIME = 0.003, 4e-4  # choice: of the time in contact, errors of jumps in a search and of the march
@@ -377,15 +378,21 @@ class Adhering:
         found: Array = line + self.instant(theta) * marched.load(cycle.t) + self.correction
         return found
 
-    def corrected(self, theta: Array, here: Marched, narrow: Marched) -> Adhering:
-        """The same with what zones of no width change from the march ``here`` with ``theta``, by a ``narrow`` one, in
-        loads and in the end of contact."""
+    def corrected(self, theta: Array, here: Marched) -> Adhering:
+        """The same with what zones of no width change from the march ``here`` with ``theta``, by a narrow one that can
+        be followed, in loads and in the end of contact."""
         t = self.cycle.t
-        change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - FINEST**2)
+        for share in FINEST:
+            (narrow,) = replace(self, width=share * self.width).march([self.trial(theta)])
+            later = narrow.lost - here.lost if math.isfinite(here.lost) else 0.0
+            if not narrow.given_up and abs(later) < ALIKE * self.cycle.lasting:
+                break
+        else:
+            return self
+        change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - share**2)
         change = np.where(self.apart(here, (narrow.begun, narrow.lost)), 0.0, change)
-        later = (narrow.lost - here.lost) / (1 - FINEST**2)
         jumps = self.jumps.copy()
-        jumps[1, 0] -= later if math.isfinite(later) and math.isfinite(jumps[1, 1]) else 0.0
+        jumps[1, 0] -= later / (1 - share**2) if math.isfinite(jumps[1, 1]) else 0.0
         return replace(self, correction=change, jumps=jumps)
 
     def apart(self, one: Marched, other: tuple[float, float]) -> Array:
@@ -553,11 +560,11 @@ def adhering_fit(
         raise SolveError("no history of this specimen leaves as little")
     # Narrower zones, extrapolated, and the least with what they change.
     fine = wide.model
-    (narrow,) = replace(fine, width=FINEST * FINE[0]).march([fine.trial(wide.x)])
-    corrected = replace(wide, model=fine.corrected(wide.x, wide.here, narrow))
+    narrower = fine.corrected(wide.x, wide.here)
+    corrected = replace(wide, model=narrower)
     shift = np.linalg.pinv(corrected.state.jacobian) @ (wide.state.residuals - corrected.state.residuals)
     fit = _result(_least(corrected, FINE[2]), shift)
-    return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if wide.here.given_up or narrow.given_up else fit
+    return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if wide.here.given_up or narrower is fine else fit
 
 
 def _check(cycle: Cycle) -> None:
@@ -740,6 +747,7 @@ OMEGA = np.linalg.pinv(np.expm1(-np.multiply.outer(SPECTRUM_TIMES, SPECTRUM)), r
 WALKERS, WALKED, BURNT, KEPT, TRIALS = 48, 330, 160, 600, 96
 # choice: steps to valleys, and near them, where samples begin; ends of shares there; times over that in contact
 SETTLING, SETTLING_NEAR, SHARE_ENDS, TIMES_TRIED = 15, 5, 1e-3, (0.01, 100.0)
+UNKNOWN = 10.0  # choice: of logs, beyond which samples say no more
 STRETCH = 2.0  # theory: of Goodman and Weare's moves (Comm. App. Math. Comp. Sci. 5 (2010) 65)
 SEED = 1  # choice: the same samples every day
 
@@ -948,7 +956,9 @@ class Posterior:
         found += MARCH_ERROR * rng.standard_normal((KEPT, 1)) * march
         shares = [i for i, name in enumerate(self.near.model.unknowns.names) if self.near.own[i] and not _is_time(name)]
         found[:, shares] = np.clip(found[:, shares], SAME, 1 - SAME)
-        return self._central(law), found
+        logs = np.array([one.kind == "log" for one in self.near.model.unknowns.free])
+        middle = self._central(law)
+        return middle, np.where(logs, np.clip(found, middle - UNKNOWN, middle + UNKNOWN), found)
 
     def _whole(self, law: Array, errors: Array | float = 0.0) -> Array:
         """All unknowns (n, unknowns) with those of the ``law`` and the most likely of the others; of a modulus at t = 0

@@ -104,7 +104,7 @@ def size_words(sizes: Mapping[str, float]) -> list[str]:
 def kind_of(reason: str) -> str:
     """A reason without its sentence and its numbers, by which curves are counted: "no contact", "E* uncertain"."""
     short = re.sub(" ± .*", " uncertain", re.split("[:,] ", reason)[0])
-    return re.sub(r"( by)? (\S+ %|more than tenfold)", "", short)
+    return re.sub(r"( by)? (\S+ ?%|more than tenfold)", "", short)
 
 
 def change_words(change: float) -> str:

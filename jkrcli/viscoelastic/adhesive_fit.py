@@ -75,7 +75,7 @@ ALIKE = 0.05  # choice: of the time in contact, by which its end may differ in t
 LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME, JUMP_TIME = 0.003, 4e-4  # choice: of the time in contact, errors of jumps in a search and of the march
-ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where a rough fit is to exclude the law
+ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where it is to be excluded that the law fits
 HELD = 0.05  # choice: of steps of others, those of a stress that is held
 WITHIN = (0.01, 0.3, 1.0)  # choice: steps of logs at least, at first, and at most
 CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
@@ -84,7 +84,7 @@ POWER_STEP = 1.1  # theory: of log rates of a power law's exponentials, which th
 POWER_SLOWEST, POWER_LEAST = 0.02, 1e-6  # theory: rates times time that one stands for; weights that do not count
 STEP = 0.01  # choice: of logs of the modulus and w, for differences; of others what changes loads alike
 STEPS = {"time": 0.05, "onset": 0.3, "stress": 0.1, "delta0": 0.003, "ratio": 0.01, "weight": 0.01, "exponent": 0.01}
-MARCH_ERROR = 0.5  # choice: of what zones half as wide change, extrapolated, what they may still err by
+MARCH_ERROR = 0.5  # choice: of what narrower zones change, what they may still err by
 LOAD_ERROR = 1e-3  # choice: of loads and pull-off force; twice what fine marches differ from those of other equations
 GIVEN_UP = "the contact of the fitted values could not be followed to its end"
 # What is likely before: half-widths of normal distributions.
@@ -502,7 +502,7 @@ class Adhering:
         return state
 
     def search(self, start: Array, evaluations: int) -> LeastSquares:
-        """What is minimised from ``start`` on, with the cohesive stress of this."""
+        """What is minimised from ``start`` on, whose stress or range is held."""
         low, high = self.unknowns.bounds(start, REACH)
         held = np.isin(self.unknowns.names, ZONE)
         bounds = np.where(held, start, low), np.where(held, start, high)
@@ -552,11 +552,11 @@ def adhering_fit(
     fine = Adhering(body, AttractedBody(body.problem), cycle, settings, Unknowns(settings.parameters, units), *FINE[:2],
                     np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
     wide = None if like is None else _least(Nearby.of(fine, _alike(fine, like)), FINE[2])
-    if wide is None or like is None or not wide.ended or wide.scatter > LIKE * like.scatter:
+    if wide is None or like is None or not wide.ended or wide.scatter > min(LIKE * like.scatter, SEARCH_MISFIT):
         near = Nearby.of(*_begun(fine))
         wide = _least(near if settings.law == "sls" else near.by_law(settings), FINE[2])
-    far = ~cycle.near(NEAR)
-    if settings.most is not None and float(np.mean(wide.state.residuals[: far.size][far] ** 2)) > settings.most:
+    off = wide.state.residuals[: cycle.t.size]
+    if settings.most is not None and float(np.mean(off[off != 0] ** 2)) > settings.most:
         raise SolveError("no history of this specimen leaves as little")
     # Narrower zones, extrapolated, and the least with what they change.
     fine = wide.model

@@ -171,7 +171,8 @@ class Marched:
 class March:
     """All ``trials`` through the ``program`` (times [s] and places [m] of its corners) of one device; ``width``: of the
     zone over the contact radius at least, ``tolerance`` of steps in zones; each trial takes
-    the steps of that of the ``leaders``, so that what these err by is not in their differences."""
+    the next step of that of the ``leaders`` while both took the last, so that what these err by is hardly in their
+    differences."""
 
     def __init__(self, problem: Problem, body: AttractedBody, trials: Sequence[Trial], program: tuple[Array, Array],
                  width: float = 0.004, tolerance: float = 4e-3, steps: int | None = None,
@@ -487,8 +488,8 @@ class March:
         self.h = np.where(good & good[self.leader], self.h[self.leader], self.h)
         if taken.any():
             self._reached(rows[taken], np.flatnonzero(taken), there, step[taken], rest[taken])
-        standing = np.minimum(1e-5 * np.ptp(self.t), 1e-3 / self.rates[rows].max(axis=1))
-        stuck = rows[~taken & (self.h[rows] < standing)]
+        shortest = np.minimum(1e-5 * np.ptp(self.t), 1e-3 / self.rates[rows].max(axis=1))
+        stuck = rows[~taken & (self.h[rows] < shortest)]
         if stuck.size:
             self._jump(stuck, self.speeds[1, stuck] > 0)
 

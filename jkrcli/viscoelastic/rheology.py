@@ -38,14 +38,15 @@ def quantities(fit: RelaxationFit) -> dict[str, str]:
 
 def values_of(law: str, p: Mapping[str, float], E_star: float) -> list[float]:
     """The values in their order, of parameters ``p`` and the modulus ``E_star`` [Pa], at once or of a power law at its
-    time."""
+    time; nan of the Kelvin-Voigt element of a body that relaxes altogether, or not at all."""
     if law == "power":
         r = RELAXED["power"]({name: np.asarray(value) for name, value in ({"onset": 0.0} | dict(p)).items()}, SECOND)
         return [E_star * float(r[0]), p["exponent"]]
     if law == "sls":
         left = E_star * p["ratio"]
         lost = E_star - left
-        series, retardation = E_star * left / max(lost, TINY), p["time"] / max(p["ratio"], TINY)
+        alone = lost <= 0 or left <= 0
+        series, retardation = (math.nan, math.nan) if alone else (E_star * left / lost, p["time"] / p["ratio"])
         return [left, lost, lost * p["time"], series, series * retardation, retardation]
     terms = [name.removeprefix("weight") for name in p if name.startswith("weight")]
     moduli = [E_star * p[f"weight{i}"] for i in terms]
@@ -79,9 +80,10 @@ def summary(fit: RelaxationFit) -> dict[str, dict[str, float | str | None]]:
     """The same for JSON."""
     found = quantities(fit)
     return {
-        name: {"value": value, "unit": UNITS[found[name]].replace("_", " "),
-               "low": None if math.isnan(low) else low, "high": None if math.isnan(high) else high}
-        for name, (value, low, high) in rheology(fit).items()
+        name: {"unit": UNITS[found[name]].replace("_", " "), **{
+            end: None if math.isnan(one) else one for end, one in zip(("value", "low", "high"), values, strict=True)
+        }}
+        for name, values in rheology(fit).items()
     }  # fmt: skip
 
 
@@ -95,7 +97,7 @@ def words(fit: RelaxationFit) -> str:
         return f"{plain.replace('_', ' ')} {text}"
 
     groups = dict[str, list[str]]()
-    for name, (value, _, _) in rheology(fit).items():
+    for name, value in ((name, value) for name, (value, *_) in rheology(fit).items() if not math.isnan(value)):
         kind = name.partition("_")[0] if name.startswith(("Maxwell", "Kelvin")) else ""
         kind = "KelvinVoigt" if name == "retardation_time" else kind
         groups.setdefault(kind, []).append(told(name, value))

@@ -7,6 +7,7 @@ import csv
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import described_body
@@ -240,6 +241,20 @@ def test_a_whole_force_curve_with_free_rows(body: FittedBody) -> None:
     E, true = fit.modulus(t := np.array([0.1, 0.5, 2.0])), SOLID(t)
     assert (E[:, 1] < true).all()
     assert (true < E[:, 2]).all()
+
+
+def test_a_fit_that_begins_at_a_neighbours_ends_where_it_ends_alone(body: FittedBody) -> None:
+    """One that is far off is no neighbour: the search is that of the record alone."""
+    made, settings = cycle(W, STRESS, SOLID, CORNERS, 2.0), relaxation_settings("sls", [], ["w"])
+    curve = readings(made, 0.5, 0.5, k=2.0)
+    alone = relaxation_fit(body, curve, settings)
+    for w in (1.1, 30.0):
+        values = tuple(replace(one, value=w * one.value) if one.name == "w" else one for one in alone.estimates)
+        beside = relaxation_fit(body, curve, settings, replace(alone, estimates=values))
+        for name in ("E_star", "ratio", "w"):
+            error = alone.estimate(name).error
+            assert error is not None
+            assert beside.value(name) == pytest.approx(alone.value(name), abs=error / 2)
 
 
 @pytest.mark.slow

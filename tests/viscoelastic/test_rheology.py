@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from jkrcli.viscoelastic.rheology import values_of
@@ -23,3 +25,10 @@ def test_a_power_law_by_its_modulus_at_one_second() -> None:
 def test_terms_of_a_series_are_springs_and_dashpots() -> None:
     p = {"weight1": 0.25, "time1": 2.0, "weight2": 0.5, "time2": 8.0}
     assert values_of("prony", p, 4.0) == pytest.approx([1, 1, 2, 2, 16])
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1.0])
+def test_a_body_that_relaxes_altogether_or_not_at_all_has_no_kelvin_voigt_element(ratio: float) -> None:
+    left, lost, eta, *element = values_of("sls", {"ratio": ratio, "time": 3.0}, 2.0)
+    assert (left, lost, eta) == pytest.approx((2 * ratio, 2 - 2 * ratio, 6 - 6 * ratio))
+    assert all(map(math.isnan, element))

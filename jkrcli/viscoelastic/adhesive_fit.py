@@ -8,6 +8,7 @@ not known within some rows of it: they are left out, and the time of the jump is
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -66,7 +67,6 @@ MEAN = 3  # choice: rows to either side, of whose loads means are taken
 MODULI, TRIED = 1e6, 50  # choice: in those of the body, the moduli among which a search begins
 FARTHEST, REACH = 4.0, 1.5  # choice: of logs, from what is likely of a record, and from where a search begins
 ROUNDS = 3  # choice: modulus and zero in turn, good to a tenth
-SEEN = 4.0  # choice: part of the pull-off force, beyond noise
 BEGINS = 3  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
 SEARCH, FINE = (0.03, 2e-2, 4), (0.012, 8e-3, 12)
@@ -551,8 +551,8 @@ def adhering_fit(
     jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, np.full(2, error)], axis=1), [0.0, math.inf])
     fine = Adhering(body, AttractedBody(body.problem), cycle, settings, Unknowns(settings.parameters, units), *FINE[:2],
                     np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
-    wide = None if like is None else _least(Nearby.of(fine, _alike(fine, like)), FINE[2])
-    if wide is None or like is None or not wide.ended or wide.scatter > min(LIKE * like.scatter, SEARCH_MISFIT):
+    wide = None if like is None else _beside(fine, like)
+    if wide is None:
         near = Nearby.of(*_begun(fine))
         wide = _least(near if settings.law == "sls" else near.by_law(settings), FINE[2])
     off = wide.state.residuals[: cycle.t.size]
@@ -596,12 +596,18 @@ def _with_base_line(cycle: Cycle, settings: RelaxationSettings) -> RelaxationSet
     return replace(settings, zeros=tuple(zeros))
 
 
-def _alike(model: Adhering, like: RelaxationFit) -> Array:
-    """The unknowns with the specimen of another fit; where contact begins is the record's own."""
+def _beside(fine: Adhering, like: RelaxationFit) -> Nearby | None:
+    """The likeliest unknowns from the specimen of another fit on, with the record's own begin of contact; None where
+    that leads nowhere."""
     values = {item.name: item.value for item in like.estimates} | dict(like.settings.fixed)
-    length = values["range"] if "range" in values else values["w"] / values["stress"]
-    own = {"delta0": model.cycle.touch + length, "P0": model.cycle.base[0], "tilt": model.cycle.base[1]}
-    return model.unknowns.at({**values, **own, **model.settings.fixed})
+    with contextlib.suppress(SolveError, ArithmeticError, ValueError):  # a LinAlgError is one
+        length = values["range"] if "range" in values else values["w"] / values["stress"]
+        own = {"delta0": fine.cycle.touch + length, "P0": fine.cycle.base[0], "tilt": fine.cycle.base[1]}
+        x = fine.unknowns.at({**values, **own, **fine.settings.fixed})
+        found = _least(Nearby.of(fine, x), FINE[2])
+        if found.ended and found.scatter <= min(LIKE * like.scatter, SEARCH_MISFIT):
+            return found
+    return None
 
 
 def _begun(fine: Adhering) -> tuple[Adhering, Array]:
@@ -725,8 +731,7 @@ def _result(near: Nearby, shift: Array) -> RelaxationFit:
         estimates=intervals.estimates(), free=unknowns.names, dof=least.dof, covariance=unknowns.covariance(own),
         relaxation=settings.relaxation(unknowns.values(least.x)), record=cycle.record(), imposed=cycle.z,
         response=np.where(replace(model, steep=STEEP[1]).out(near.here), np.nan, model.loads(near.x, near.here)),
-        settings=settings,
-        scatter=near.scatter, samples=samples * unknowns.scales,
+        settings=settings, scatter=near.scatter, samples=samples * unknowns.scales,
     )  # fmt: skip
     warnings = [*fit.record.flags, *([BESIDE] if settings.law == "power" else [])]
     warnings += [] if least.ended else [f"{UNSETTLED}: values and intervals are preliminary"]
@@ -843,7 +848,7 @@ class Nearby:
         settings = self.model.settings
         every: dict[str, Array] = {name: np.asarray(value) for name, value in settings.fixed.items()}
         every |= {name: np.exp(one) if _is_time(name) else one for name, one in zip(self.names, law.T, strict=True)}
-        return RELAXED[settings.law](every, t)
+        return np.broadcast_to(RELAXED[settings.law](every, t), (len(law), t.size))
 
     def spectrum(self, law: Array) -> Array:
         """The weights of exp(-q_k t) - 1 in r(t)/r(0) - 1 of laws (n, parameters), (n, rates)."""

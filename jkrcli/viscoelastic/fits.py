@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..base.errors import InputError
+from ..base.errors import InputError, SolveError
 from ..base.process import one_thread
 from ..cli.printing import announce, warn
 from ..measured.files import usable
@@ -44,6 +44,10 @@ def fit_relaxation(request: FitRequest) -> None:
                 done.append(relaxation_fit(body, curve, settings, done[-1] if done else None))
         except InputError as error:
             skipped += error.lines
+        except SolveError as error:  # of one of many it does not cost the others
+            if len(curves) == 1:
+                raise
+            skipped.append(str(error))
     if not done:
         raise InputError(some(skipped))
     for line in skipped:

@@ -18,11 +18,11 @@ from scipy.special import dawsn
 
 import jkrcli as jkr
 from jkrcli.adhesion.finite_range import AttractedBody, RangeRequest
-from jkrcli.base.errors import InputError
+from jkrcli.base.errors import InputError, SolveError
 from jkrcli.bodies.problem import Modes
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
-from jkrcli.viscoelastic import lockstep_march
+from jkrcli.viscoelastic import fits, lockstep_march
 from jkrcli.viscoelastic.adhesive_fit import RELAXED, Cycle, ElasticLimits, _load_is_prescribed
 from jkrcli.viscoelastic.lockstep_march import March, Trial, passing
 from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
@@ -243,6 +243,14 @@ def test_a_whole_force_curve_with_free_rows(body: FittedBody) -> None:
     assert (true < E[:, 2]).all()
 
 
+def test_of_a_known_law_the_rest_is_found(body: FittedBody) -> None:
+    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
+    known = relaxation_settings("sls", {"ratio": 0.3, "time": 1.0}, ["w"])
+    fit = relaxation_fit(body, readings(made, 0.5, 0.5, k=2.0), known)
+    assert fit.free == ("modulus", "w", "stress", "delta0", "P0", "tilt")
+    assert off(fit, E_star=1.0, w=W, stress=STRESS) < 3
+
+
 def test_a_fit_that_begins_at_a_neighbours_ends_where_it_ends_alone(body: FittedBody) -> None:
     """One that is far off is no neighbour: the search is that of the record alone."""
     made, settings = cycle(W, STRESS, SOLID, CORNERS, 2.0), relaxation_settings("sls", [], ["w"])
@@ -312,6 +320,29 @@ def test_the_command(jkr: Callable, tmp_path: Path) -> None:
     assert [row["low_Pa"] < 0.3 + 0.7 * math.exp(-row["t_s"]) < row["high_Pa"] for row in at] == [True] * len(at)
     with (tmp_path / "gel-fit.csv").open() as file:
         assert float(next(csv.DictReader(file))["w_J_per_m2"]) == pytest.approx(W, rel=0.05)
+
+
+def test_a_record_that_finds_no_history_does_not_cost_the_others(
+    jkr: Callable, body: FittedBody, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = readings(cycle(W, STRESS, SOLID, CORNERS, 2.0), 0.5, 0.5, k=2.0)
+    fit = relaxation_fit(body, made, relaxation_settings("sls", {"ratio": 0.3, "time": 1.0}, ["w"]))
+
+    def one(_: FittedBody, curve: Curve, *__: object) -> RelaxationFit:
+        if curve.name.startswith("a"):
+            raise SolveError(f"{curve.name}: no history")
+        return fit
+
+    monkeypatch.setattr(fits, "relaxation_fit", one)
+    (tmp_path / "gel.toml").write_text(CASE)
+    rows = np.stack([made.time, made.depth, made.load], axis=1)
+    for name in ("a.csv", "b.csv"):
+        np.savetxt(tmp_path / name, rows, delimiter=",", header="t_s,delta_m,P_N", comments="")
+    done = jkr("fit", "gel.toml", "a.csv", "b.csv", "--relaxation", "sls", "--free", "w", "--json")
+    assert done.code == 0, done.err
+    assert len(json.loads(done.out)["fits"]) == 1
+    assert "no history" in done.err
+    assert jkr("fit", "gel.toml", "a.csv", "--relaxation", "sls", "--free", "w", "--force").code == 1
 
 
 def test_a_jump_to_where_there_is_no_state_finds_none(body: FittedBody) -> None:

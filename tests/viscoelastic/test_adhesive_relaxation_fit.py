@@ -23,11 +23,12 @@ from jkrcli.bodies.problem import Modes
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.viscoelastic import fits, lockstep_march
-from jkrcli.viscoelastic.adhesive_fit import RELAXED, Cycle, ElasticLimits, _load_is_prescribed
+from jkrcli.viscoelastic.adhesive_fit import ElasticLimits
 from jkrcli.viscoelastic.lockstep_march import March, Trial, passing
 from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
 from jkrcli.viscoelastic.relaxing_adhesion import creep
-from jkrcli.viscoelastic.timed_record import RelaxationFit, relaxation_settings
+from jkrcli.viscoelastic.timed_record import RELAXED, RelaxationFit, relaxation_settings
+from jkrcli.viscoelastic.whole_record import Cycle
 
 W, STRESS, SOLID = 0.01, 0.3, solid(0.3, 1.0)
 CORNERS = ((0.0, -0.15), (0.5, 0.1), (1.5, 0.1), (2.6, -0.45))
@@ -205,7 +206,7 @@ def test_a_device_that_moves_as_a_sine_prescribes_no_load() -> None:
     t = np.linspace(0, 6, 600)
     z = -0.2 * np.cos(math.pi / 3 * t)
     P = np.where(z > 0, z, 0) ** 1.5 + 1e-4 * np.random.default_rng(1).standard_normal(t.size)
-    assert not _load_is_prescribed(Cycle.of(Curve("made", t=t, delta=z, P=P)))
+    assert not Cycle.of(Curve("made", t=t, delta=z, P=P)).load_is_prescribed
 
 
 def test_intervals_are_those_of_samples_alone() -> None:

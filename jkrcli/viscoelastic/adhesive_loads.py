@@ -1,0 +1,236 @@
+"""The rows of a force curve as marches foretell them, P_read = P0 + tilt (z - z_0) + P(t; body, w, stress, law):
+residuals of loads and of jumps over their noise, their derivatives by what is no law, and what is likely before."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..adhesion.finite_range import AttractedBody
+from ..base.numerics import Array
+from ..bodies.problem import Modes, PowerRelaxation, Relaxation
+from ..measured.forward_model import FittedBody
+from ..measured.least_squares import State
+from ..measured.parameters import Unknowns
+from .lockstep_march import March, Marched, Trial
+from .timed_record import RELAXED, RelaxationSettings
+from .whole_record import Cycle
+
+LINE, ZONE = ("P0", "tilt"), ("stress", "range")
+APART = 1.5  # theory: rows from a jump, within which no row shows when it was
+# choice: of the time in contact, within which loads fall to a jump as no derivative foretells, and no march
+STEEP = (0.015, 0.004)
+CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
+FINEST = 0.25, 0.5  # choice: of these zones, those that are extrapolated with them by squares of widths, or else
+ALIKE = 0.05  # choice: of the time in contact, by which its end may differ in them
+ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where it is to be excluded that the law fits
+POWER_STEP = 1.1  # theory: of log rates of a power law's exponentials, which then err by 1e-4
+POWER_SLOWEST, POWER_LEAST = 0.02, 1e-6  # theory: rates times time that one stands for; weights that do not count
+STEP = 0.01  # choice: of logs of the modulus and w, for differences; of others what changes loads alike
+STEPS = {"time": 0.05, "onset": 0.3, "stress": 0.1, "delta0": 0.003, "ratio": 0.01, "weight": 0.01, "exponent": 0.01}
+LOAD_ERROR = 1e-3  # choice: of loads and pull-off force; twice what fine marches differ from those of other equations
+# What is likely before: half-widths of normal distributions.
+LIKELY_RANGE, RANGES = 4.5e-10, 3.0  # theory: w/stress of dry contact, 0.2 to 1 nm; log: 20 times it is no rarity
+LIKELY = {"ratio": (0.5, 0.5), "weight": (0.4, 0.4), "exponent": (0.3, 0.4)}  # choice: hardly anything
+LIKELY_TIMES = {"time": (0.25, 4.0), "onset": (0.01, 4.0)}  # choice: over the time in contact, and of logs
+
+
+@dataclass(frozen=True, eq=False)
+class Adhering:
+    """The residuals of a ``cycle`` as a function of ``unknowns``, with marches of ``width`` and ``tolerance``;
+    ``sigma``: standard deviations of the loads, ``left_out``: rows near jumps, ``jumps``: times of the begin and end of
+    contact and their standard deviations (2, 2), infinite where there are none; ``correction``: what narrower zones add
+    to the loads [N]; ``steep``: of the time in contact, how near to jumps rows do not count."""
+
+    body: FittedBody
+    attracted: AttractedBody
+    cycle: Cycle
+    settings: RelaxationSettings
+    unknowns: Unknowns
+    width: float
+    tolerance: float
+    sigma: Array
+    jumps: Array
+    left_out: Array
+    correction: Array | float = 0.0
+    steep: float = STEEP[0]
+
+    def trial(self, theta: Array) -> Trial:
+        """The specimen of the unknowns ``theta``."""
+        values = self.unknowns.values(theta)
+        m, w = self.instant(theta), values["w"]
+        stress = values["stress"] if "stress" in values else w / values["range"]
+        modes = _few(self.settings.relaxation(values), float(np.ptp(self.cycle.t)))
+        return Trial(w / m, stress / m, self.cycle.stiffness / m, modes, values["delta0"])
+
+    def march(self, trials: Sequence[Trial], leaders: Sequence[int] | None = None) -> list[Marched]:
+        """Marches of many trials, each with the steps of that of its ``leaders``."""
+        steps = None if self.settings.most is None else ROUGH_STEPS
+        how = self.cycle.program, self.width, self.tolerance, steps, leaders
+        return March(self.body.problem, self.attracted, trials, *how).run()
+
+    def instant(self, theta: Array) -> float:
+        """The modulus at t = 0, in those of the body."""
+        values = self.unknowns.values(theta)
+        law = {name: np.asarray(values[name]) for name in self.settings.of_law}
+        return float(values["modulus"] * RELAXED[self.settings.law](law, np.zeros(1))[0])
+
+    def loads(self, theta: Array, marched: Marched) -> Array:
+        """The loads that are read [N]."""
+        values, cycle = self.unknowns.values(theta), self.cycle
+        line = values["P0"] + values["tilt"] * (cycle.z - cycle.z[0])
+        found: Array = line + self.instant(theta) * marched.load(cycle.t) + self.correction
+        return found
+
+    def corrected(self, theta: Array, here: Marched) -> Adhering:
+        """The same with what zones of no width change from the march ``here`` with ``theta``, by a narrow one that can
+        be followed, in loads and in the end of contact."""
+        t = self.cycle.t
+        for share in FINEST:
+            (narrow,) = replace(self, width=share * self.width).march([self.trial(theta)])
+            later = narrow.lost - here.lost if math.isfinite(here.lost) else 0.0
+            if not narrow.given_up and abs(later) < ALIKE * self.cycle.lasting:
+                break
+        else:
+            return self
+        change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - share**2)
+        change = np.where(self.apart(here, (narrow.begun, narrow.lost)), 0.0, change)
+        jumps = self.jumps.copy()
+        jumps[1, 0] -= later / (1 - share**2) if math.isfinite(jumps[1, 1]) else 0.0
+        return replace(self, correction=change, jumps=jumps)
+
+    def apart(self, one: Marched, other: tuple[float, float]) -> Array:
+        """Mask of rows between jumps of a march and ``other`` ones."""
+        t, mask = self.cycle.t, np.zeros(self.cycle.t.size, dtype=bool)
+        for mine, theirs in zip((one.begun, one.lost), other, strict=True):
+            low, high = min(mine, theirs), max(mine, theirs)
+            if math.isfinite(low):
+                mask |= (t >= low) & (t <= high)
+        return mask
+
+    def state(self, theta: Array, here: Marched, columns: Mapping[str, Array]) -> State:
+        """Residuals from the march at ``theta``, with their derivatives by what moves the contact."""
+        out, seen = self.out(here), np.isfinite(self.jumps[:, 1])
+        off = np.where(out, 0.0, (self.loads(theta, here) - self.cycle.P) / self.sigma)
+        off = np.append(off, ((self.times(here) - self.jumps[:, 0]) / self.jumps[:, 1])[seen])
+        line = {"P0": np.ones_like(self.cycle.z), "tilt": self.cycle.z - self.cycle.z[0]}
+        J = np.zeros((off.size, theta.size))
+        for i, name in enumerate(self.unknowns.names):
+            if name in LINE:
+                J[: out.size, i] = np.where(out, 0.0, line[name] * self.unknowns.scales[i] / self.sigma)
+            else:
+                J[:, i] = columns[name]
+        prior, J_prior = self.prior(theta)
+        return State(np.append(off, prior), lambda: np.concatenate([J, J_prior]))
+
+    def times(self, one: Marched) -> Array:
+        """When contact began and was lost [s], not beyond the record."""
+        cycle, late = self.cycle, self.cycle.t[-1] + self.cycle.lasting / 4
+        return np.minimum([one.begun, one.lost], [late, self.jumps[1, 0] if cycle.held else late])
+
+    def out(self, one: Marched) -> Array:
+        """Mask of rows that do not count: beside jumps, or between those of the record and of the march ``one``."""
+        mine, t = np.array([one.begun, one.lost]), self.cycle.t
+        theirs = np.where(np.isfinite(self.jumps[:, 1]), self.jumps[:, 0], mine)
+        width = max(APART * self.cycle.spacing, self.steep * self.cycle.lasting)
+        beside = np.any(np.abs(t[:, None] - mine) < width, axis=1)
+        return self.left_out | self.apart(one, (float(theirs[0]), float(theirs[1]))) | beside
+
+    def change(self, here: Marched, loads: Array, moved: Array, there: Marched) -> Array:
+        """How residuals, of loads and jumps, change from the march ``here`` with its ``loads`` to ``there`` at
+        ``moved``."""
+        seen = np.isfinite(self.jumps[:, 1])
+        out = self.out(here) | self.apart(here, (there.begun, there.lost))
+        change = np.where(out, 0.0, (self.loads(moved, there) - loads) / self.sigma)
+        return np.append(change, ((self.times(there) - self.times(here)) / self.jumps[:, 1])[seen])
+
+    def march_errors(self, here: Marched, theta: Array) -> Array:
+        """What loads of marches may err by, in standard deviations of the rows, in each half of each piece."""
+        cycle, times = self.cycle, self.cycle.program[0]
+        cuts = np.sort(np.concatenate([times, (times[1:] + times[:-1]) / 2]))
+        P = self.instant(theta) * here.load(cycle.t)
+        err = np.where(self.left_out, 0.0, LOAD_ERROR * (np.abs(P) + cycle.pulled * (P != 0)) / self.sigma)
+        piece = np.clip(np.searchsorted(cuts, cycle.t, side="right") - 1, 0, cuts.size - 2)
+        return err[:, None] * (piece[:, None] == np.arange(cuts.size - 1))
+
+    def steps(self, theta: Array) -> Array:
+        """Of the unknowns for differences: shares towards the middle."""
+        steps = np.array([STEPS.get(name.rstrip("0123456789"), STEP) for name in self.unknowns.names])
+        shares = np.array([one.kind != "log" and one.name != "delta0" for one in self.unknowns.free])
+        return np.where(shares & (theta > 0.5), -steps, steps)
+
+    def prior(self, theta: Array) -> tuple[Array, Array]:
+        """What is likely before, as residuals."""
+        values, names, unit = self.unknowns.values(theta), self.unknowns.names, np.eye(theta.size)
+        rows, by = list[float](), list[Array]()
+        for i, name in enumerate(names):
+            if likely := likely_before(name, self.cycle.lasting):
+                rows.append((theta[i] - likely[0]) / likely[1])
+                by.append(unit[i] / likely[1])
+        for name, sign in (("stress", -1), ("range", 1)):
+            if name in names:
+                length = values["range"] if name == "range" else values["w"] / values["stress"]
+                rows.append(math.log(length / LIKELY_RANGE) / RANGES)
+                w = unit[names.index("w")] if "w" in names and name == "stress" else 0.0
+                by.append((sign * unit[names.index(name)] + w) / RANGES)
+        return np.array(rows), np.array(by).reshape(-1, theta.size)
+
+    def moved(self, theta: Array, names: Sequence[str]) -> list[Array]:
+        """``theta`` with a step of each of some unknowns."""
+        steps = np.diag(self.steps(theta))
+        return [theta + steps[self.unknowns.names.index(name)] for name in names]
+
+    def rates(self, theta: Array, here: Marched, names: Sequence[str], there: Iterable[Marched]) -> dict[str, Array]:
+        """Derivatives by unknowns from the marches of their steps."""
+        steps = dict(zip(self.unknowns.names, self.steps(theta), strict=True))
+        loads = self.loads(theta, here)
+        return {name: self.change(here, loads, moved, one) / steps[name]
+                for name, moved, one in zip(names, self.moved(theta, names), there, strict=True)}  # fmt: skip
+
+    @staticmethod
+    def many(asked: Sequence[tuple[Adhering, Array]]) -> list[State]:
+        """The states of several searches of one cycle by one march."""
+        model = asked[0][0]
+        names = [name for name in model.unknowns.names if name not in LINE]
+        sets = [[theta, *model.moved(theta, names)] for _, theta in asked]
+        leaders = np.repeat(np.arange(len(sets)) * (len(names) + 1), len(names) + 1)
+        marches = iter(model.march([model.trial(theta) for some in sets for theta in some], leaders.tolist()))
+        found = []
+        for theta, *_ in sets:
+            here, *there = itertools.islice(marches, len(names) + 1)
+            found.append(model.state(theta, here, model.rates(theta, here, names, there)))
+        return found
+
+    def __call__(self, theta: Array) -> State:
+        (state,) = self.many([(self, theta)])
+        return state
+
+
+def likely_before(name: str, lasting: float) -> tuple[float, float] | None:
+    """What is likely of an unknown of a law before, mean and half-width of a normal distribution: of times of their
+    logs; None of others. ``lasting``: time in contact [s]."""
+    plain = name.rstrip("0123456789")
+    if plain in LIKELY_TIMES:
+        share, width = LIKELY_TIMES[plain]
+        return math.log(share * lasting), width
+    return LIKELY.get(plain)
+
+
+def is_time(name: str) -> bool:
+    return name.rstrip("0123456789") in LIKELY_TIMES
+
+
+def _few(law: Relaxation, lasting: float) -> Modes:
+    """The law with r(0) = 1, up to the time ``lasting`` [s]; a power law by few exponentials."""
+    if not isinstance(law, PowerRelaxation):
+        return law.modes(lasting)
+    modes = law.modes(lasting, POWER_STEP)
+    slow, kept = modes.rates * lasting < POWER_SLOWEST, modes.weights > POWER_LEAST * modes.weights.sum()
+    weight = modes.weights[slow].sum()
+    weights = np.append(weight, modes.weights[kept & ~slow])
+    rates = np.append(modes.weights[slow] @ modes.rates[slow] / weight, modes.rates[kept & ~slow])
+    return Modes(0.0, weights / weights.sum(), rates)

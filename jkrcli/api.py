@@ -41,7 +41,7 @@ from .adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.device_path import Course, Program
 from .adhesion.finite_range import RangeRequest, without_range
 from .adhesion.from_rest import LoadingHistory, Rest
-from .adhesion.slopes import RULES
+from .adhesion.rules import RULES
 from .base import units
 from .base.arguments import OneOf, checked, exactly_one
 from .base.errors import InputError, JkrError, Refusal, Unknown

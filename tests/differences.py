@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from jkrcli.adhesion.slopes import Rule, Slopes, register
+from jkrcli.adhesion.rules import Rule, register
+from jkrcli.adhesion.slopes import Slopes
 from jkrcli.base.errors import Unknown
 from jkrcli.series import Series
 

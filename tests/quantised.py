@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes import slopes_function, smoothed
+from jkrcli.adhesion.rules import slopes_function
+from jkrcli.adhesion.slopes import smoothed
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.formulas import hertz
 from jkrcli.series import RawSeries, Series, filter_plateaus

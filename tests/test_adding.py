@@ -211,16 +211,6 @@ def test_a_law_of_speed_of_ones_own(tmp_path: Path) -> None:
     assert "[power|log|linear]" in asked.out
 
 
-def test_the_names_of_slopes_import_nothing_heavy() -> None:
-    """The functions of the rules, which need SciPy, are imported when they are called."""
-    code = (
-        "import sys\nfrom jkrcli.adhesion.slopes import RULES\nassert 'loocv' in RULES\n"
-        "print('HEAVY', sorted({'scipy', 'h5py', 'pydantic'} & set(sys.modules)))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "HEAVY []"
-
-
 def test_a_run_imports_no_solver_that_it_does_not_use(tmp_path: Path) -> None:
     case = tmp_path / "my.toml"
     case.write_text(CASE.format(method="layered", shape="sphere", keys="", thickness="1 mm"))

@@ -16,9 +16,9 @@ import numpy as np
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.slopes import Slopes, slopes, smoothed
 from jkrcli.adhesion.validity import unresolved
-from jkrcli.base.errors import JkrError, Unknown
+from jkrcli.base.errors import LEVEL, JkrError, Unknown
 from jkrcli.base.executors import Pool, completed
-from jkrcli.base.numerics import LEVEL, Array
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.formulas import shift
 from jkrcli.methods.layered.solver import Layered, surface_profile

@@ -14,7 +14,8 @@ from functools import partial
 import numpy as np
 
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
-from jkrcli.adhesion.slopes import slopes, slopes_function, smoothed
+from jkrcli.adhesion.rules import slopes_function
+from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.executors import Pool, in_order
 from jkrcli.base.numerics import Array

@@ -17,7 +17,7 @@ import numpy as np
 
 from jkrcli import formulas
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from jkrcli.adhesion.slopes import slopes_function
+from jkrcli.adhesion.rules import slopes_function
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.numerics import Array
 from jkrcli.base.units import scale, show

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 
-from ..base.errors import Estimate, InputError, Refusal, Unknown, positive
-from ..base.numerics import MOST_STEPS, NOTICEABLE, ROUNDED, SAME, TINY, UNSEEN, Array, composite_gauss, zeros_between
+from ..base.errors import NOTICEABLE, Estimate, InputError, Refusal, Unknown, positive
+from ..base.numerics import MOST_STEPS, ROUNDED, SAME, TINY, UNSEEN, Array, composite_gauss, zeros_between
 from ..base.units import show
 from ..bodies.problem import NO_FINITE_RANGE, Problem, alone, without_side_walls
 from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow

@@ -40,7 +40,7 @@ from .curve import (
     position,
     transform,
 )
-from .slopes import slopes_function
+from .rules import slopes_function
 
 # Where curves are compared, and what is concluded.
 # of what doubling changes, over (ratio - 1), at the end of the series: of values, and of places; tuned on random

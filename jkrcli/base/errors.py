@@ -79,7 +79,11 @@ class SolveError(JkrError):
 
 
 # --------------------------------------------------------------------------------------------------
-# A number, or why there is none.
+# A number, or why there is none; what its error is stated at, and from where on one is reported.
+
+LEVEL = 0.95  # theory: usual of stated errors and intervals; of all, where no other is asked for
+AT_LEVEL = f"{100 * LEVEL:g} %"  # of all errors, in words
+NOTICEABLE = 1e-3  # choice: relative change from which on it is reported
 
 
 @dataclass(frozen=True)
@@ -129,3 +133,12 @@ def installs(extra: str) -> str:
         parts = (line.partition(";") for line in required)
         words = [name.strip() for name, _, when in parts if (f'"{extra}"' in when if extra else not when)]
     return shlex.join([sys.executable or "python3", "-m", "pip", "install", *words])
+
+
+def accuracy(error: Estimate, name: str = "numerical error") -> str:
+    """A relative error called ``name`` in words: where it is small, a power of ten above it."""
+    if isinstance(error, Unknown):
+        return f"{name} {error}"
+    if error >= 1e-4:
+        return f"{name} {float(f'{100 * error:.2g}'):g} %"
+    return f"{name} below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from functools import lru_cache
 from statistics import NormalDist
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from . import process
+from .errors import LEVEL
 from .units import shortly
 
 if process.runs():  # SciPy copies every name of NumPy; these two load a compiler's front end and unittest, 70 ms
@@ -57,14 +57,11 @@ DRAWN = 4000  # choice: points of curves that a picture tells apart
 FEWEST_ROWS = 20
 ROWS = 200  # choice: default number of rows of a curve
 TOGETHER = 20  # choice: items of one kind that are computed side by side, or make one task of another process
-REMEMBERED = 256  # choice: results of one kind that are kept; more only saves time
 SHOWN = 20  # choice: names or rows in a message
 SAME = 1e-6  # choice: relative difference of two values that are one: above round-off, below what anyone measures
 ROUNDED = 1e-9  # theory: relative, above what a sum of a million numbers loses to round-off, 1e6 epsilon = 2e-10
 RESIDUAL_LIMIT = 1e-6  # theory: of check solves; a sound factor leaves round-off, 1e-16 to 1e-12, a wrong one 1
-LEVEL = 0.95  # theory: usual of stated errors and intervals; of all, where no other is asked for
 UNSEEN = 1e-4  # choice: relative error that no measurement sees
-NOTICEABLE = 1e-3  # choice: relative change from which on it is reported
 NO_CLAIM = 1e-3  # of a tolerance, no smaller error is stated; tuned on work along a record, by `make constants`
 SETTLED = 1e-13  # theory: a step of logs or of unknowns near 1 that is none: 450 machine epsilons, above round-off
 TINY = sys.float_info.min  # theory: the least normal number, below every size that something is divided by
@@ -242,35 +239,6 @@ def pchip(x: Array, y: Array) -> PiecewiseCubic:
 
     first, last = end(*h[:2], *secant[:2]), end(*h[:-3:-1], *secant[:-3:-1])
     return PiecewiseCubic(x, y, np.concatenate([[first], middle, [last]]))
-
-
-def cosine_transform(rows: Array) -> Array:
-    """The orthonormal cosine transform (DCT-II) of real numbers, (..., n), along the last axis."""
-    n = rows.shape[-1]
-    # even places, then odd ones backwards: the transform is the real part of the turned Fourier transform (Makhoul,
-    # IEEE Trans. ASSP 28 (1980) 27), whose upper half is minus the imaginary part of the lower, in reverse
-    folded, half = np.empty(rows.shape), n - n // 2
-    folded[..., :half], folded[..., half:] = rows[..., ::2], rows[..., 1::2][..., ::-1]
-    waves = np.fft.rfft(folded)
-    waves *= _turns(n)
-    folded[..., : n // 2 + 1] = waves.real
-    np.negative(waves.imag[..., 1:half][..., ::-1], out=folded[..., n // 2 + 1 :])
-    return folded
-
-
-@lru_cache(maxsize=TOGETHER)  # of arrays as long as a record
-def _turns(n: int) -> Array:
-    """sqrt(2/n) exp(-i pi k/(2n)), and 1/sqrt(n) for k = 0: what makes a cosine transform of that of Fourier."""
-    turns: Array = math.sqrt(2 / n) * np.exp(-0.5j * np.pi / n * np.arange(n // 2 + 1))
-    turns[0] *= math.sqrt(0.5)
-    return turns
-
-
-@lru_cache(maxsize=REMEMBERED)
-def fast_length(n: int) -> int:
-    """The least number from ``n`` on without a prime factor above 5, whose Fourier transform is fast."""
-    powers = [3**i * 5**j for i in range(n.bit_length()) for j in range(n.bit_length())]
-    return min(power << max(-(-n // power) - 1, 0).bit_length() for power in powers)
 
 
 def rising_slopes(x: Array, y: Array, slopes: Array) -> Array:

@@ -17,6 +17,7 @@ from .errors import InputError
 
 # containers made between two looks for cycles; choice: saves an eighth, and leaves ten pictures to wait, not fifty
 RARELY = (100_000, 2, 10)
+REMEMBERED = 256  # choice: results of one kind that are kept; more only saves time
 _begun: list[bool] = []
 
 

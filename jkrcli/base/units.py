@@ -236,16 +236,6 @@ def show(value: float, dimension: str, digits: int = 4) -> str:
     return f"{value / factor:.{max(digits, 3)}g} {unit}".strip()  # 260 nm of two digits, not 2.6e+02 nm
 
 
-def show_within(value: float, error: float, dimension: str, digits: int = 4, of_error: int = 3) -> str:
-    """``value`` ± ``error`` [SI], each as ``show`` writes it; where the error is the larger, both in its unit and the
-    value no finer: ``show_within(2e-9, 29e-6, "work") == "0 ± 29 uJ/m^2"``."""
-    if not abs(value) < error < math.inf:
-        return f"{show(value, dimension, digits)} ± {show(error, dimension, of_error)}"
-    factor, unit = scale(error, dimension)
-    places = max(1 - math.floor(math.log10(error / factor)), 0)
-    return f"{round(value / factor, places) + 0.0:.{places}f} ± {error / factor:.{places}f} {unit}".strip()
-
-
 def scale(value: float, dimension: str) -> tuple[float, str]:
     """Factor and name of the unit in which people would write ``value`` [SI]; for tables and axes."""
     base = SI[dimension]

@@ -62,7 +62,8 @@ from ..bodies.problem import (
 from ..formulas import capillary, kelvin_radius
 from ..methods.protocol import METHODS, Descriptor, InTable, Method, method_class
 from ..series import Record
-from ..tables import TextTable, read_table, split_name, unit_power
+from ..tables import split_name, unit_power
+from ..tables.text import TextTable, read_table
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

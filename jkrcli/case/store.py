@@ -14,9 +14,9 @@ import tomli_w
 
 from .. import __version__
 from ..base import hdf5, process
-from ..base.errors import Estimate, InputError, JkrError, Unknown
+from ..base.errors import LEVEL, Estimate, InputError, JkrError, Unknown
 from ..base.files import read_bytes, write_bytes
-from ..base.numerics import HALF_WIDTH, LEVEL, MOST_CELLS, Array, half_width
+from ..base.numerics import HALF_WIDTH, MOST_CELLS, Array, half_width
 from ..base.process import one_thread
 from ..base.units import LARGEST_SI
 from ..bodies.problem import Problem

@@ -1,29 +1,29 @@
 """Verbs of cases: ``new``, ``check``, ``run`` and ``mesh``, and ``import`` of others' series."""
 
+from __future__ import annotations
+
 import contextlib
 import time
 import tomllib
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .. import __version__
 from ..base.errors import InputError, counted
 from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_text
-from ..case.models import Case, CaseModel, LoadingTable, fem_of, load_case, parse_case
-from ..case.store import record_of, solve, write_solution
 from ..methods.protocol import METHODS, Limits, long_look
 from ..report.result import Output
-from ..report.solved import Imported, Meshed, Solved
-from ..resolve.foreign import NAMES, SeriesReading, read_series
-from ..resolve.resolve import effect_facts, sticking_effect
-from ..tables import rows_of_text
+from ..tables import quantities
 from . import options
 from .inputs import SEPARATED, Flags, begin_tables, body_options, case_of, named_flags, reading_of
 from .printing import announce, command_line, detail, give, note, say
+
+if TYPE_CHECKING:
+    from ..case.models import Case
+    from ..resolve.foreign import SeriesReading
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of cases: ``new``, ``run`` and ``mesh``, and ``import`` of others' series.
@@ -46,17 +46,21 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
     jkr run cases/halfspace.toml
     jkr run my.toml --method fem -o results/my.h5
     """
+    from ..case import models, store
+    from ..report.solved import Solved
+    from ..resolve.resolve import effect_facts, sticking_effect
+
     start = time.process_time()
-    loaded = load_case(case)
+    loaded = models.load_case(case)
     if tolerance is not None:
         loaded = loaded.with_tolerance(tolerance, method or loaded.model.method)
     target = output.file(Path(f"{case.stem}.h5"), [case], check_series_target)
-    choice, solution = solve(loaded, method, limits, note)
+    choice, solution = store.solve(loaded, method, limits, note)
     effect = sticking_effect(solution.problem, float(solution.series.a[-1]), ())
     solution = replace(solution, facts={**solution.facts, **effect_facts(effect)})
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")
-    write_solution(target, solution, command_line())
+    store.write_solution(target, solution, command_line())
     seconds = time.process_time() - start
     give(Solved(target, solution, choice, effect, seconds, tolerance, loaded.remarks), output.json)
 
@@ -64,7 +68,7 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
 # --------------------------------------------------------------------------------------------------
 # ``jkr new``: a commented case file to start from.
 
-TEMPLATE = resources.files(__package__).joinpath("new.toml").read_text(encoding="utf-8")
+TEMPLATE = Path(__file__).with_name("new.toml").read_text(encoding="utf-8")
 
 
 @options.verb("file")
@@ -88,7 +92,7 @@ def new(file: Path, force: bool) -> None:
 # --------------------------------------------------------------------------------------------------
 # ``jkr import``: a series that another program computed to a series file.
 
-KEYS = tuple(NAMES.quantities)
+KEYS = tuple(quantities("computed"))
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
 
 
@@ -99,9 +103,15 @@ class ZeroType(options.ScaleType):
         return super().parsed(text) if "=" in text else ("delta", options.LENGTH.parsed(text))
 
 
+def _reading(**columns: Any) -> SeriesReading:
+    from ..resolve.foreign import SeriesReading
+
+    return SeriesReading(**reading_of(columns))
+
+
 reading_options = options.as_one(
     "reading",
-    lambda **columns: SeriesReading(**reading_of(columns)),
+    _reading,
     click.option("--column", "columns", multiple=True, type=options.KeyValueType(KEYS),
                  help="Column name or number, delta=U2."),
     click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
@@ -142,22 +152,31 @@ def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading
     jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN
     jkr import table.csv --radius "1 mm" --E "15 kPa" --nu 0.5 -o data.h5
     """
+    from ..case import models, store
+    from ..report.solved import Imported
+    from ..resolve.foreign import read_series
+    from ..tables.text import rows_of_text
+
     target = output.file(Path(f"{table.stem}.h5"), [table, *([case] if case else [])], check_series_target)
     body = _case(case, flags)
     begin_tables("import", rows_of_text(table))
     solution = read_series(table, body.model.problem(), reading)
     # The case with the loading that the table went through.
     went = solution.problem.loading
-    loading = LoadingTable.model_validate({went.to: went.maximum, "points": went.points, "spacing": went.spacing})
-    model: CaseModel = body.model.model_copy(update={"loading": loading})
-    loaded = Case(model, body.source)
-    solution = replace(solution, record=record_of(loaded))
-    write_solution(target, solution, command_line())
+    loading = models.LoadingTable.model_validate(
+        {went.to: went.maximum, "points": went.points, "spacing": went.spacing}
+    )
+    model: models.CaseModel = body.model.model_copy(update={"loading": loading})
+    loaded = models.Case(model, body.source)
+    solution = replace(solution, record=store.record_of(loaded))
+    store.write_solution(target, solution, command_line())
     give(Imported(target, solution, table), output.json)
 
 
 def _case(path: Path | None, body: Flags) -> Case:
     """The case of a file that may lack a loading, or one made of the flags of indenter and specimen."""
+    from ..case.models import load_case, parse_case
+
     names = named_flags(body)
     if path is None:
         return case_of("import", body, "--case", loading={"depth": 1.0})
@@ -187,7 +206,9 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
     \b
     jkr mesh cases/halfspace.toml
     """
+    from ..case.models import fem_of, load_case
     from ..methods.fem.mesh import write_msh, write_vtu
+    from ..report.solved import Meshed
 
     model = load_case(case).model
     problem = model.problem()
@@ -221,6 +242,7 @@ def check(case: Path, as_json: bool) -> None:
     jkr check cases/thin-layer.toml
     jkr check my.toml -v                    all neglected effects, all methods
     """
+    from ..case.models import load_case
     from ..report.check import Check
     from ..resolve.neglected import seconds_of_effects
 

@@ -9,25 +9,17 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..base.errors import InputError
 from ..base.files import atomic, together, write_text
 from ..base.wings import offered
 from ..methods.protocol import Limits
-from ..report import forward, tables
 from ..report.result import PICTURES, Files, Output, Results
-from ..resolve.analysis import (
-    analyse,
-    fem_behind,
-    profile_columns,
-    radius_under,
-    where_lost,
-)
-from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
-from ..resolve.resolve import effect_on, sticking_warnings
-from ..series import Solution
 from . import inputs, options
 from .printing import announce, answer, give, present, warn
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from ..series import Solution
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``.
@@ -57,6 +49,10 @@ def transform(
     jkr transform data.h5 --w "50 mJ/m^2"
     jkr transform gel.h5 --w "35 mJ/m^2" --w "40 mJ/m^2" --together -o results
     """
+    from ..report import forward, tables
+    from ..resolve.analysis import analyse
+    from ..resolve.resolve import effect_on, sticking_warnings
+
     if own and dimensionless:
         raise InputError("transform: give either --dimensionless or --scale, got both")
     if in_one and dimensionless:
@@ -152,6 +148,11 @@ def pull_off(
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
     jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
     """
+    from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+    from ..report.forward import PullOff
+    from ..resolve.analysis import where_lost
+    from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
+
     if sought is not None:
         give(offered("the inverse question")(files, sought, force, works, stiffnesses, how.slopes), as_json)
         return
@@ -181,7 +182,7 @@ def pull_off(
     curves = [one for solution, some, ranged in zip(solutions, wanted, ranges, strict=True)
              for one in where_lost(solution, some, stiffnesses, how.slopes, how.modulus_factor, ranged)]  # fmt: skip
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
-    results = [forward.PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
+    results = [PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
     give(Results(results, list(dict.fromkeys(text for one in results for text in one.warnings))), as_json)
 
 
@@ -228,6 +229,9 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
     jkr profile data.h5 --a "5 um"
     jkr profile data.h5 --load "-10 uN" --w "50 mJ/m^2"
     """
+    from ..report.forward import Profile
+    from ..resolve.analysis import profile_columns, radius_under
+
     state.refuse_wrong("profile")
     output.folder(Path())
     file, solution, w = inputs.body_and_work("profile", file, state.work, ranged=True)
@@ -243,7 +247,7 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
     if radius is None:
         assert state.load is not None
         radius = radius_under(solution, state.load, w, ranged)
-    result = forward.Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
+    result = Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
     targets.write(result.columns, figure=result.figure())
     give(result, output.json, f"  written {targets}")
 
@@ -251,10 +255,12 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
 # --------------------------------------------------------------------------------------------------
 # ``jkr fields``: displacement and stress in the body at one state.
 
+COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
+
 
 @options.verb("file")
 @options.state_options
-@click.option("--component", type=click.Choice(forward.COMPONENTS),
+@click.option("--component", type=click.Choice(COMPONENTS),
               help="Stress in the picture [default: zz]; the .vtu holds all.")  # fmt: skip
 @options.into_folder()
 @options.output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
@@ -277,11 +283,13 @@ def fields(file: Path, state: options.State, component: str | None, output: Outp
     file, solution, w = inputs.body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from ..methods.fem.fields import seconds_of_state
+    from ..report.forward import Fields
+    from ..resolve.analysis import analyse, fem_behind
     from .case_verbs import MARKS
 
     announce("fields by finite elements", seconds_of_state(solution.problem))
     curve, component = analyse(solution, [w])[0], component or "zz"
-    result = forward.Fields.of(curve, fem_behind(solution), a=state.radius, load=state.load, component=component)
+    result = Fields.of(curve, fem_behind(solution), a=state.radius, load=state.load, component=component)
     figure = targets.draw(result.figure)
     with together():
         with atomic(targets[".vtu"]) as temporary:
@@ -329,6 +337,7 @@ def export(
     if w == 0:
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     from ..report.export import Exported, NaniteModel, model_name
+    from ..resolve.analysis import analyse
 
     folder, name = output.folder(file.parent), name or file.stem
     stem, endings = (f"{name}-dem", (".h", ".csv")) if dem else (f"model_{model_name(name)}", (".py",))

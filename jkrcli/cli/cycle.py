@@ -1,29 +1,30 @@
 """``jkr cycle``: the trace that a device of given stiffness records, quasi-statically."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
-from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from ..adhesion.device_path import Course, Program
-from ..adhesion.finite_range import RangeRequest
-from ..adhesion.from_rest import LoadingHistory, Rest
 from ..base.errors import InputError
 from ..base.files import together
 from ..base.registry import Result
 from ..base.wings import absent
 from ..methods.protocol import Limits
-from ..report.forward import AskedCycle, CycledInLimits, traced_histories
 from ..report.result import PICTURES, Output
-from ..resolve.foreign import read_program as rows_of_program
-from ..resolve.histories import rest_of
-from ..series import Solution
-from ..tables import rows_of_text
 from . import inputs, options
 from .options import flag, typed
 from .printing import give
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from ..adhesion.device_path import Program
+    from ..adhesion.finite_range import RangeRequest
+    from ..adhesion.from_rest import LoadingHistory, Rest
+    from ..report.forward import AskedCycle
+    from ..series import Solution
 
 # What a table of the instrument's positions costs.
 TABLE_CYCLE_PER_ROW = 0.012  # CPU seconds of `jkr cycle --program`; tuned on 100 and 1,000 rows, by `make guards`
@@ -46,6 +47,8 @@ class Turn:
     program: Path | None = typed(options.FileType(), PROGRAM)  # noqa: RUF009  # a field
 
     def __post_init__(self) -> None:
+        from ..adhesion.device_path import Course
+
         Course(to_load=self.to_load, to_depth=self.to_depth, tabulated=self.program).refuse_idle(flag)
 
     def suffix(self) -> str:
@@ -79,7 +82,13 @@ rest_options = options.several(
 
 def read_program(path: Path | None, stiffness: float) -> Program | None:
     """What the table at ``path`` says that a device of ``stiffness`` [N/m] does, where there is one."""
-    return None if path is None else Program(*rows_of_program(path, "load" if stiffness == LOAD_CONTROL else "length"))
+    if path is None:
+        return None
+    from ..adhesion.curve import LOAD_CONTROL
+    from ..adhesion.device_path import Program
+    from ..resolve import foreign
+
+    return Program(*foreign.read_program(path, "load" if stiffness == LOAD_CONTROL else "length"))
 
 
 def works_of(solution: Solution, approach: float | None, retraction: float | None) -> tuple[float, float]:
@@ -94,6 +103,8 @@ def works_of(solution: Solution, approach: float | None, retraction: float | Non
 def begin_program(program: Path | None, points: int, limits: Limits) -> None:
     """Say what a table of the instrument's positions will cost, where that is much; Refusal beyond the ``limits``."""
     if program is not None:
+        from ..tables.text import rows_of_text
+
         per_row = TABLE_CYCLE_PER_ROW + TABLE_CYCLE_PER_POINT * points
         inputs.begin_tables("cycle --program", rows_of_text(program), limits,
                             "fewer rows of the program, or fewer --points", per_row=per_row,
@@ -106,6 +117,8 @@ def name_suffix(
 ) -> str:  # fmt: skip
     """What distinguishes names of files, of what was given: works of adhesion [J/m^2], a ``stiffness`` [N/m], the words
     of a ``turn``, a rest, a range, ``more`` and a ``factor`` of the moduli."""
+    from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+
     works = (("approach", approach), ("retract", retraction))
     parts = [f"-w-{name}{w:g}" for name, w in works if w is not None]
     if stiffness == LOAD_CONTROL:
@@ -124,6 +137,8 @@ def write_cycle(
     one: Callable[[], Result], after: Callable[[LoadingHistory], Result],
 ) -> None:  # fmt: skip
     """Compute and write what was ``asked``, the ``one`` cycle or those ``after`` each history that is ``known``."""
+    from ..report.forward import CycledInLimits
+
     names = [one.name for one in known] or [""]
     stem = output.folder(file.parent) / f"{file.stem}-cycle{ends}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
@@ -160,6 +175,9 @@ def cycle(
     jkr cycle data.h5 --stiffness "10 kN/m"
     jkr cycle gel.h5 --w-retract "45 mJ/m^2" --to-load "0.5 mN"
     """
+    from ..report.forward import AskedCycle, traced_histories
+    from ..resolve.histories import rest_of
+
     output.folder(Path())
     file = inputs.series_file(file)
     solution = inputs.read_series(file)

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import get_completion_class
 
 from ..base.errors import InputError
-from ..case.models import plain_toml
-from ..report import archive
-from ..report.check import Machine
-from ..report.forward import Compared
 from ..report.result import PICTURES, Output
-from ..series import Solution
-from ..tables import rows_of_text
 from . import options
 from .inputs import announce_files, begin_tables, read_files, read_series, series_file
 from .printing import give, warn
+
+if TYPE_CHECKING:
+    from ..series import Solution
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr compare``: two results of the same problem.
@@ -47,6 +44,9 @@ def compare(
     jkr compare fem.h5 layered.h5 --rtol 1e-3
     jkr compare today.h5 yesterday.h5 --rtol 1e-12 --column P --column a
     """
+    from ..report.forward import Compared
+    from ..tables.text import rows_of_text
+
     if plot is not None:
         if plot.suffix not in PICTURES:
             raise InputError(f"--plot: must end in .png or .svg, got {plot}")
@@ -81,8 +81,10 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     """
     if case_only and as_json:
         raise InputError("show: --case prints a case file: leave --json out")
+    from ..report import archive
+
     announce_files("show", files)
-    items = list[Solution | dict[str, Any]]()
+    items: list[Solution | dict[str, Any]] = []
     for path in files:
         if case_only or not archive.is_archive(path):
             items.append(read_series(series_file(path)))
@@ -92,7 +94,9 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
             warn(f"{path}: {archive.DOUBT}")
         items.append(archive.archive_summary(file))
     if case_only:
-        click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if isinstance(item, Solution)))
+        from ..case.models import plain_toml
+
+        click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if not isinstance(item, dict)))
         return
     give(archive.Shown(items), as_json)
 
@@ -111,6 +115,8 @@ def doctor(as_json: bool) -> int:
     \b
     jkr doctor
     """
+    from ..report.check import Machine
+
     machine = Machine.examined()
     give(machine, as_json)
     return int(not machine.is_sound)

@@ -7,25 +7,25 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import click
 
 from .. import __version__
-from ..adhesion.finite_range import RangeRequest, without_range
 from ..base.errors import InputError, counted, writable
 from ..base.files import check_series_target
 from ..base.units import doubtful_modulus
-from ..bodies.problem import relaxing
-from ..case.models import Case, load_case, other_tables, parse_case
-from ..case.store import NO_DIGEST, read_solution, record_of, solve, write_solution
 from ..methods.protocol import Forecast, Limits
-from ..series import Record, Solution
 from ..tables import SEPARATORS
 from . import options
 from .options import as_one, begin
 from .options import flag as option
 from .printing import announce, command_line, note, warn
+
+if TYPE_CHECKING:
+    from ..adhesion.finite_range import RangeRequest
+    from ..case.models import Case
+    from ..series import Record, Solution
 
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
 FLAGS = ("shape", "radius", "half_angle", "cap", "modulus", "nu", "thickness", "base")
@@ -78,6 +78,8 @@ def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **
     """The case of a specimen from options, with more ``keys``, "loading" among them; the rest as of ``tables_of``.
     InputError names flags, not the keys that they stand for."""
     import tomli_w
+
+    from ..case.models import parse_case
 
     content = tomli_w.dumps(tables_of(verb, body, instead, modulus) | keys).encode()
     try:
@@ -145,19 +147,21 @@ def series_file(path: Path) -> Path:
     """
     if path.suffix != ".toml":
         return path
-    case, target = load_case(path), Path(f"{path.stem}.h5")
+    from ..case import models, store
+
+    case, target = models.load_case(path), Path(f"{path.stem}.h5")
     check_series_target(target, False, [path])
     existing = _solved(target, case)
     if existing is not None:
         note(f"{path}: {target} holds its solution already (method {existing.method})")
-        if _adhesion(existing.record) != _adhesion(record_of(case)):
-            loading = cast(Case, existing.record.case).model.loading  # of an import that of its table
-            record = record_of(replace(case, model=case.model.model_copy(update={"loading": loading})))
-            write_solution(target, replace(existing, record=record), existing.record.command_line)
+        if _adhesion(existing.record) != _adhesion(store.record_of(case)):
+            loading = cast("Case", existing.record.case).model.loading  # of an import that of its table
+            record = store.record_of(replace(case, model=case.model.model_copy(update={"loading": loading})))
+            store.write_solution(target, replace(existing, record=record), existing.record.command_line)
         return target
 
-    choice, solution = solve(case, announce=note)
-    write_solution(target, solution, command_line())
+    choice, solution = store.solve(case, announce=note)
+    store.write_solution(target, solution, command_line())
     note(f"{path}: solved by method {choice.name}, written {target}")
     for remark in case.remarks:
         warn(remark)
@@ -171,6 +175,9 @@ def _adhesion(record: Record) -> tuple[object, ...]:
 def _solved(target: Path, case: Case) -> Solution | None:
     """What ``target`` holds where that is a series of the same body, loading and method by this release, or one of the
     same body that was imported."""
+    from ..case.models import Case, other_tables
+    from ..case.store import read_solution
+
     try:
         solution = read_solution(target, with_pressure=True) if target.exists() else None
     except InputError:
@@ -201,6 +208,8 @@ def announce_files(verb: str, paths: Sequence[Path]) -> None:
 
 def read_series(path: Path) -> Solution:
     """What the series file at ``path`` holds; a file that damage could have changed unnoticed is warned of."""
+    from ..case.store import NO_DIGEST, read_solution
+
     solution = read_solution(path)
     if NO_DIGEST in solution.warnings:
         warn(f"{path}: {NO_DIGEST}")
@@ -209,6 +218,8 @@ def read_series(path: Path) -> Solution:
 
 def warn_of_constant_moduli(*solutions: Solution) -> None:
     """Say of each specimen that relaxes what the numbers of a verb mean that does not follow its moduli over time."""
+    from ..bodies.problem import relaxing
+
     for solution in solutions:
         for text in relaxing(solution.problem.specimen.relaxation):
             warn(f"{solution.record.path}: {text}")
@@ -225,6 +236,8 @@ def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = Fals
     """The series file that is meant by ``path``, what it holds, and the ``work`` of adhesion [J/m^2] or the first that
     its case names, 0, with a note, where it names none; Refusal by a ``verb`` that is not ``ranged``, see
     ``without_range``."""
+    from ..adhesion.finite_range import without_range
+
     file = series_file(path)
     solution = read_series(file)
     warn_of_constant_moduli(solution)
@@ -243,6 +256,7 @@ def begin_curves(
     """Say what the curves of a ``verb`` will cost together, with the ``ranges`` of adhesion of each solution (default:
     none), read off for so many ``devices``, and what takes so many CPU seconds ``beside``, where that is much; Refusal
     beyond the ``limits``."""
+    from ..adhesion.finite_range import RangeRequest
     from ..resolve.analysis import forecast
 
     ranges = ranges or [RangeRequest()] * len(solutions)

@@ -16,18 +16,19 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast, get_args
 import click
 from click.core import ParameterSource
 
-from ..adhesion.finite_range import RangeRequest
-from ..adhesion.slopes import RULES
+from ..adhesion.rules import RULES
 from ..base import units
 from ..base.arguments import exactly_one
 from ..base.files import HANDED, received
 from ..base.units import Ranged, doubtful_work
 from ..methods.protocol import LESS, Forecast, Limits, check_cost
 from ..report.result import Output
-from ..series import Solution
 from .printing import LEVEL, QUIET, VERBOSE, forewarn, warn
 
 if TYPE_CHECKING:
+    from ..adhesion.finite_range import RangeRequest
+    from ..series import Solution
+
     ParamType = click.ParamType[Any, Any]
     PathType = click.Path[Path]
 else:
@@ -460,6 +461,8 @@ class RangeOptions:
 
     def of(self, solution: Solution) -> RangeRequest:
         """The range for a ``solution``."""
+        from ..adhesion.finite_range import RangeRequest
+
         return RangeRequest.of(solution.record, self.stress, self.length, "--stress or --range")
 
 

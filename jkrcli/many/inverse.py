@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 
 from ..adhesion.curve import LOAD_CONTROL, control
@@ -28,7 +27,6 @@ from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import Control, Force, show
 from ..case.models import CaseModel, load_case, model_of
-from ..cli import options
 from ..cli.printing import announce
 from ..report.tables import transpose_rows
 from ..resolve.analysis import where_lost
@@ -39,12 +37,6 @@ FIND_EXACT = 1e-9  # theory: of the logs, far below any error of the force
 FIND_JUMP = 1e-6  # choice: of ln(F/F_wanted), beyond which a change of sign is no solution
 FIND_WITHIN = 30.0  # choice: factor about the case's own value, within which is looked where no bounds are told
 DIMENSIONS = {"m": "length", "Pa": "modulus", "J_per_m2": "work", "rad": "angle"}  # of the keys of cases
-
-find_option = options.several(
-    click.option("--find", "sought", metavar="KEY[=LOW..HIGH]",
-                 help='With --load: the value of a number of the case that gives this pull-off force, such as '
-                 'indenter.radius="1 um..1 mm".'),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Studies over many bodies: maps, each a row of ``MAPS`` with its ``Map`` below, and convergence of meshes."""
+"""Studies over many bodies: maps, each a ``Map`` below, known by its line of ``MAPS`` in ``wing.py``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ..base.numerics import MOST_STEPS, Array, pchip
 from ..base.process import one_thread
 from ..base.registry import Result
 from ..base.units import Ranged
-from ..base.wings import is_offered, offered
+from ..base.wings import offered
 from ..bodies.indenters import Paraboloid
 from ..bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ..formulas import wetting_radius
@@ -32,16 +32,7 @@ from ..methods.layered.solver import Layered
 from ..methods.protocol import Method
 from ..report.result import Figure
 from ..series import Series
-
-MAPS = {
-    "pull-off": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
-    "sticking": "What sticking changes on a layer: S and load over those of sliding, over a/h.",
-    "transition": "The pull-off force on a layer between JKR and DMT, over the range of adhesion.",
-    "adhesion": "Which model of adhesion holds on a layer, over its range and the load.",
-}
-if is_offered("contact of a law over speed"):
-    MAPS["rate"] = "Pull-off force and energy lost over speed, stiffness and body."
-
+from .wing import maps
 
 # --------------------------------------------------------------------------------------------------
 # A map: quantities of a paraboloid on standard bodies over some axes. What a map is stands in its row, a ``Map``; how
@@ -173,10 +164,10 @@ def _table(columns: Columns, shown: Sequence[tuple[str, str, str]]) -> Iterator[
 
 def map_of(name: str) -> Map:
     """The row of the map called ``name``."""
-    if name not in MAPS:
-        raise InputError(f'unknown map "{name}" (maps: {", ".join(MAPS)})')
-    maps = (PULL_OFF_MAP, STICKING_MAP, TRANSITION_MAP, ADHESION_MAP, RATE_MAP)
-    return next(row for row in maps if row.name == name)
+    if name not in (names := maps()):
+        raise InputError(f'unknown map "{name}" (maps: {", ".join(names)})')
+    rows = (PULL_OFF_MAP, STICKING_MAP, TRANSITION_MAP, ADHESION_MAP, RATE_MAP)
+    return next(row for row in rows if row.name == name)
 
 
 def rows(**columns: Any) -> Columns:

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import counted
-from ..base.numerics import LEVEL, Array, f_quantile, half_width
+from ..base.errors import LEVEL, counted
+from ..base.numerics import Array, f_quantile, half_width
 from ..base.registry import Result
 from ..base.units import scale
 from ..report.result import Figure

@@ -24,11 +24,11 @@ import numpy as np
 from .. import __version__
 from ..adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint, Equilibrium, Nonadhesive
 from ..adhesion.device_path import stability_under
-from ..adhesion.slopes import checked_rule
+from ..adhesion.rules import checked_rule
 from ..adhesion.validity import strain_size, strain_words
-from ..base.errors import InputError, JkrError, Unknown, counted, did_you_mean
+from ..base.errors import LEVEL, InputError, JkrError, Unknown, counted, did_you_mean
 from ..base.files import check_target
-from ..base.numerics import LEVEL, MOST_CELLS
+from ..base.numerics import MOST_CELLS
 from ..bodies.problem import Problem
 from ..case.models import Case, CaseModel, method_of, model_of
 from ..case.store import read_solution, write_solution
@@ -36,7 +36,7 @@ from ..methods.protocol import Choice, Method, choose_method, least_first, surve
 from ..report import tables
 from ..resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ..series import Record, Solution
-from ..tables import MOST_COLUMNS
+from ..tables.text import MOST_COLUMNS
 from .sweep_file import (
     DISTRIBUTIONS,
     MOST_CASES,

@@ -8,27 +8,24 @@ from typing import Any, ClassVar
 
 import click
 
-from ..adhesion.finite_range import without_range
 from ..base.errors import InputError
-from ..base.executors import executor
 from ..base.files import write_text
 from ..base.wings import absent, offered
-from ..case.models import load_case, method_of, plain_toml
-from ..case.store import solve
 from ..cli import LateGroup, inputs, options
 from ..cli.printing import announce, answer, give, note, progress
 from ..methods.protocol import METHODS, Limits
 from ..report.result import PICTURES, Output
-from ..resolve.analysis import analyse, seconds_of_page
-from . import maps
-from . import sweep as running
-from . import sweep_plan as plans
-from .studies import FEW, Bench
+from .wing import maps
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .maps import Axis, Map
+    from .sweep_plan import Plan
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr study``: maps and meshes.
 
-STUDIES = {f"{name}-map": words for name, words in maps.MAPS.items()} | {
+STUDIES = {f"{name}-map": words for name, words in maps().items()} | {
     "converge": "The same case on a sequence of meshes."
 }
 # Studies of the methods, and the targets of make that run them.
@@ -43,7 +40,9 @@ class Studies(LateGroup):
     def made(self, name: str) -> click.Command:
         if name == "converge":
             return study_converge
-        return _command(maps.map_of(name.removesuffix("-map")))
+        from .maps import map_of
+
+        return _command(map_of(name.removesuffix("-map")))
 
     def unknown(self, name: str) -> str:
         if name in MAKE:
@@ -60,13 +59,15 @@ def study() -> None:
     """
 
 
-def _command(row: maps.Map) -> click.Command:
+def _command(row: Map) -> click.Command:
     """The verb of a map: an option for each axis."""
 
     @options.parallel_options
     @options.into_folder("Folder [default: .].", default=Path())
     @options.output_options(plots="Write the CSV only.", json="Print the table as JSON.")
     def study_map(output: Output, parallel: options.Parallel, **axes: Any) -> None:
+        from ..base.executors import executor
+
         chosen = {name: value for name, value in axes.items() if value not in (None, ())}
         files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
         with executor(*parallel, progress, row.forecast(**chosen)) as pool:
@@ -78,7 +79,7 @@ def _command(row: maps.Map) -> click.Command:
     return click.command(f"{row.name}-map", cls=options.Verb, help=row.help)(axes(study_map))
 
 
-def _option(name: str, axis: maps.Axis) -> Any:
+def _option(name: str, axis: Axis) -> Any:
     kind: Any = float if axis.read is None else str
     default = axis.default if axis.several else (axis.default,)
     if isinstance(axis.default, dict):
@@ -109,8 +110,10 @@ def study_converge(
     jkr study converge cases/thin-layer.toml --levels 5
     jkr study converge cases/halfspace.toml --contact incremental -o results
     """
+    from ..base.executors import executor
+    from ..case.models import load_case, method_of
     from ..methods.fem import FEM
-    from . import studies as convergence
+    from .studies import converge
 
     loaded = load_case(case)
     w = work if work is not None else next(iter(loaded.model.adhesion.w), None)
@@ -124,7 +127,7 @@ def study_converge(
         method = replace(method, contact=contact)  # type: ignore[arg-type]
     problem = loaded.model.problem()
     with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
-        study = convergence.converge(problem, method, w, levels, pool=pool)
+        study = converge(problem, method, w, levels, pool=pool)
     files.write(study.columns, study.summary(), files.draw(study.figure))
     give(study, output.json, f"  written   {files}")
 
@@ -158,6 +161,10 @@ def sweep(
     jkr sweep my-sweep.toml --only 17
     jkr sweep my-sweep.toml --show-case 17 > case-17.toml
     """
+    from ..case.models import plain_toml
+    from . import sweep as running
+    from . import sweep_plan as plans
+
     for alone, name, also in (("show_case", "--show-case", ()), ("only", "--only", ("json",))):
         typed = options.typed_options()
         if alone in typed and (idle := [one for one in typed if one not in ("sweep", alone, *also)]):
@@ -176,7 +183,7 @@ def sweep(
         give(result, output.json, f"  written   {', '.join(map(str, result.files))}")
 
 
-def _number(plan: plans.Plan, number: int, option: str) -> int:
+def _number(plan: Plan, number: int, option: str) -> int:
     if number >= plan.count:
         raise InputError(f"{option}: the cases of {plan.source} are numbered 0 to {plan.count - 1}, got {number}")
     return number
@@ -198,6 +205,10 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
     jkr bench cases/halfspace.toml
     jkr bench cases/halfspace.toml --method layered --repeat 20
     """
+    from ..case.models import load_case
+    from ..case.store import solve
+    from .studies import FEW, Bench
+
     loaded = load_case(case)
     choice, solution = solve(loaded, method, limits, note)
     announce(f"bench of {repeat} runs", (repeat + min(repeat, FEW)) * sum(solution.timings.values()))
@@ -233,7 +244,9 @@ def explore(
     jkr explore data.h5
     jkr explore gel.h5 measured.csv -o gel.html
     """
-    from .explorer import Explored, page, payload, start_work
+    from ..adhesion.finite_range import without_range
+    from ..resolve.analysis import analyse
+    from .explorer import Explored, page, payload, seconds_of_page, start_work
 
     if data and reading is None:
         raise InputError(f"explore: measured DATA {absent('measured curves')}")
@@ -254,3 +267,13 @@ def explore(
         result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
     write_text(target, page(payload(result, curves, slopes)))
     give(Explored(file, target, result.w, len(result.curve.series), len(curves), sum(map(len, curves))), output.json)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr pull-off --find``: the inverse question.
+
+find_option = options.several(
+    click.option("--find", "sought", metavar="KEY[=LOW..HIGH]",
+                 help='With --load: the value of a number of the case that gives this pull-off force, such as '
+                 'indenter.radius="1 um..1 mm".'),
+)  # fmt: skip

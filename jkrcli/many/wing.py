@@ -1,6 +1,6 @@
 """What the wing of many bodies and samples registers: sweeps, maps, studies, the page with sliders, samples of fits."""
 
-from ..base.wings import Verb, Wing
+from ..base.wings import Verb, Wing, is_offered
 
 PAGE = "One page with sliders for w, modulus and stiffness."
 WING = Wing(
@@ -16,7 +16,20 @@ WING = Wing(
     offers={
         "samples of a fit": "many.samples:Samples",
         "report of a fit": "many.lab_report:LabReport",
-        "option of the inverse question": "many.inverse:find_option",
+        "option of the inverse question": "many.verbs:find_option",
         "the inverse question": "many.inverse:find_by_words",
     },
 )
+
+MAPS = {
+    "pull-off": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
+    "sticking": "What sticking changes on a layer: S and load over those of sliding, over a/h.",
+    "transition": "The pull-off force on a layer between JKR and DMT, over the range of adhesion.",
+    "adhesion": "Which model of adhesion holds on a layer, over its range and the load.",
+    "rate": "Pull-off force and energy lost over speed, stiffness and body.",
+}
+
+
+def maps() -> dict[str, str]:
+    """The maps and what each shows; that over speeds where a wing knows of them."""
+    return {name: words for name, words in MAPS.items() if name != "rate" or is_offered("contact of a law over speed")}

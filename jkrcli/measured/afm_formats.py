@@ -20,7 +20,8 @@ from ..base.files import opened, read_bytes
 from ..base.numerics import LOOKED_AT, Array
 from ..base.process import check_size, check_text
 from ..base.units import LARGEST_SI
-from ..tables import BYTES_USUAL, PIECE, rows_among, rows_of_text, unit_power
+from ..tables import unit_power
+from ..tables.text import BYTES_USUAL, PIECE, rows_among, rows_of_text
 from . import instruments
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 from .instruments import toward

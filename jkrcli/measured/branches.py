@@ -22,7 +22,8 @@ from typing import TypeAlias
 import numpy as np
 
 from ..base.errors import SolveError
-from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, TINY, Array
+from ..base.numerics import MOST_STEPS, SAME, TINY, Array
+from ..base.process import REMEMBERED
 from ..base.units import show
 from .forward_model import FUNCTIONS, Family, grid, on_grid
 

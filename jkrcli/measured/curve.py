@@ -18,7 +18,6 @@ from ..series.vocabulary import VOCABULARIES, factors_of
 from ..tables import SEPARATORS
 
 NAMES = VOCABULARIES["measured"]
-Use: TypeAlias = Literal["a,P", "a,delta", "delta,P"]  # columns from which w follows
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
 LEAST_ROWS = 3  # theory: E* and w take two rows, the third shows how well they fit

@@ -14,25 +14,22 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-import click
-
 from ..base import files
 from ..base.errors import InputError, JkrError, SolveError, counted
 from ..base.executors import executor
 from ..base.files import Piped, beside, together, write_text
-from ..base.numerics import LEVEL
 from ..base.process import SILENCE, duration, one_thread
 from ..base.registry import Result
 from ..base.units import show
 from ..base.wings import is_offered, offered
 from ..bodies.problem import RADIUS, RELAXATIONS
 from ..cli import options
-from ..cli.inputs import Flags, body_options
-from ..cli.options import Parallel, as_one, begin, flag, several, verb
+from ..cli.inputs import Flags
+from ..cli.options import Parallel, begin, flag
 from ..cli.printing import command_line, give, note, progress, say, warn
 from ..methods.protocol import Forecast, Limits
 from ..report.result import PICTURES, SHOWN, Files, Output
-from ..tables import some
+from ..tables.text import some
 from . import files as measured
 from .batch import constants_apart, header_errors, read_batch
 from .curve import Curve, Reading
@@ -52,28 +49,11 @@ from .readings import (
     begin_reading,
     body_and_measured,
     fitted_body,
-    reading_options,
 )
 from .report import SYMBOLS, Fits, alternatives_table, plan_table
 from .result import Fit, attempted, left_out
 from .segmentation import segment_force_curve
-from .settings import (
-    EACH,
-    LAW,
-    RELAXATION,
-    SHARED,
-    TENSION,
-    USUALLY_FREE,
-    BaseLineName,
-    BranchName,
-    ConfidenceName,
-    Loss,
-    ModelName,
-    SegmentName,
-    Settings,
-    check_unused,
-    settings_of,
-)
+from .settings import EACH, LAW, RELAXATION, SHARED, TENSION, USUALLY_FREE, Settings, check_unused, settings_of
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr fit`` of records together: what they share, a law of w over the edge's speed, a surface tension; and of laws
@@ -515,127 +495,11 @@ HOW = ("segment", "base_line", "branch", "loss", "confidence", "model", "level",
 NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, stress and capillary out"
 
 
-class NamesType(options.ParsedType):
-    """One or several names, separated by commas."""
-
-    name = "NAME,..."
-
-    def parsed(self, text: str) -> Any:
-        return tuple(part.strip() for part in text.split(",") if part.strip())
-
-
-class GridType(options.ParsedType):
-    """Columns and rows of a grid."""
-
-    name = "COLUMNSxROWS"
-
-    def parsed(self, text: str) -> Any:
-        if not (match := re.fullmatch(r"\s*([1-9]\d{0,4})\s*[x×]\s*([1-9]\d{0,4})\s*", text)):
-            raise ValueError(f'must be columns x rows, such as 6x5, got "{text}"')
-        return int(match[1]), int(match[2])
-
-
-# Of laws over time, where a wing fits them.
-RATE_LAWS = offered("laws of w over speed") or ()
-OVER_TIME = (
-    click.option("--law", type=click.Choice(list(RATE_LAWS)),
-                 help="w depends on the speed of the contact line: w0 and the law's v0, n (or v0, b) are free too, all "
-                 "force curves are fitted together; needs t, delta, P."),
-    click.option("--relaxation", type=click.Choice(list(RELAXATIONS)),
-                 help="Viscoelastic specimen: modulus, law and contact point from t, delta, P of indentation, dwell "
-                 "and retraction; with --free w of whole force curves that adhere."),
-    click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
-) if RATE_LAWS else ()  # fmt: skip
-
-# Of samples, where a wing sums them up.
-OF_SAMPLES = (
-    click.option("--sample", help="Regular expression that finds the name of the sample in that of each file or curve "
-                 "[default: by a line \"# sample: ctrl\" or a column sample, else folders]."),
-    click.option("--report", is_flag=True, help="Write a report, <BODY>-report.html and .md, of several files report."),
-) if is_offered("samples of a fit") else ()  # fmt: skip
-
-# Of the fit.
-ASKED = as_one(
-    "asked",
-    FitOptions,
-    click.option("--free", multiple=True, type=NamesType(),
-                 help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
-                 "hysteresis, creep (of the piezo), surface_tension."),
-    click.option("--fix", multiple=True, type=options.NAMED,
-                 help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
-    click.option("--start", multiple=True, type=options.NAMED,
-                 help="Starting value, in addition to those estimated from the data."),
-    click.option("--bound", multiple=True, type=options.NAMED,
-                 help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
-                 'Of what is not fitted what is known: range="..10 nm", surface_tension="..30 mN/m".'),
-    *OVER_TIME,
-    click.option("--segment", type=options.choice(SegmentName),
-                 help="Directions to fit [default: both; with --law retract]."),
-    click.option("--base-line", type=options.choice(BaseLineName), default="straight", show_default=True,
-                 help="Of a raw force curve; sine: only models with a wave (interference)."),
-    click.option("--branch", type=options.choice(BranchName), default="all", show_default=True,
-                 help="compressive: rows under compression only."),
-    click.option("--noise", multiple=True, type=options.SCALE,
-                 help='Standard deviation of the readings, P="2 nN" [default: from the force curve].'),
-    click.option("--loss", type=options.choice(Loss), default="linear",
-                 show_default=True, help="Anything but linear is robust against outliers."),
-    click.option("--confidence", type=options.choice(ConfidenceName), default="covariance",
-                 show_default=True, help="How the intervals are found."),
-    click.option("--model", type=options.choice(ModelName), default="jkr", show_default=True,
-                 help="Of a raw force curve; auto: the best other models too, where its data favour one."),
-    click.option("--alternatives", "--rivals", "rivals", is_flag=True,
-                 help="Print what the data of a raw force curve say of each other model."),
-    click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
-    click.option("--level", type=float, default=LEVEL, show_default=True, help="Of the intervals."),
-    click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True,
-                 help="Number of bootstrap resamples."),
-    click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples."),
-    click.option("--shared", multiple=True, type=NamesType(),
-                 help="Fit all force curves together: parameters that they share, such as E_star,w."),
-    click.option("--own", multiple=True, type=NamesType(),
-                 help="With --shared: those of each force curve, delta0,P0 [default: all other free ones]."),
-    click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
-                 help="Tip radius of each file or folder, or of all [default: BODY's]."),
-    click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
-                 help="Of the body, instead of its own; both: under either, and what the data favour."),
-    click.option("--uncertain", multiple=True, type=options.NAMED,
-                 help="Standard deviation of an input, carried on: radius=3%, stiffness=10%; longest: range=1nm."),
-    click.option("--grid", type=GridType(), help="Columns and rows of a map whose files lie row by row, 6x5 [default: "
-                 "positions in headers, or names]."),
-    *OF_SAMPLES,
-)  # fmt: skip
-
-# Of the body, of the fit, of the reading, of what is written.
-OPTIONS = several(
-    body_options,
-    ASKED,
-    options.slopes_option,
-    reading_options,
-    options.limits_options,
-    options.parallel_options,
-    options.into_folder("Folder [default: BODY's]."),
-    options.output_options(f"Draw nothing (else up to {SHOWN} curves are drawn).", "Print the summary as JSON."),
-)  # fmt: skip
-
-
-@verb("body [measured...]")
-@OPTIONS
-def fit(
-    body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: options.Parallel,
+def fit_measured(
+    body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: Parallel,
     limits: Limits, output: Output, asked: FitOptions,
 ) -> None:  # fmt: skip
-    """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
-
-    BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
-    measured: a force curve, or a table of two or three of a, delta, P; a folder is a map. Further unknowns by --free,
-    such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map or file <MAP>-fit.csv, of several without a case
-    fit.csv (a row per curve), .json, .h5, pictures, of several curves a page to click through them. Several folders are
-    samples: samples.csv and samples.png compare them.
-
-    \b
-    jkr fit curve.jpk-force --radius "5 um" --nu 0.5
-    jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
-    """
+    """What was ``asked`` of a fit of the ``measured`` files to a ``body``, a file or the flags."""
     source, given = body_and_measured(body, measured, flags)
     paths = tuple(one for path in given for one in folders_of(path))
     inputs = (body, *given) if isinstance(source, Path) else given

@@ -14,7 +14,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..base.numerics import LEVEL, Array, half_width
+from ..base.errors import LEVEL
+from ..base.numerics import Array, half_width
 from .curve import APPROACH
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
 from .forward_model import FittedBody

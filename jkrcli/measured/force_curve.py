@@ -25,8 +25,10 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from ..base.errors import SolveError, known
-from ..base.numerics import MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, median, pchip
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, ROWS, SAME, SETTLED, Array, median, pchip
+from ..base.process import REMEMBERED
 from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
+from .choices import Loss
 from .curve import APPROACH, RETRACT
 from .forward_model import Family, on_grid
 from .free_rows import LOADS, RANGE, RELAXED, FreeRows, Place, Term
@@ -45,7 +47,6 @@ from .least_squares import (
 from .lockstep import Flow, alone, ask, beside
 from .rows import in_contact, noise_from_third_differences
 from .segmentation import BaseLine, Direction, ForceCurve
-from .settings import Loss
 
 # --------------------------------------------------------------------------------------------------
 # Rows of a raw record as its model takes them: each direction from its far end inwards, with its base line.

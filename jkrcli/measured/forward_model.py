@@ -25,7 +25,6 @@ from ..base.errors import InputError, JkrError, Refusal, SolveError
 from ..base.numerics import (
     LOOKED_AT,
     MOST_STEPS,
-    REMEMBERED,
     ROUNDED,
     ROWS,
     SAME,
@@ -34,6 +33,7 @@ from ..base.numerics import (
     PiecewiseCubic,
     PiecewisePolynomial,
 )
+from ..base.process import REMEMBERED
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import RADIUS, Loading, Problem, changed, layer_names, nominal, without_side_walls

@@ -11,15 +11,15 @@ from ..adhesion.finite_range import without_range
 from ..api import AnyPath, Body, Factor, Known, PositiveLength, SlopesRule, solution_of
 from ..base import units
 from ..base.arguments import check_names, checked
-from ..base.errors import InputError
+from ..base.errors import LEVEL, InputError
 from ..base.executors import executor
-from ..base.numerics import LEVEL
 from ..base.process import one_thread
 from ..bodies.indenters import Indenter
 from ..resolve.analysis import nonadhesive
 from . import procedure
 from .batch import header_errors
-from .curve import Curve, Reading, Use
+from .choices import Use
+from .curve import Curve, Reading
 from .files import from_columns
 from .files import read as read_curves
 from .forward_model import FittedBody, body_of

@@ -17,26 +17,14 @@ from typing import cast
 import numpy as np
 
 from ..adhesion.validity import EXCESS, LIMITS, STRAINED
-from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, PiecewiseCubic, cubic_spline
+from ..base.numerics import MOST_STEPS, SAME, SETTLED, UNSEEN, Array, PiecewiseCubic, cubic_spline
+from ..base.process import REMEMBERED
 from ..base.wings import offered
-from ..bodies.problem import (
-    HalfSpace,
-    Layer,
-    Loading,
-    Rigid,
-    Specimen,
-    without_side_walls,
-)
+from ..bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen, without_side_walls
 from ..methods.radii import DENSE
 from .curve import APPROACH
 from .fitted_record import CHANGE_SMALL, FittedRecord, Values
-from .force_curve import (
-    SLOW_EDGE_WIDEST,
-    DirectionReadings,
-    ForceCurveFit,
-    creep,
-    hysteresis,
-)
+from .force_curve import SLOW_EDGE_WIDEST, DirectionReadings, ForceCurveFit, creep, hysteresis
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
 from .free_rows import VIRTUAL
 from .model_changes import (

@@ -19,7 +19,8 @@ from ..base.errors import InputError, first_line
 from ..base.files import opened
 from ..base.numerics import Array
 from ..base.process import check_size
-from ..tables import LONGEST, MOST_COLUMNS, PIECE, WORDS, TextTable, split_name, unit_power
+from ..tables import LONGEST, WORDS, split_name, unit_power
+from ..tables.text import MOST_COLUMNS, PIECE, TextTable
 from .curve import APPROACH, RETRACT, Pixel
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}

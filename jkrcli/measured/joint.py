@@ -14,8 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base.errors import InputError, did_you_mean
-from ..base.numerics import LEVEL, MOST_STEPS, ROUNDED, Array
+from ..base.errors import LEVEL, InputError, did_you_mean
+from ..base.numerics import MOST_STEPS, ROUNDED, Array
 from ..bodies.problem import RADIUS
 from .curve import Curve
 from .forward_model import FittedBody, for_each

@@ -18,12 +18,14 @@ from typing import Literal, get_args
 import numpy as np
 
 from ..base import numerics
-from ..base.errors import InputError, JkrError, SolveError
+from ..base.errors import NOTICEABLE, InputError, JkrError, SolveError
 from ..base.executors import Pool, batches_in_order
-from ..base.numerics import MOST_STEPS, NOTICEABLE, REMEMBERED, SAME, TINY, TOGETHER, Array, f_quantile, median
+from ..base.numerics import MOST_STEPS, SAME, TINY, TOGETHER, Array, f_quantile, median
+from ..base.process import REMEMBERED
+from .choices import Loss
+from .cosine import cosine_transform, fast_length
 from .lockstep import Flow, alone, ask, by_groups, together
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
-from .settings import Loss
 
 # --------------------------------------------------------------------------------------------------
 # Statistics of residuals: scatter, covariance, structure. Formulae of nonlinear regression.
@@ -800,7 +802,7 @@ class Spectrum:
         if not series.size:
             return 0.0
         S = np.maximum(density(self, series.size), TINY)
-        return float(np.sum(np.log(S) + numerics.cosine_transform(series) ** 2 / S))
+        return float(np.sum(np.log(S) + cosine_transform(series) ** 2 / S))
 
     def drawn(self, rng: np.random.Generator, rows: int) -> Array:
         """A series of so many ``rows`` of this noise."""
@@ -873,7 +875,7 @@ def density(noise: Spectrum, rows: int) -> Array:
 
 def waves(columns: Array) -> Array:
     """The orthonormal cosine transform of columns of rows."""
-    return numerics.cosine_transform(columns.T).T
+    return cosine_transform(columns.T).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -925,10 +927,10 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""
     free = [run for run in free if run.size > 2]  # of fewer a line leaves nothing
     # as many waves as are transformed fast: of each what is not of these rows counts as taken
-    waves = off.size if weight.slow else numerics.fast_length(off.size)
+    waves = off.size if weight.slow else fast_length(off.size)
     columns = np.zeros((J.shape[1] + 1, waves))
     columns[:-1, : off.size], columns[-1, : off.size] = J.T, off
-    rows = numerics.cosine_transform(columns)
+    rows = cosine_transform(columns)
     own = density(weight, off.size) if weight.slow else 1.0  # no white weight changes the covariance
     if weight.slow:
         rows /= np.sqrt(own)
@@ -1007,7 +1009,7 @@ def _of_base_lines(runs: Sequence[Array], rounding: float) -> Periodogram:
         along = np.arange((1 - n) / 2, n / 2)
         along *= along @ off * 12 / (n * (n**2 - 1.0))
         along += off.sum() / n
-        parts.append(numerics.cosine_transform(off - along))
+        parts.append(cosine_transform(off - along))
     power = np.concatenate(parts)[order]
     power *= power
     return Periodogram(octaves, np.maximum(octaves.means(power), max(rounding, TINY)))

@@ -20,7 +20,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ..base.errors import JkrError, SolveError
-from ..base.numerics import REMEMBERED, Array, PiecewiseCubic, cubic_spline
+from ..base.numerics import Array, PiecewiseCubic, cubic_spline
+from ..base.process import REMEMBERED
 from .branches import Moving, Resting
 from .fitted_record import CHANGE_FOLD, CHANGE_SMALL, FittedRecord, Values
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, Loads, offs

@@ -14,10 +14,10 @@ from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
-from ..base.errors import InputError, did_you_mean
-from ..base.numerics import HALF_WIDTH, LEVEL, SAME, Array, half_width
+from ..base.errors import LEVEL, InputError, did_you_mean
+from ..base.numerics import HALF_WIDTH, SAME, Array, half_width
 from ..base.registry import Reported
-from ..base.units import FIRM, LARGE_WORK, SMALL_WORK, Named, Ranged, show, texts_of
+from ..base.units import FIRM, LARGE_WORK, SMALL_WORK, Named, Ranged, scale, show, texts_of
 
 # --------------------------------------------------------------------------------------------------
 # The result of any fit: values with their errors and intervals, their correlations, and warnings on both.
@@ -425,3 +425,13 @@ def implausible_work(w: float, E_star: float) -> str:
         small = f"w = {show(w, 'work')} is implausibly small for E* = {show(E_star, 'modulus')}"
         return f"{small}: solids so stiff have {least}: {check}"
     return ""
+
+
+def show_within(value: float, error: float, dimension: str, digits: int = 4, of_error: int = 3) -> str:
+    """``value`` ± ``error`` [SI], each as ``show`` writes it; where the error is the larger, both in its unit and the
+    value no finer: ``show_within(2e-9, 29e-6, "work") == "0 ± 29 uJ/m^2"``."""
+    if not abs(value) < error < math.inf:
+        return f"{show(value, dimension, digits)} ± {show(error, dimension, of_error)}"
+    factor, unit = scale(error, dimension)
+    places = max(1 - math.floor(math.log10(error / factor)), 0)
+    return f"{round(value / factor, places) + 0.0:.{places}f} ± {error / factor:.{places}f} {unit}".strip()

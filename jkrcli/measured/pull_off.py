@@ -20,10 +20,10 @@ from ..adhesion.from_rest import (
     work_from_pull_off,
 )
 from ..adhesion.validity import Strains
-from ..base.errors import Estimate, InputError, JkrError, Unknown, known
-from ..base.numerics import HALF_WIDTH, LEVEL, evenly
+from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, JkrError, Unknown, known
+from ..base.numerics import HALF_WIDTH, evenly
 from ..base.registry import Result
-from ..base.units import parse, show, show_within
+from ..base.units import parse, show
 from ..bodies.problem import RADIUS, Loading, changed, checked_names, layer_names, nominal, relaxing
 from ..cli import inputs, options
 from ..methods.protocol import Limits
@@ -34,7 +34,7 @@ from ..resolve.analysis import Analysis, adhesive, analyse, method_behind, nonad
 from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
 from ..resolve.resolve import effect_on, sticking_warnings
 from ..series import Solution
-from .parameters import changes_by, implausible_work
+from .parameters import changes_by, implausible_work, show_within
 
 FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
 DIMENSIONS = {FORCE: "load", TIP: "length", MODULI: "modulus", "h": "length", "nu": "number"}
@@ -423,7 +423,7 @@ class MeasuredPullOff(Result):
         ]
         if means.parts:
             parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
-            lines.append(f"  error at {tables.AT_LEVEL} from {', '.join(parts)}")
+            lines.append(f"  error at {AT_LEVEL} from {', '.join(parts)}")
         else:
             lines.append(f"  {OF_INPUTS}")
         lines.append(f"  {means.series_words}")

@@ -15,16 +15,17 @@ from functools import partial
 
 import numpy as np
 
-from ..base.errors import JkrError, SolveError
-from ..base.numerics import MOST_SOLVES, NOTICEABLE, TINY, Array, f_tail
+from ..base.errors import NOTICEABLE, JkrError, SolveError
+from ..base.numerics import MOST_SOLVES, TINY, Array, f_tail
 from ..base.units import show
 from ..methods.layered.spectrum import spectrum_seconds
+from .choices import Loss
 from .forward_model import Drift
 from .least_squares import chi2_increase, influence, t_quantile
 from .parameters import FittedValue, Parameter
 from .priors import PRIORS
 from .rows import SEARCH_HALVINGS, SEARCH_REACH, Minimum
-from .settings import Loss, Settings
+from .settings import Settings
 
 # Which ranges are tried, and when one is significant.
 # Over the displacement that adhesion adds at JKR's pull-off; Tabor numbers of a sphere 3 to 0.03:

@@ -6,22 +6,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..base.errors import InputError
-from ..bodies.indenters import Indenter
-from ..case.store import SERIES
 from ..cli import options
 from ..cli.inputs import FLAGS, OPTIONS, SEPARATED, Flags, begin_tables, by_flags, case_of, read_series, reading_of
 from ..cli.options import as_one
 from ..methods.protocol import Limits
-from ..series.vocabulary import VOCABULARIES
-from .curve import Reading
+from ..tables import quantities
 
 if TYPE_CHECKING:
-    from .curve import Curve
+    from ..bodies.indenters import Indenter
+    from .curve import Curve, Reading
     from .forward_model import FittedBody
 
 NO_MODULUS = "1 MPa"  # choice: of a specimen whose modulus is not given; no result depends on it
@@ -35,6 +33,7 @@ def body_and_measured(
     is_body = body_file.suffix == ".toml"
     if body_file.suffix == ".h5" and body_file.is_file():  # a series, or a measured one
         from ..base.hdf5 import format_of
+        from ..case.store import SERIES
 
         is_body = format_of(body_file) == SERIES
     by_case = not by_flags("fit", flags, [body_file] if is_body else [])
@@ -69,8 +68,15 @@ TABLE_PROFILED = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make
 TABLE_CARRIED = 6  # fits of an uncertain input; theory: two, of three times as many steps each
 TABLE_FIT_PER_CURVE = 0.025  # CPU seconds; choice: of 2,000 rows, for the number of processes
 
-NAMES = VOCABULARIES["measured"]
-MEASURED_KEYS = tuple(NAMES.quantities)
+
+KEYS = quantities("measured")
+NUMBERS = [key for key, one in KEYS.items() if one["dimension"]]
+
+
+def _reading(flip: Sequence[Any], **values: Any) -> Reading:
+    from .curve import Reading
+
+    return Reading(flip=frozenset(flip), **reading_of(values))
 
 
 force_options = options.several(
@@ -82,13 +88,13 @@ force_options = options.several(
 tip_options = as_one("flags", dict, *OPTIONS[:4])
 reading_options = as_one(
     "reading",
-    lambda flip, **values: Reading(flip=frozenset(flip), **reading_of(values)),
-    click.option("--column", "columns", multiple=True, type=options.KeyValueType(MEASURED_KEYS),
-                 help=f"Column name or number where the header does not name it; keys {', '.join(MEASURED_KEYS)}."),
+    _reading,
+    click.option("--column", "columns", multiple=True, type=options.KeyValueType(list(KEYS)),
+                 help=f"Column name or number where the header does not name it; keys {', '.join(KEYS)}."),
     click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
-                 help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
+                 help=f"Unit, whatever the header says, P=nN; keys {', '.join(NUMBERS)}, or the name or number "
                  "of a column, deflection=nm."),
-    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NAMES.numbers),
+    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NUMBERS),
                  help="Multiply a quantity by a factor, in addition to its unit, such as P=1000."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
                  help="Reverse the sign of a column, such as of loads that count adhesion positive."),
@@ -126,6 +132,7 @@ def begin_reading(
 
 def read_for(verb: str, paths: Sequence[Path], reading: Reading, limits: Limits) -> list[Curve]:
     """The measured curves that a ``verb`` draws over its own; Refusal where they take more than the ``limits``."""
+    from .curve import Reading
     from .files import read
 
     if not paths and reading != Reading():

@@ -14,19 +14,19 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.curve import Nonadhesive
-from ..base.errors import InputError, Unknown, counted
-from ..base.numerics import HALF_WIDTH, LEVEL, Array
+from ..base.errors import AT_LEVEL, LEVEL, InputError, Unknown, counted
+from ..base.numerics import HALF_WIDTH, Array
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
-from ..base.units import SI, scale, show, show_within
+from ..base.units import SI, scale, show
 from ..base.wings import offered
 from ..bodies.indenters import Indenter
 from ..report import archive
 from ..report.result import SHOWN, Figure, Several
-from ..report.tables import AT_LEVEL, DIMENSIONS, quantities, stacked, transpose_rows, with_unit
+from ..report.tables import DIMENSIONS, quantities, stacked, transpose_rows, with_unit
 from ..resolve.analysis import Analysis, adhesive
 from ..resolve.histories import Rough, rough
 from ..series import Solution
-from ..tables import some
+from ..tables.text import some
 from . import files as measured
 from . import range_alternative, text_formats
 from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, reason_of, status_of
@@ -35,7 +35,7 @@ from .curve import ARBITRARY, NOT_SUBTRACTED, Curve
 from .grade import GOOD, GRADES, LEFT_OUT, LOOK, UNEXPLAINED, UNFIT, change_words, kind_of, size_words
 from .joint import JointFit
 from .model_changes import OF_ALTERNATIVES
-from .parameters import FittedValue
+from .parameters import FittedValue, show_within
 from .procedure import Failure
 from .result import Fit, JKRBeside
 from .rigid import Sensitivity, mean, sensitivity_of

@@ -16,26 +16,15 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ..base.errors import InputError, JkrError
-from ..base.numerics import (
-    FEWEST_ROWS,
-    MOST_SOLVES,
-    NOTICEABLE,
-    ROUNDED,
-    SAME,
-    SETTLED,
-    TINY,
-    UNSEEN,
-    Array,
-    evenly,
-    median,
-)
+from ..base.errors import NOTICEABLE, InputError, JkrError
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, ROUNDED, SAME, SETTLED, TINY, UNSEEN, Array, evenly, median
 from ..base.units import show
+from .choices import BranchName, Loss, SegmentName
 from .curve import APPROACH, RETRACT, Curve
 from .forward_model import ADVANCING, RECEDING, RESTING, Drift, Family, FittedBody, Member, Members, RestingMember
 from .least_squares import STATISTICS_NORMAL_MEDIAN, TURNS, Least, LeastSquares, State, robust_scale
 from .parameters import OF_A_CYCLE, Parameter, Unknowns
-from .settings import RANGES, BranchName, Loss, SegmentName, Settings
+from .settings import RANGES, Settings
 
 # --------------------------------------------------------------------------------------------------
 # The rows of a measured curve that lie on the adhesive curve, and the scatter of their readings.

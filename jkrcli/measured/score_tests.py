@@ -18,8 +18,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..base import numerics
-from ..base.errors import JkrError
-from ..base.numerics import HALF_WIDTH, LEVEL, REMEMBERED, TINY, UNSEEN, Array, PiecewiseCubic
+from ..base.errors import LEVEL, JkrError
+from ..base.numerics import HALF_WIDTH, TINY, UNSEEN, Array, PiecewiseCubic
+from ..base.process import REMEMBERED
+from .cosine import cosine_transform, fast_length
 from .curve import APPROACH
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit
@@ -348,14 +350,14 @@ def _chances(record: FittedRecord, left: Array | None, rows: Array, sizes: Array
         return numerics.f_tail(1, dofs, taken)
     used = np.flatnonzero(rows)
     taken_at = record.model.rows[used] - record.model.rows[used].min()  # as white noise of those missing tells nothing
-    size = numerics.fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
+    size = fast_length(int(taken_at.max()) + 1)  # with some rows more at an end, where the contact is free
     if len(record.model.stretches) == 1 and record.model.stretches[0].kind == APPROACH:
         taken_at += size - 1 - taken_at.max()
     which, there = np.zeros(size, dtype=int), np.zeros(size)
     which[taken_at], there[taken_at] = used, 1.0
     series = left.take(which, axis=1)
     series *= there  # 0 where no row was taken
-    power, edges = numerics.cosine_transform(series), _octaves(size)
+    power, edges = cosine_transform(series), _octaves(size)
     power *= power
     energy = np.add.reduceat(power, edges, axis=1)
     power *= frequencies(size)

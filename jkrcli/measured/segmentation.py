@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import Estimate, InputError, Unknown, counted, known
-from ..base.numerics import FEWEST_ROWS, NOTICEABLE, REMEMBERED, ROUNDED, ROUNDING, SAME, Array, median
+from ..base.errors import NOTICEABLE, Estimate, InputError, Unknown, counted, known
+from ..base.numerics import FEWEST_ROWS, ROUNDED, ROUNDING, SAME, Array, median
+from ..base.process import REMEMBERED
 from ..base.units import show
 from ..series.vocabulary import NO_UNIT
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve

@@ -5,24 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from ..base.arguments import PerName, read_fields
-from ..base.errors import InputError
-from ..base.numerics import LEVEL
+from ..base.errors import LEVEL, InputError
 from ..base.units import Force, Length, Named, Ranged, Tension, texts_of
 from ..bodies.problem import RADIUS, checked_names
 from . import priors
+from .choices import BaseLineName, BranchName, ConfidenceName, ContactName, Loss, ModelName, SegmentName
 from .forward_model import FittedBody
 from .parameters import ALIAS, DIMENSIONS, OF_A_CYCLE, OF_TRAVEL, POSITIONS, Level, Parameter, dimension_of, read_value
 
-BranchName = Literal["all", "compressive"]
-SegmentName = Literal["approach", "retract", "both"]
-Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
-ContactName = Literal["auto", "fitted", "as-is", "estimate"]
-ConfidenceName = Literal["covariance", "profile", "bootstrap"]
-BaseLineName = Literal["straight", "sine"]
-ModelName = Literal["jkr", "auto"]
 AUTO: ModelName = "auto"
 TENSION = "surface_tension"  # a bound of what is left out
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR

@@ -15,8 +15,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ..adhesion.validity import LIMITS
-from ..base.errors import InputError, SolveError
-from ..base.numerics import LEVEL, NOTICEABLE, SAME, Array
+from ..base.errors import LEVEL, NOTICEABLE, InputError, SolveError
+from ..base.numerics import SAME, Array
 from ..base.units import Named, Ranged, show, texts_of
 from ..bodies.problem import RADIUS, Loading, Problem, changed, without_side_walls
 from ..formulas import edge_angle, shift

@@ -13,8 +13,9 @@ import numpy as np
 
 from ..base.errors import InputError, counted
 from ..base.numerics import SAME, SHOWN, Array
-from ..series.vocabulary import CONTACT, SIZES, VOCABULARIES, check_chosen, overruled, with_units
-from ..tables import TEXT_GAPS, TextTable, read_table, split_name, unit_power
+from ..series.vocabulary import CONTACT, EXAMPLES, NO_UNIT, SIZES, VOCABULARIES, check_chosen, overruled, with_units
+from ..tables import LONGEST, split_name, unit_power
+from ..tables.text import TEXT_GAPS, TextTable, read_table
 from . import instruments
 from . import instruments as archive
 from .curve import (
@@ -595,8 +596,21 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
         chosen["P"] = bent
     check_chosen(table, chosen)
     _refuse_incomplete(table, chosen, reading)
-    flags += [line for key in CONTACT if key not in chosen for line in NAMES.without_unit(table, key)]
+    flags += [line for key in CONTACT if key not in chosen for line in _without_unit(table, key)]
     return Columns(table, reading, in_head, chosen), flags
+
+
+def _without_unit(table: TextTable, key: str) -> list[str]:
+    """A sentence on each column that is named like ``key`` but for an ending that is no unit, as in "P_mn"."""
+    sentences, quantity = [], NAMES.quantities[key]
+    for i, title in enumerate(table.names):
+        match = re.match(r"(.+?)\s*[/_]\s*([^/_\s]+)\Z", title[:LONGEST])
+        if match and NAMES.key_of(title) is None and NAMES.key_of(match[1]) == key:
+            sentences.append(
+                f'column {i + 1} "{title}"{NO_UNIT}{quantity.dimension}; if it is the {quantity.meaning}: '
+                f"--column {key}={title} --unit {key}={EXAMPLES[quantity.dimension]}"
+            )
+    return sentences
 
 
 def _refuse_incomplete(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> None:

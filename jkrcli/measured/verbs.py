@@ -1,24 +1,26 @@
-"""Verbs of measured curves but for fits: ``look`` and ``work``."""
+"""Verbs of measured curves: ``look``, ``work`` and ``fit``."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.finite_range import without_range
-from ..base.errors import InputError, counted
+from ..base.errors import LEVEL, InputError, counted
 from ..base.files import together, write_text
+from ..base.wings import is_offered, offered
 from ..cli import inputs, options
 from ..cli.printing import answer, give, progress
+from ..methods.protocol import Limits
 from ..report.result import PICTURES, SHOWN, Output, Results
-from ..resolve.analysis import nonadhesive
 from . import readings
-from .curve import Use
+from .choices import BaseLineName, BranchName, ConfidenceName, Loss, ModelName, SegmentName, Use
 
 if TYPE_CHECKING:
     from .curve import Reading
+    from .fits import FitOptions
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of measured files: ``look``, before any body is thought of, and ``work`` along a curve.
@@ -116,7 +118,9 @@ def work(
     jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m"
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
+    from ..adhesion.finite_range import without_range
     from ..base.executors import executor
+    from ..resolve.analysis import nonadhesive
     from .report import Work
     from .work import along_file, evaluation_of
 
@@ -141,3 +145,132 @@ def work(
             target.write(result.columns, result.summary(), target.draw(result.figure))
     warnings = [text for result in results for text in result.warnings]
     give(Results(results, warnings), output.json, f"  written {', '.join(map(str, targets))}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr fit``: E*, w and the zero points from measured curves.
+
+
+class NamesType(options.ParsedType):
+    """One or several names, separated by commas."""
+
+    name = "NAME,..."
+
+    def parsed(self, text: str) -> Any:
+        return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+class GridType(options.ParsedType):
+    """Columns and rows of a grid."""
+
+    name = "COLUMNSxROWS"
+
+    def parsed(self, text: str) -> Any:
+        if not (match := re.fullmatch(r"\s*([1-9]\d{0,4})\s*[x×]\s*([1-9]\d{0,4})\s*", text)):
+            raise ValueError(f'must be columns x rows, such as 6x5, got "{text}"')
+        return int(match[1]), int(match[2])
+
+
+# Of laws over time, where a wing fits them.
+OVER_TIME: options.Options = offered("options of laws over time") or options.several()
+
+# Of samples, where a wing sums them up.
+OF_SAMPLES = (
+    click.option("--sample", help="Regular expression that finds the name of the sample in that of each file or curve "
+                 "[default: by a line \"# sample: ctrl\" or a column sample, else folders]."),
+    click.option("--report", is_flag=True, help="Write a report, <BODY>-report.html and .md, of several files report."),
+) if is_offered("samples of a fit") else ()  # fmt: skip
+
+# Of the fit.
+
+
+def _asked(**asked: Any) -> FitOptions:
+    from .fits import FitOptions
+
+    return FitOptions(**asked)
+
+
+ASKED = options.as_one(
+    "asked",
+    _asked,
+    click.option("--free", multiple=True, type=NamesType(),
+                 help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
+                 "hysteresis, creep (of the piezo), surface_tension."),
+    click.option("--fix", multiple=True, type=options.NAMED,
+                 help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
+    click.option("--start", multiple=True, type=options.NAMED,
+                 help="Starting value, in addition to those estimated from the data."),
+    click.option("--bound", multiple=True, type=options.NAMED,
+                 help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
+                 'Of what is not fitted what is known: range="..10 nm", surface_tension="..30 mN/m".'),
+    OVER_TIME,
+    click.option("--segment", type=options.choice(SegmentName),
+                 help="Directions to fit [default: both; with --law retract]."),
+    click.option("--base-line", type=options.choice(BaseLineName), default="straight", show_default=True,
+                 help="Of a raw force curve; sine: only models with a wave (interference)."),
+    click.option("--branch", type=options.choice(BranchName), default="all", show_default=True,
+                 help="compressive: rows under compression only."),
+    click.option("--noise", multiple=True, type=options.SCALE,
+                 help='Standard deviation of the readings, P="2 nN" [default: from the force curve].'),
+    click.option("--loss", type=options.choice(Loss), default="linear",
+                 show_default=True, help="Anything but linear is robust against outliers."),
+    click.option("--confidence", type=options.choice(ConfidenceName), default="covariance",
+                 show_default=True, help="How the intervals are found."),
+    click.option("--model", type=options.choice(ModelName), default="jkr", show_default=True,
+                 help="Of a raw force curve; auto: the best other models too, where its data favour one."),
+    click.option("--alternatives", "--rivals", "rivals", is_flag=True,
+                 help="Print what the data of a raw force curve say of each other model."),
+    click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
+    click.option("--level", type=float, default=LEVEL, show_default=True, help="Of the intervals."),
+    click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True,
+                 help="Number of bootstrap resamples."),
+    click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples."),
+    click.option("--shared", multiple=True, type=NamesType(),
+                 help="Fit all force curves together: parameters that they share, such as E_star,w."),
+    click.option("--own", multiple=True, type=NamesType(),
+                 help="With --shared: those of each force curve, delta0,P0 [default: all other free ones]."),
+    click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
+                 help="Tip radius of each file or folder, or of all [default: BODY's]."),
+    click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
+                 help="Of the body, instead of its own; both: under either, and what the data favour."),
+    click.option("--uncertain", multiple=True, type=options.NAMED,
+                 help="Standard deviation of an input, carried on: radius=3%, stiffness=10%; longest: range=1nm."),
+    click.option("--grid", type=GridType(), help="Columns and rows of a map whose files lie row by row, 6x5 [default: "
+                 "positions in headers, or names]."),
+    *OF_SAMPLES,
+)  # fmt: skip
+
+# Of the body, of the fit, of the reading, of what is written.
+OPTIONS = options.several(
+    inputs.body_options,
+    ASKED,
+    options.slopes_option,
+    readings.reading_options,
+    options.limits_options,
+    options.parallel_options,
+    options.into_folder("Folder [default: BODY's]."),
+    options.output_options(f"Draw nothing (else up to {SHOWN} curves are drawn).", "Print the summary as JSON."),
+)  # fmt: skip
+
+
+@options.verb("body [measured...]")
+@OPTIONS
+def fit(
+    body: Path, measured: tuple[Path, ...], flags: inputs.Flags, reading: Reading, slopes: str,
+    parallel: options.Parallel, limits: Limits, output: Output, asked: FitOptions,
+) -> None:  # fmt: skip
+    """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
+
+    BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
+    measured: a force curve, or a table of two or three of a, delta, P; a folder is a map. Further unknowns by --free,
+    such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map or file <MAP>-fit.csv, of several without a case
+    fit.csv (a row per curve), .json, .h5, pictures, of several curves a page to click through them. Several folders are
+    samples: samples.csv and samples.png compare them.
+
+    \b
+    jkr fit curve.jpk-force --radius "5 um" --nu 0.5
+    jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
+    """
+    from .fits import fit_measured
+
+    fit_measured(body, measured, flags, reading, slopes, parallel, limits, output, asked)

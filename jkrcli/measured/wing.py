@@ -19,7 +19,7 @@ WING = Wing(
         "look": Verb(
             "Commands", "pull-off", "What a force curve holds: base line, contact, adhesion.", "measured.verbs"
         ),
-        "fit": Verb("Commands", "look", "E*, w and contact point of measured curves, with errors.", "measured.fits"),
+        "fit": Verb("Commands", "look", "E*, w and contact point of measured curves, with errors.", "measured.verbs"),
         "work": Verb("More of a measurement", "", "Energy release rate G along a measured curve.", "measured.verbs"),
     },
     options={"pull-off": ("--load", "--uncertain")},

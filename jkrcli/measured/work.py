@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.curve import Nonadhesive
-from ..base.errors import InputError
+from ..base.errors import LEVEL, InputError
 from ..base.executors import Pool, completed
-from ..base.numerics import HALF_WIDTH, LEVEL, ROUNDED, SETTLED, TOGETHER, Array, zeros_between
+from ..base.numerics import HALF_WIDTH, ROUNDED, SETTLED, TOGETHER, Array, zeros_between
 from ..base.units import show
 from ..series import Solution
-from ..tables import some
-from .curve import Curve, Reading, Use
+from ..tables.text import some
+from .choices import Use
+from .curve import Curve, Reading
 from .files import each
 from .forward_model import FittedBody, body_of
 from .record import receding_rows

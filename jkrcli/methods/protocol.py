@@ -6,15 +6,16 @@ import importlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias, cast, runtime_checkable
 
 from ..base.arguments import read_fields
-from ..base.errors import InputError, Refusal, counted
-from ..base.numerics import NOTICEABLE
+from ..base.errors import NOTICEABLE, InputError, Refusal, counted
 from ..base.process import SHARE, SILENCE, duration, free_memory, memory_words
 from ..base.units import Length, Ranged
-from ..bodies.problem import Problem
-from ..series import Solution
+
+if TYPE_CHECKING:
+    from ..bodies.problem import Problem
+    from ..series import Solution
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,12 @@ import numpy as np
 
 from .. import __version__
 from ..base import hdf5
-from ..base.errors import InputError, counted
+from ..base.errors import LEVEL, InputError, accuracy, counted
 from ..base.files import as_json, read_bytes, write_bytes
-from ..base.numerics import LEVEL, Array, half_width
+from ..base.numerics import Array, half_width
 from ..base.units import show
 from ..series import COLUMNS, Solution
 from .result import SHOWN, Several
-from .tables import accuracy
 
 # --------------------------------------------------------------------------------------------------
 # Archives (HDF5) of fits and of the tables of sweeps: written under one digest, checked when they are read back.

@@ -17,9 +17,9 @@ from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory, Rest
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, faces, strain_words, yield_warning
-from ..base.errors import Estimate, InputError, Unknown
+from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, Unknown, accuracy
 from ..base.files import lists
-from ..base.numerics import LEVEL, ROWS, Array
+from ..base.numerics import ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import show
 from ..bodies.problem import relaxing
@@ -28,7 +28,7 @@ from ..resolve.histories import LostByHistory, checked_histories, curves_from_re
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
 from .result import Figure, Several
-from .tables import Scales, accuracy, format_state, is_refined, quantities, read_curve, transpose_rows
+from .tables import Scales, format_state, is_refined, quantities, read_curve, transpose_rows
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
     lines += [f"  model: {'; '.join(changes)}"] if changes else []
     unknown = [error for error in errors if isinstance(error, Unknown)]
     worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=None)
-    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} ({tables.AT_LEVEL} confidence)"])
+    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} ({AT_LEVEL} confidence)"])
 
 
 def no_depth(history: LoadingHistory) -> dict[str, Any]:
@@ -338,7 +338,7 @@ class Cycled(Result):
             parts.append(f"{' and '.join(name for name, why in unknown.items() if why == reason)}: none, {reason}")
         energy_words = "; ".join(parts)
         lines = [
-            f"{energy_words}{f' ({tables.AT_LEVEL} confidence)' * ('±' in energy_words)}: {self.file}",
+            f"{energy_words}{f' ({AT_LEVEL} confidence)' * ('±' in energy_words)}: {self.file}",
             _device_words(cycle.stiffness, inwards.w, outwards.w),
             f"  {start} {tables.format_state(begin, 'P a')}",
             f"  reversal at {tables.format_state(inwards.point(cycle.turn), 'a')}",
@@ -516,7 +516,6 @@ class Compared(Result):
 # --------------------------------------------------------------------------------------------------
 # One state of a contact as a result: pressure and shape of its surface, displacement and stress in the body.
 
-COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
 FIELD_COLUMNS = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa", "zz_error": "sigma_zz_err_Pa",
            "rz_error": "sigma_rz_err_Pa", "area": "ring_area_m2"}  # fmt: skip
 

@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..adhesion.validity import judge_solution
-from ..base.errors import Estimate, Unknown, counted
-from ..base.numerics import LEVEL, Array
+from ..base.errors import AT_LEVEL, LEVEL, Estimate, Unknown, accuracy, counted
+from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import relaxing
 from ..methods.protocol import Choice
-from ..resolve.resolve import StickingEffect, sticking_warnings
+from ..resolve.resolve import StickingEffect, sticking, sticking_warnings
 from ..series import COLUMNS, Series, Solution
 from .result import Figure
-from .tables import AT_LEVEL, accuracy, sticking
 
 if TYPE_CHECKING:
     from ..methods.fem.mesh import Grid

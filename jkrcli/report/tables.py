@@ -11,31 +11,22 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import device_path
-from ..adhesion.curve import (
-    CONTROLS,
-    DISPLACEMENT_CONTROL,
-    AdhesiveCurve,
-    CriticalPoint,
-    Equilibrium,
-    EquilibriumCurve,
-    control,
-)
+from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, control
 from ..adhesion.device_path import Jump, Stability, TimedState, branch
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
-from ..base.errors import Estimate, InputError, Unknown, counted, known
+from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, Unknown, accuracy, counted, known
 from ..base.files import read_bytes
-from ..base.numerics import LEVEL, REMEMBERED, Array
-from ..base.process import check_text
+from ..base.numerics import Array
+from ..base.process import REMEMBERED, check_text
 from ..base.registry import SUMMARIES, TABLES, WORDS
 from ..base.units import SI, show
 from ..bodies.problem import Elastic, Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
 from ..resolve.analysis import Analysis, is_solved_at
-from ..resolve.resolve import StickingEffect
+from ..resolve.resolve import sticking
 
-AT_LEVEL = f"{100 * LEVEL:g} %"  # of all errors, in words
 SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
 PRINTED = 1e-4  # choice: relative error from which each force is printed with its own
@@ -184,15 +175,6 @@ def digits(value: float, change: Strains, known_to: float = 0.0) -> int:
     return 4 if error == 0 else min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 2), 4)
 
 
-def accuracy(error: Estimate, name: str = "numerical error") -> str:
-    """A relative error called ``name`` in words: where it is small, a power of ten above it."""
-    if isinstance(error, Unknown):
-        return f"{name} {error}"
-    if error >= 1e-4:
-        return f"{name} {float(f'{100 * error:.2g}'):g} %"
-    return f"{name} below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")
-
-
 def error_words(error: Estimate, change: Strains, name: str = "numerical error") -> str:
     """The relative ``error`` called ``name``, and the model's: what large strains ``change``, far larger or not."""
     if change is None:
@@ -291,14 +273,6 @@ def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:
     return not isinstance(curve, AdhesiveCurve) or is_solved_at(curve.nonadhesive, point.a)
 
 
-def sticking(effect: StickingEffect | Unknown) -> dict[str, Any] | str:
-    """The radius [m] and the ratios [-] of an effect, or why it is not known."""
-    if isinstance(effect, Unknown):
-        return str(effect)
-    pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in effect.pull_off.items()]
-    return {"a_m": effect.a, "load": effect.load, "S": effect.stiffness, "pull_off": pulls}
-
-
 def stable_states(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
     controls = {name: device_path.stability_under(result.curve, k) for name, k in CONTROLS.items()}
@@ -341,7 +315,7 @@ def device(k: float) -> dict[str, Any]:
 
 def stiffness(k: float) -> float | None:
     """The stiffness of a device [N/m]; None for a rigid one, as JSON has no infinity."""
-    return None if k == DISPLACEMENT_CONTROL else k
+    return None if k == CONTROLS["displacement"] else k
 
 
 def energies(**values: tuple[Estimate, Estimate]) -> dict[str, Any]:

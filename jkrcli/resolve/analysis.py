@@ -26,7 +26,8 @@ from ..adhesion.curve import (
 from ..adhesion.device_path import Stability, behaviours, stable_radius
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range, RangeRequest
 from ..adhesion.pull_off_error import Errors, error_of_rows, from_reference, pull_off_error
-from ..adhesion.slopes import RULES, Slopes, exact, slopes, smoothed
+from ..adhesion.rules import RULES
+from ..adhesion.slopes import Slopes, exact, slopes, smoothed
 from ..adhesion.slopes.nodes import Ahead
 from ..adhesion.validity import (
     Strains,
@@ -259,7 +260,6 @@ COST_CURVE = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `ma
 COST_PER_ROW = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
 COST_TABLE_PER_ROW = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
 COST_DEVICE = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
-COST_PAGE_PER_ROW = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
 # Memory of pictures that wait for the collector, ten of them; tuned on 5 to 60 works of adhesion, by `make guards`
 COST_PICTURES, COST_PICTURES_MIB = 10, 130.0
 COST_FIGURE = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
@@ -283,11 +283,6 @@ def forecast(
     mib = COST_MIB + mib * rows + (len(works) - 1) * (COST_MIB_PER_CURVE + COST_MIB_PER_ROW_OF_CURVE * rows)
     mib += figures * COST_PICTURES_MIB * min((len(works) - 1) / COST_PICTURES, 1.0)
     return Forecast(fitted + len(works) * each, mib, 0.0)
-
-
-def seconds_of_page(solution: Solution) -> float:
-    """CPU seconds of the explorer's page of a solution, beside those of its curve."""
-    return COST_PAGE_PER_ROW * solution.increments.a.size
 
 
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:

@@ -17,7 +17,8 @@ from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from ..series.vocabulary import VOCABULARIES, check_chosen, factors_of, is_within_noise, near_first_touch, with_units
-from ..tables import TextTable, read_table, some, split_name, unit_power
+from ..tables import split_name, unit_power
+from ..tables.text import TextTable, read_table, some
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -7,14 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, mask_below_atomic_spacing
-from ..adhesion.from_rest import (
-    FromRest,
-    LoadingHistory,
-    Rest,
-    histories,
-    history_error,
-    work_from_pull_off,
-)
+from ..adhesion.from_rest import FromRest, LoadingHistory, Rest, histories, history_error, work_from_pull_off
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import LIMITS, Strains, large_strains
 from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown

@@ -197,6 +197,14 @@ def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Ite
     )
 
 
+def sticking(effect: StickingEffect | Unknown) -> dict[str, Any] | str:
+    """The radius [m] and the ratios [-] of an effect, or why it is not known."""
+    if isinstance(effect, Unknown):
+        return str(effect)
+    pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in effect.pull_off.items()]
+    return {"a_m": effect.a, "load": effect.load, "S": effect.stiffness, "pull_off": pulls}
+
+
 def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
     """What a series file keeps of it."""
     if isinstance(effect, Unknown):

@@ -9,9 +9,11 @@ import numpy as np
 
 from ..base.arguments import read, reader
 from ..base.errors import InputError
-from ..base.numerics import REMEMBERED, Array
+from ..base.numerics import Array
+from ..base.process import REMEMBERED
 from ..base.units import LARGEST_FACTOR, LARGEST_SI
-from ..tables import LONGEST, WORDS, TextTable, split_name, unit_power
+from ..tables import WORDS, quantities, split_name, unit_power
+from ..tables.text import TextTable
 
 NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
 CONTACT = tuple(WORDS["contact"])  # the keys of what every table of a contact may hold
@@ -52,18 +54,6 @@ class Vocabulary:
     def named(self, table: TextTable, key: str) -> list[int]:
         """Columns whose name is one of those of ``key``."""
         return [i for i, title in enumerate(table.names) if self.key_of(title) == key]
-
-    def without_unit(self, table: TextTable, key: str) -> list[str]:
-        """A sentence on each column that is named like ``key`` but for an ending that is no unit, as in "P_mn"."""
-        sentences, quantity = [], self.quantities[key]
-        for i, title in enumerate(table.names):
-            match = re.match(r"(.+?)\s*[/_]\s*([^/_\s]+)\Z", title[:LONGEST])
-            if match and self.key_of(title) is None and self.key_of(match[1]) == key:
-                sentences.append(
-                    f'column {i + 1} "{title}"{NO_UNIT}{quantity.dimension}; if it is the {quantity.meaning}: '
-                    f"--column {key}={title} --unit {key}={EXAMPLES[quantity.dimension]}"
-                )
-        return sentences
 
     def guess(self, table: TextTable, key: str) -> int:
         """The one column that is named like ``key``, or the one of several whose unit is one of its dimension."""
@@ -110,7 +100,7 @@ class Vocabulary:
 VOCABULARIES: dict[str, Vocabulary] = {}
 for _kind in ("measured", "computed"):
     _also, _quantities = WORDS[_kind]["also"], {}
-    for _key, _entry in (WORDS["contact"] | WORDS[_kind]["more"]).items():
+    for _key, _entry in quantities(_kind).items():
         _quantities[_key] = Quantity(**_entry | {"names": [*_entry["names"], *_also.get(_key, ())]})
     VOCABULARIES[_kind] = Vocabulary(_quantities, tuple(key for key, one in _quantities.items() if one.dimension))
 

@@ -1,5 +1,7 @@
 """``jkr cycle``: the trace that a device of given stiffness records, over time too."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -7,9 +9,6 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.curve import LOAD_CONTROL
-from ..adhesion.device_path import Course, Program
-from ..adhesion.from_rest import LoadingHistory, Rest
 from ..base.errors import InputError
 from ..base.registry import Result
 from ..cli import inputs, options
@@ -29,14 +28,16 @@ from ..cli.cycle import (
 )
 from ..cli.options import flag, typed
 from ..methods.protocol import Limits
-from ..report.forward import AskedCycle, traced_histories
 from ..report.result import Output
-from ..resolve.analysis import analyse, nonadhesive, with_solved_points
-from ..resolve.histories import rest_of
-from .rate import RateContact, parameters_of, rate_law_of
-from .relaxation import RelaxingContact
-from .relaxing_adhesion import RelaxingAdhesion
-from .report import CycledAtSpeed, CycledRelaxing, followed_with_limits, pull_off_in_limits
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from ..adhesion.device_path import Course, Program
+    from ..adhesion.from_rest import LoadingHistory, Rest
+    from ..report.forward import AskedCycle
+    from .rate import RateContact
+    from .relaxation import RelaxingContact
+    from .relaxing_adhesion import RelaxingAdhesion
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr cycle`` over time: what the device does, while adhesion depends on the edge's speed or the body relaxes.
@@ -102,6 +103,9 @@ class RateOptions:
 
     def pulled(self, x: float, stiffness: float) -> Program:
         """What the device does from rest at its position ``x`` on: back at once, to a dwell where there is one."""
+        from ..adhesion.curve import LOAD_CONTROL
+        from ..adhesion.device_path import Program
+
         self._course.refuse_before_rest(flag)
         moves = self._course.moves(stiffness == LOAD_CONTROL, flag)
         whole = Program.on(x, -moves.back)
@@ -109,11 +113,16 @@ class RateOptions:
 
     def refuse_wrong(self, stiffness: float) -> None:
         """InputError where a speed, time or place is none, before anything is solved."""
+        from ..adhesion.curve import LOAD_CONTROL
+
         if self.speed is not None:
             self._course.moves(stiffness == LOAD_CONTROL, flag)
 
     def suffix(self, stiffness: float) -> str:
         """What distinguishes names of files, of the options that were given: ``-to-load0.0005-speed1e-05``, SI."""
+        from ..adhesion.curve import LOAD_CONTROL
+        from .rate import parameters_of, rate_law_of
+
         si: dict[str, float | None] = {"to_load": self.to_load, "to_depth": self.to_depth}
         parts = list[str]()
         for name, pairs in (("rate", self.rate), ("rate_advance", self.rate_advance)):
@@ -129,6 +138,8 @@ class RateOptions:
 
     @property
     def _course(self) -> Course:
+        from ..adhesion.device_path import Course
+
         named = {name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)}
         return Course(**named, tabulated=self.program)
 
@@ -139,6 +150,11 @@ rate_options = options.as_one("rates", RateOptions)
 def cycled(asked: AskedCycle, rates: RateOptions, history: LoadingHistory | None = None) -> Result:
     """The cycle without adhesion on a body that relaxes; else with a w that depends on the speed of the edge where the
     ``rates`` say so, of a viscoelastic specimen at the moduli after a loading ``history``, or quasi-static."""
+    from ..resolve.analysis import analyse, nonadhesive, with_solved_points
+    from .rate import RateContact, rate_law_of
+    from .relaxation import RelaxingContact
+    from .report import CycledAtSpeed, CycledRelaxing
+
     law, stiffness = asked.solution.problem.specimen.relaxation, asked.stiffness
     if law is not None and history is None:
         if rates.rate is not None:
@@ -162,6 +178,10 @@ def cycled(asked: AskedCycle, rates: RateOptions, history: LoadingHistory | None
 
 def followed(asked: AskedCycle, rates: RateOptions, rest: Rest | None, compare_rate: bool) -> Result:
     """Adhesion of a viscoelastic specimen over time, from ``rest`` on where there is one, with its limits."""
+    from ..report.forward import traced_histories
+    from .relaxing_adhesion import RelaxingAdhesion
+    from .report import followed_with_limits, pull_off_in_limits
+
     solution, w, ranged, stiffness = asked.solution, asked.works[1], asked.ranged, asked.stiffness
     law, slopes, factor = solution.problem.specimen.relaxation, asked.slopes, asked.modulus_factor
     assert law is not None
@@ -207,6 +227,9 @@ def cycle(
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     jkr cycle relaxing-gel.h5 --w-approach 0.02 --stress "2 kPa" --speed "10 um/s"
     """
+    from ..report.forward import AskedCycle, traced_histories
+    from ..resolve.histories import rest_of
+
     rates.refuse_wrong(stiffness)
     output.folder(Path())
     file = inputs.series_file(file)
@@ -228,7 +251,8 @@ def cycle(
         raise InputError("cycle: --rate has no adhesion of finite range: leave --range and the case's out")
     ranged.refuse_two(*works)
     begin_program(rates.program, points, limits)
-    rest, known = rest_of(rest_load, rest_depth, flag), tuple[LoadingHistory, ...]()
+    rest = rest_of(rest_load, rest_depth, flag)
+    known: tuple[LoadingHistory, ...] = ()
     if in_limits:
         rests = rates.rate is None and not ranged
         known = traced_histories(solution, rest, rates.to_load, rates.to_depth, rests)

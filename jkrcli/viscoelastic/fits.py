@@ -9,7 +9,7 @@ from ..base.process import one_thread
 from ..cli.printing import announce, warn
 from ..measured.files import usable
 from ..measured.fits import FitRequest
-from ..tables import some
+from ..tables.text import some
 from .law_fits import RelaxationFits
 from .rate_fit import rate_fit, rate_settings
 from .relaxation_fit import relaxation_fit

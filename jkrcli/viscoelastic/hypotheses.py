@@ -19,7 +19,8 @@ import numpy as np
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import Program
 from ..base.errors import InputError
-from ..base.numerics import REMEMBERED, Array, PiecewiseCubic, cubic_spline, median
+from ..base.numerics import Array, PiecewiseCubic, cubic_spline, median
+from ..base.process import REMEMBERED
 from ..bodies.problem import PowerRelaxation, Relaxation, StandardSolid
 from ..measured.branches import rest
 from ..measured.curve import APPROACH

@@ -19,20 +19,10 @@ import numpy as np
 from ..adhesion.curve import Nonadhesive
 from ..adhesion.device_path import REST, Edge, Program
 from ..base.arguments import read_fields
-from ..base.errors import InputError, JkrError, SolveError, Unknown, counted
-from ..base.numerics import (
-    FEWEST_ROWS,
-    HALF_WIDTH,
-    LEVEL,
-    NOTICEABLE,
-    ROUNDED,
-    SAME,
-    Array,
-    PiecewiseCubic,
-    evenly,
-    zeros_between,
-)
+from ..base.errors import LEVEL, NOTICEABLE, InputError, JkrError, SolveError, Unknown, counted
+from ..base.numerics import FEWEST_ROWS, HALF_WIDTH, ROUNDED, SAME, Array, PiecewiseCubic, evenly, zeros_between
 from ..base.units import LARGEST_SI, Named, Ranged, show
+from ..measured.choices import SegmentName
 from ..measured.curve import Curve
 from ..measured.forward_model import FittedBody
 from ..measured.least_squares import (
@@ -51,7 +41,7 @@ from ..measured.least_squares import (
 from ..measured.parameters import MODULUS, Answer, Level, Nameable, Parameter, Unknowns, check_law, parameters_of
 from ..measured.procedure import fit
 from ..measured.rows import noise_from_third_differences
-from ..measured.settings import SegmentName, Settings
+from ..measured.settings import Settings
 from ..measured.work import WorkAlong, work_along
 from .rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
 from .timed_record import check_over_time, check_rising, noise_about, noise_of, through

@@ -18,7 +18,7 @@ import numpy as np
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, Nonadhesive, control, position
 from ..adhesion.device_path import Program, TimedState
 from ..base import numerics
-from ..base.errors import Estimate, InputError, SolveError, Unknown
+from ..base.errors import NOTICEABLE, Estimate, InputError, SolveError, Unknown
 from ..base.numerics import SAME, Array
 from ..base.units import show
 from ..bodies.problem import Modes, Relaxation
@@ -720,7 +720,7 @@ class RelaxingContact:
             beyond = self._path(program(x)).deepest / self.depths.most
             if beyond <= 1 + SAME:
                 return x
-            x *= (1 - numerics.NOTICEABLE) / beyond  # theory: the depth grows no faster than the position
+            x *= (1 - NOTICEABLE) / beyond  # theory: the depth grows no faster than the position
         raise InputError("cycle: no reversal keeps the contact within the solution: give it, --to-depth")
 
     def _path(self, program: Program) -> RelaxedPath:
@@ -826,7 +826,7 @@ class RelaxedHistory:
     @property
     def whole(self) -> bool:
         """Whether it grew up to the end of the series."""
-        return self.path.deepest >= (1 - numerics.NOTICEABLE) * self.path.depths.most
+        return self.path.deepest >= (1 - NOTICEABLE) * self.path.depths.most
 
     @cached_property
     def peak(self) -> TimedState:

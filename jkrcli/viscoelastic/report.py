@@ -15,23 +15,14 @@ from ..adhesion.device_path import Program
 from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import FAST, FROM_REST, SLOW, LoadingHistory
 from ..adhesion.validity import NEGLECTED, Zone, zone
-from ..base.errors import Estimate, InputError, SolveError, Unknown, known
-from ..base.numerics import LEVEL, NOTICEABLE, ROWS, SAME, UNSEEN, Array
+from ..base.errors import AT_LEVEL, LEVEL, NOTICEABLE, Estimate, InputError, SolveError, Unknown, known
+from ..base.numerics import ROWS, SAME, UNSEEN, Array
 from ..base.registry import Result
 from ..base.units import show
 from ..bodies.problem import RELAXATIONS, Relaxation
 from ..measured.least_squares import t_quantile
 from ..report.result import Figure
-from ..report.tables import (
-    AT_LEVEL,
-    cycle_title,
-    device,
-    energies,
-    format_state,
-    timed,
-    timed_jump,
-    with_unit,
-)
+from ..report.tables import cycle_title, device, energies, format_state, timed, timed_jump, with_unit
 from ..resolve.analysis import Analysis, analyse, nonadhesive
 from ..resolve.histories import curves_from_rest, solved_on
 from ..series import Solution

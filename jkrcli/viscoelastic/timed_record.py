@@ -18,15 +18,15 @@ import numpy as np
 
 from ..adhesion.finite_range import RangeRequest
 from ..base.arguments import ranges_of, read_fields
-from ..base.errors import InputError
-from ..base.numerics import FEWEST_ROWS, LEVEL, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
+from ..base.errors import LEVEL, InputError
+from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
 from ..base.units import Named, Ranged, show
 from ..bodies.problem import RELAXATIONS, Relaxation
+from ..measured.choices import SegmentName
 from ..measured.curve import Curve
 from ..measured.least_squares import SEARCH_MISFIT, Followed, t_quantile
 from ..measured.parameters import MODULUS, Answer, Level, Nameable, Parameter, Unknowns, check_law, parameters_of, word
 from ..measured.rows import noise_from_third_differences
-from ..measured.settings import SegmentName
 
 # --------------------------------------------------------------------------------------------------
 # What a device did, from its readings: straight pieces between corners.

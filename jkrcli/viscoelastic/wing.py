@@ -12,7 +12,7 @@ WING = Wing(
     functions=dict.fromkeys(FUNCTIONS, "viscoelastic.functions"),
     uses=("contact over time",),
     offers={
-        "laws of w over speed": "viscoelastic.rate:RATE_LAWS",
+        "options of laws over time": "viscoelastic.options:over_time",
         "a law of w over speed": "viscoelastic.rate:rate_law_of",
         "contact of a law over speed": "viscoelastic.rate:RateContact",
         "hypotheses over time": "viscoelastic.hypotheses:HYPOTHESES",

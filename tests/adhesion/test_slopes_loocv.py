@@ -7,7 +7,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes import slopes, slopes_function
+from jkrcli.adhesion.rules import slopes_function
+from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.formulas import hertz, thin_incompressible_layer, thin_layer

@@ -1,16 +1,14 @@
-"""Piecewise cubics, bracketed zeros and the cosine transform against SciPy's."""
+"""Piecewise cubics and bracketed zeros against SciPy's."""
 
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from scipy.fft import dct
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PchipInterpolator
 from scipy.optimize import brentq
 
@@ -18,9 +16,7 @@ from jkrcli.base.numerics import (
     Array,
     PiecewiseCubic,
     PiecewiseQuintic,
-    cosine_transform,
     cubic_spline,
-    fast_length,
     pchip,
     rising_slopes,
     spline_slopes,
@@ -67,20 +63,6 @@ def test_monotone_cubics_are_those_of_scipy(step: list[float], seed: int, shape:
         expected, ends = (PchipInterpolator(x, y)(places, order) for places in (at, inside))
         size = max(np.abs(expected).max(), np.abs(ends).max())
         assert pchip(x, y)(at, order) == pytest.approx(expected, rel=1e-9, abs=1e-10 * size)
-
-
-@pytest.mark.parametrize("rows", [1, 2, 3, 4, 5, 64, 1979])
-def test_the_cosine_transform_is_that_of_scipy(rows: int) -> None:
-    several = np.random.default_rng(rows).normal(size=(3, rows))
-    expected = dct(several, norm="ortho")
-    assert cosine_transform(several) == pytest.approx(expected, rel=1e-12, abs=1e-14)
-    assert cosine_transform(several[0]) == pytest.approx(expected[0], rel=1e-12, abs=1e-14)
-
-
-def test_fast_lengths_have_no_large_prime_factor() -> None:
-    numbers = sorted(2**i * 3**j * 5**k for i in range(13) for j in range(9) for k in range(6))
-    for n in range(1, 1000):
-        assert fast_length(n) == numbers[bisect_left(numbers, n)]
 
 
 def test_a_cubic_is_reproduced() -> None:

@@ -157,18 +157,19 @@ def test_every_fault_of_three_works_is_told_as_it_is(
     where: str, error: BaseException, three: list[Path], jkr: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With pictures that are no pictures, and what is computed kept from one try to the next."""
-    from jkrcli.cli import curve_verbs
-    from jkrcli.report import plots, tables
+    from jkrcli.cli import inputs
+    from jkrcli.report import forward, plots, tables
+    from jkrcli.resolve import analysis
 
     def save(_: object, paths: Iterable[Path]) -> None:
         for path in paths:
             files.write_bytes(path, b"picture")
 
-    curves = curve_verbs.analyse(curve_verbs.inputs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
+    curves = analysis.analyse(inputs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
     monkeypatch.setattr(plots, "save", save)
-    monkeypatch.setattr(curve_verbs.forward, "draw_curve", lambda *_: "a picture")
+    monkeypatch.setattr(forward, "draw_curve", lambda *_: "a picture")
     monkeypatch.setattr(tables, "curve_summary", lambda one, _: {"w_J_per_m2": one.w})
-    monkeypatch.setattr(curve_verbs, "analyse", lambda *_: curves)
+    monkeypatch.setattr(analysis, "analyse", lambda *_: curves)
     every_fault(three, jkr, where, error)
 
 

@@ -18,6 +18,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Rigid, Spe
 from jkrcli.case import models
 from jkrcli.case.models import load_case, parse_case
 from jkrcli.cli.case_verbs import TEMPLATE
+from jkrcli.measured.parameters import show_within
 
 SHIPPED = Path(__file__).parents[2] / "cases"
 CASES = sorted([*SHIPPED.glob("*.toml"), *SHIPPED.glob("paper/*.toml")])
@@ -140,7 +141,7 @@ def test_shown_values_are_rounded_before_the_unit_is_chosen() -> None:
     (0.3e-3, 2.04e-3, "0.3 ± 2.0 mJ/m^2"), (55e-3, 0.3e-3, "55 mJ/m^2 ± 300 uJ/m^2"), (1e-3, math.inf, "1 mJ/m^2 ± "),
 ])  # fmt: skip
 def test_a_value_within_a_larger_error_takes_its_unit(value: float, error: float, words: str) -> None:
-    assert units.show_within(value, error, "work").startswith(words)
+    assert show_within(value, error, "work").startswith(words)
 
 
 def test_one_of_a_thing_has_no_plural() -> None:

@@ -46,7 +46,7 @@ def test_the_explorer_counts_its_page(jkr: Callable, tuned: Callable) -> None:
     """100,000 rows were announced as 4 s and took 38: the page's errors were not counted."""
     Path("gel.toml").write_text(CASE.format("0.01"))
     assert jkr("run", "gel.toml").code == 0
-    tuned("jkrcli.resolve.analysis.COST_PAGE_PER_ROW", 1.0)
+    tuned("jkrcli.many.explorer.COST_PAGE_PER_ROW", 1.0)
     done = jkr("explore", "gel.h5")
     assert "explore of 20 rows" in done.err
     assert "20 s of CPU time" in done.err

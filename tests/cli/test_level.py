@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from jkrcli.base.numerics import HALF_WIDTH, LEVEL, half_width
+from jkrcli.base.errors import LEVEL
+from jkrcli.base.numerics import HALF_WIDTH, half_width
 
 CASES = Path(__file__).parents[2] / "cases"
 PROBE = CASES / "measured" / "gel-probe.csv"

@@ -19,7 +19,7 @@ from jkrcli.base import files
 from jkrcli.base.errors import InputError
 from jkrcli.measured.curve import Reading
 from jkrcli.resolve.foreign import SeriesReading
-from jkrcli.tables import read_table
+from jkrcli.tables.text import read_table
 
 DEPTH = np.linspace(-1.0, 0.3, 40)  # um
 LOAD = np.maximum(DEPTH, 0) ** 1.5 * 4e3  # nN

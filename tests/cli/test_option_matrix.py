@@ -264,7 +264,7 @@ def test_long_fits_and_states_are_announced(
     monkeypatch.setattr("jkrcli.viscoelastic.rate_fit._Problem.minimise", unmatched)
     done = jkr("fit", "gel.h5", "probe.csv", "--law", "power", "--no-plots")
     assert re.search(r"fit of a law to \d+ readings from 2 starts: about .* of CPU time", done.err), done.err
-    monkeypatch.setattr("jkrcli.cli.curve_verbs.profile_columns", begun)
+    monkeypatch.setattr("jkrcli.resolve.analysis.profile_columns", begun)
     gel = (tmp_path / "gel.toml").read_text().replace("points = 100", "points = 12")
     (tmp_path / "stuck.toml").write_text(gel.replace("[specimen]", '[specimen]\nsurface = "sticking"'))
     assert jkr("run", "stuck.toml", "-q").code == 0

@@ -33,13 +33,14 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.executors import executor
 from jkrcli.case.models import parse_case
 from jkrcli.measured import forward_model, rows
+from jkrcli.measured.choices import ConfidenceName
 from jkrcli.measured.curve import NOT_SUBTRACTED, Curve
 from jkrcli.measured.forward_model import body_of as body_of_case
 from jkrcli.measured.parameters import Parameter
 from jkrcli.measured.procedure import fit, fit_all
 from jkrcli.measured.result import Fit
 from jkrcli.measured.rows import points_of
-from jkrcli.measured.settings import ConfidenceName, Settings
+from jkrcli.measured.settings import Settings
 from jkrcli.methods.layered.solver import Layered
 
 EXACT = 1e-6  # the accuracy asked for without noise; the series' own points and tolerance leave about 2e-7

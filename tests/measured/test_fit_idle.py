@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-import jkrcli.measured.fits as verb
+import jkrcli.measured.verbs as verb
 from jkrcli.measured.settings import EFFECT, GOES_WITH
 
 GEL = Path(__file__).parents[2] / "cases" / "gel.toml"

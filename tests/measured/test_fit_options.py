@@ -20,7 +20,7 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.case import store
-from jkrcli.measured.fits import fit
+from jkrcli.measured.verbs import fit
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import nonadhesive
 

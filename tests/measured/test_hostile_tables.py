@@ -16,7 +16,8 @@ from jkrcli.base.errors import InputError
 from jkrcli.measured.curve import Reading
 from jkrcli.measured.files import read, usable
 from jkrcli.measured.instruments import constants
-from jkrcli.tables import read_table, split_name
+from jkrcli.tables import split_name
+from jkrcli.tables.text import read_table
 
 DELTA = np.linspace(0, 1, 30)
 LOAD = np.maximum(DELTA - 0.4, 0) ** 1.5

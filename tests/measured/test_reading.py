@@ -14,7 +14,7 @@ import pytest
 from jkrcli.base.errors import InputError
 from jkrcli.measured import files as measured
 from jkrcli.measured.curve import AS_DEPTH, Curve, Reading
-from jkrcli.tables import decoded, read_table
+from jkrcli.tables.text import decoded, read_table
 
 Z = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0]) * 1e-6  # toward the specimen
 LOAD = np.array([0.0, 0.0, 2.0, 9.0, 1.0, -3.0]) * 1e-9

@@ -29,7 +29,7 @@ from jkrcli.methods.protocol import Limits
 from jkrcli.report.tables import read_curve
 from jkrcli.resolve import foreign
 from jkrcli.series import RawSeries
-from jkrcli.tables import MOST_COLUMNS, Dialect, read_table
+from jkrcli.tables.text import MOST_COLUMNS, Dialect, read_table
 
 ROWS = "".join(f"{i}e-6\t{i * i}e-6\n" for i in range(1, 31))
 HALF_SPACE = """
@@ -165,7 +165,7 @@ def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypa
 def test_devices_count_in_what_is_announced_and_refused(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
     """40 s for 2,000 of them."""
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
-    stopped(monkeypatch, "jkrcli.cli.curve_verbs.where_lost")
+    stopped(monkeypatch, "jkrcli.resolve.analysis.where_lost")
     words = ("pull-off", "s.toml", *(word for i in range(2_000) for word in ("--stiffness", f"{i + 1}")))
     assert "pull-off of 100 rows for 1 work of adhesion under 2,000 controls needs about 0.108 GiB" in jkr(*words).err
     done = jkr(*words, "--limit-time", "1e-3")

@@ -30,7 +30,7 @@ from refusals import (
 )
 
 from jkrcli import parse_case
-from jkrcli.adhesion.slopes import RULES
+from jkrcli.adhesion.rules import RULES
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, without_side_walls

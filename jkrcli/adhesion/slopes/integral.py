@@ -23,16 +23,10 @@ from scipy.linalg import lapack
 from scipy.optimize import minimize_scalar
 from scipy.special import stdtrit
 
-from ...base.errors import Estimate, InputError, Refusal, Unknown
-from ...base.numerics import HALF_WIDTH, LEVEL, MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
+from ...base.errors import LEVEL, Estimate, InputError, Refusal, Unknown
+from ...base.numerics import HALF_WIDTH, MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
 from ...series import RawSeries, Series
-from . import (
-    ERROR_AT_DISPLACEMENT,
-    ERROR_COMMON,
-    Slopes,
-    covariance_from_errors,
-    shift_error,
-)
+from . import ERROR_AT_DISPLACEMENT, ERROR_COMMON, Slopes, covariance_from_errors, shift_error
 from .nodes import AS_THEY_ARE, Ahead, node_radii
 
 # --------------------------------------------------------------------------------------------------

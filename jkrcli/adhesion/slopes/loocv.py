@@ -21,8 +21,8 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize_scalar
 
-from ...base.errors import InputError, Refusal
-from ...base.numerics import HALF_WIDTH, NOTICEABLE, Array
+from ...base.errors import NOTICEABLE, InputError, Refusal
+from ...base.numerics import HALF_WIDTH, Array
 from ...base.units import show
 from ...series import Series
 from . import Slopes, covariance_from_errors, shift_error

@@ -13,7 +13,8 @@ import numpy as np
 
 from ...base.arguments import read_fields
 from ...base.errors import InputError
-from ...base.numerics import AT_ONCE, HALF_WIDTH, LOOKED_AT, REMEMBERED, ROUNDED, TINY, Array, spline_slopes
+from ...base.numerics import AT_ONCE, HALF_WIDTH, LOOKED_AT, ROUNDED, TINY, Array, spline_slopes
+from ...base.process import REMEMBERED
 from ...base.registry import Key
 from ...base.units import AnyLength, Length, show
 from ..problem import Indenter, Solid, shape

@@ -19,13 +19,14 @@ import numpy as np
 from ... import __version__
 from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
 from ...adhesion.validity import LIMITS, regime, strains_are_known
-from ...base.errors import InputError, Unknown, counted, installs
-from ...base.numerics import DRAWN, LEVEL, Array
+from ...base.errors import LEVEL, InputError, Unknown, counted, installs
+from ...base.numerics import DRAWN, Array
 from ...base.registry import Result
 from ...base.units import SI, UNITS, decades, scale
 from ...formulas import MEASURED, strained_pull_off
 from ...resolve import analysis
 from ...resolve.analysis import Analysis, nonadhesive
+from ...series import Solution
 
 # --------------------------------------------------------------------------------------------------
 # What the page is given: the nonadhesive curve at close radii, from which Eq. 13 gives what the command line says.
@@ -36,7 +37,13 @@ from ...resolve.analysis import Analysis, nonadhesive
 EVERY = 16  # choice: entries of the table per interval of the series
 # tuned on the shipped cases: what cubics between entries change of a pull-off force, relative
 TABULATED = 1e-8
+COST_PAGE_PER_ROW = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
 WORKS = 9  # works of adhesion at which the page knows the errors of its pull-off points
+
+
+def seconds_of_page(solution: Solution) -> float:
+    """CPU seconds of the explorer's page of a solution, beside those of its curve."""
+    return COST_PAGE_PER_ROW * solution.increments.a.size
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base.errors import SolveError
-from ...base.numerics import REMEMBERED, Array
+from ...base.numerics import Array
+from ...base.process import REMEMBERED
 from ...bodies.problem import (
     AnyGraded,
     AnyTransverse,

@@ -16,7 +16,8 @@ from matplotlib.tri import Triangulation
 
 from ...adhesion.curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from ...adhesion.device_path import GRIPPED, STABLE, UNSTABLE, Jump, branch
-from ...base.numerics import LEVEL, Array
+from ...base.errors import LEVEL
+from ...base.numerics import Array
 from ...base.units import scale, show
 from ...resolve.analysis import Analysis
 from ...series import Difference

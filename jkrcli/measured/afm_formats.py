@@ -16,7 +16,7 @@ import numpy as np
 
 from ..base import hdf5, process
 from ..base.errors import InputError, counted, first_line, installs
-from ..base.files import opened, read_bytes
+from ..base.files import opened, packed, read_bytes
 from ..base.numerics import LOOKED_AT, Array
 from ..base.process import check_size, check_text
 from ..base.units import LARGEST_SI
@@ -24,6 +24,7 @@ from ..tables import unit_power
 from ..tables.text import BYTES_USUAL, PIECE, rows_among, rows_of_text
 from . import instruments
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
+from .formats import Format, register
 from .instruments import toward
 
 # --------------------------------------------------------------------------------------------------
@@ -364,7 +365,7 @@ Segment = tuple[str, Mapping[str, Channel], Array]  # word, channels by name, th
 
 def is_nanosurf(path: Path) -> bool:
     """Whether the file is one of Nanosurf, by its content; InputError where it is JPK's, which is not read."""
-    if not path.is_file():
+    if not path.is_file() or packed(path):
         return False
     with opened(path, SURF) as file:
         if file.read(len(hdf5.SIGNATURE)) != hdf5.SIGNATURE:
@@ -852,3 +853,7 @@ def estimate_rows(path: Path) -> float:
         return rows_of_text(path)
     except (InputError, OSError, ValueError):
         return 0.0
+
+
+register(Format("Nanoscope", knows, nanoscope_curves))
+register(Format("Nanosurf", is_nanosurf, nanosurf_curves))

@@ -14,7 +14,7 @@ from ..base.files import is_ours, packed
 from ..base.hdf5 import format_of
 from ..base.numerics import SHOWN, Array
 from ..base.units import show
-from . import afm_formats, instruments, text_formats
+from . import afm_formats, formats, instruments, text_formats
 from . import instruments as archive
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, AsRead, Curve, Reading
 from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise, with_zero_points
@@ -75,7 +75,8 @@ def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[s
 
 def holds_map(path: Path) -> bool:
     """Whether a path is that of a map, by its name: a folder, or a microscope's file of many curves."""
-    return path.is_dir() or path.name.endswith(MAP_ENDINGS)
+    registered = (ending for one in formats.FORMATS.values() for ending in one.maps)
+    return path.is_dir() or path.name.endswith((*MAP_ENDINGS, *registered))
 
 
 def files_in(folder: Path) -> list[Path]:
@@ -153,7 +154,8 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
 
 
 def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
-    """The curves by the reader of the format; of an unknown format by the second reader where the first fails."""
+    """The curves by the reader of the format that registered itself (``formats.py``); of others by that of text or of
+    the package for microscopes, by the second where the first fails."""
     # InputError where the file describes a body or holds what was computed.
     if path.suffix == ".toml":
         raise InputError(f"{path}: is a case file, no measurement")
@@ -162,12 +164,10 @@ def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
     inner = path.name[: -len(path.suffix)]
     if packed(path) and inner.lower().endswith((*AFM_ENDINGS, *afm_formats.HDF5_ENDINGS, ".zip", ".tar")):
         raise InputError(f"{path}: is a packed {Path(inner).suffix} file: unpack it, gunzip {path.name}")
-    if packed(path) and not (reading.format != "text" and afm_formats.knows(path)):
+    if reading.format != "text" and (known := formats.format_of(path)):
+        yield from known.curves(path, reading)
+    elif packed(path):
         yield from text_formats.curves(path, reading)
-    elif reading.format != "text" and afm_formats.knows(path):
-        yield from afm_formats.nanoscope_curves(path, reading)
-    elif reading.format != "text" and afm_formats.is_nanosurf(path):
-        yield from afm_formats.nanosurf_curves(path, reading)
     elif reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
         try:
             yield from text_formats.curves(path, reading)

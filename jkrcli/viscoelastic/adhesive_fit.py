@@ -42,10 +42,16 @@ ROUNDS = 3  # choice: modulus and zero in turn, good to a tenth
 BEGINS = 3  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
 SEARCH, FINE = (0.03, 2e-2, 4), (0.012, 8e-3, 12)
+QUICK = 3e-3  # choice: tolerance of steps of a power law, which relaxes at once behind each corner of the program
 LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
-ROUGH_TIME, JUMP_TIME = 0.003, 4e-4  # choice: of the time in contact, errors of jumps in a search and of the march
+ROUGH_TIME = 0.003  # choice: of the time in contact, errors of jumps in a search, and of the last one in wide zones
 HELD = 0.05  # choice: of steps of others, those of a stress that is held
+# theory: as CONVERGED: what is likely is told about the last place, and as well of one two standard errors off
+MOVED = 4.0
+FAR = 0.9  # choice: of logs, from the likely range, where that is tried too
+CORRECTED = 3  # choice: times that zones are extrapolated
+NEARER = (1.0, 0.3, 0.1, 0.03)  # choice: of a distance that led nowhere or near, which are tried
 WITHIN = (0.01, 0.3, 1.0)  # choice: steps of logs at least, at first, and at most
 SCATTERS = 1e-3, 8e-3  # choice: of that sum, what a step may still gain, or lose by what marches err
 GIVEN_UP = "the contact of the fitted values could not be followed to its end"
@@ -98,30 +104,64 @@ def adhering_fit(
     cycle = Cycle.of(curve)
     _check(cycle)
     settings = _with_base_line(cycle, settings)
-    depth = float(cycle.tip.max()) - cycle.touch
-    body = body.to_depth(DEEPER * depth)
-    z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
-    units = {"delta0": max(depth, 1e-3 * z), "P0": P, "tilt": P / z}
-
-    # All rows by their noise, the jumps where the rows show them.
-    seen, error = np.array(cycle.jumps), math.hypot(cycle.spacing / math.sqrt(12), JUMP_TIME * cycle.lasting)
-    jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, np.full(2, error)], axis=1), [0.0, math.inf])
-    fine = Adhering(body, AttractedBody(body.problem), cycle, settings, Unknowns(settings.parameters, units), *FINE[:2],
-                    np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
+    fine = _problem(body, cycle, settings)
     wide = None if like is None else _beside(fine, like)
     if wide is None:
         near = Nearby.of(*_begun(fine))
-        wide = _least(near if settings.law == "sls" else near.by_law(settings), FINE[2])
+        if settings.law != "sls":  # where the record is likeliest by that law, whatever the solid's cost is
+            near = near.by_law(settings)
+            near = Nearby.of(near.model, Posterior.of(near, 1.0, WITHIN[1], HELD).likeliest())
+        wide = _least(near, FINE[2], (HELD,) if settings.most is None else (HELD, 1.0))
     off = wide.state.residuals[: cycle.t.size]
     if settings.most is not None and float(np.mean(off[off != 0] ** 2)) > settings.most:
         raise SolveError("no history of this specimen leaves as little")
-    # Narrower zones, extrapolated, and the least with what they change.
-    fine = wide.model
-    narrower = fine.corrected(wide.x, wide.here)
-    corrected = replace(wide, model=narrower)
-    shift = np.linalg.pinv(corrected.state.jacobian) @ (wide.state.residuals - corrected.state.residuals)
-    fit = _result(_least(corrected, FINE[2]), shift)
-    return replace(fit, warnings=(*fit.warnings, GIVEN_UP)) if wide.here.given_up or narrower is fine else fit
+    found, corrected = _corrected(wide)
+    if (other := _with_likely_range(found, wide.model)) is not None:
+        other, again = _corrected(_least(other, FINE[2], (HELD,)))
+        found, corrected = (other, again) if other.cost < found.cost else (found, corrected)
+    change = replace(found, model=wide.model).state.residuals - found.state.residuals
+    fit = _result(found, np.linalg.pinv(found.state.jacobian) @ change)
+    return fit if corrected and not found.here.given_up else replace(fit, warnings=(*fit.warnings, GIVEN_UP))
+
+
+def _problem(body: FittedBody, cycle: Cycle, settings: RelaxationSettings) -> Adhering:
+    """The problem with all rows by their noise, and the jumps where the rows show them."""
+    depth = float(cycle.tip.max()) - min(cycle.touches)
+    body = body.to_depth(DEEPER * depth)
+    z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
+    units = {"delta0": max(depth, 1e-3 * z), "P0": P, "tilt": P / z}
+    seen, errors = np.array(cycle.jumps), np.array([cycle.jump_error, ROUGH_TIME * cycle.lasting])
+    jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, errors], axis=1), [0.0, math.inf])
+    tolerance = QUICK if settings.law == "power" else FINE[1]
+    return Adhering(body, AttractedBody(body.problem), cycle, settings, Unknowns(settings.parameters, units), FINE[0],
+                    tolerance, np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
+
+
+def _corrected(wide: Nearby) -> tuple[Nearby, bool]:
+    """The least of ``wide`` zones with what narrower ones, extrapolated, change there, and whether these could be
+    followed."""
+    found, followed = wide, False
+    for _ in range(CORRECTED):
+        narrower = replace(found, model=wide.model.corrected(found.x, found.here))
+        change = found.state.residuals - narrower.state.residuals
+        if followed and float(change @ change) < CONVERGED:
+            break
+        followed = narrower.model is not wide.model
+        found = _least(narrower, FINE[2], (1.0,))
+        if found.x is narrower.x:
+            break
+    return found, followed
+
+
+def _with_likely_range(found: Nearby, wide: Adhering) -> Nearby | None:
+    """The unknowns ``found`` with the likely range in place of one that is far from it: zones so wide or narrow may be
+    another valley than that of the record. None where the range is not far, or known."""
+    values, names = found.model.unknowns.values(found.x), found.model.unknowns.names
+    length = values["range"] if "range" in values else values["w"] / values["stress"]
+    if not set(names) & set(ZONE) or abs(math.log(length / LIKELY_RANGE)) < FAR:
+        return None
+    changed = {"range": LIKELY_RANGE} if "range" in names else {"stress": values["w"] / LIKELY_RANGE}
+    return Nearby.of(wide, found.model.unknowns.at({**values, **changed}))
 
 
 def _check(cycle: Cycle) -> None:
@@ -159,9 +199,9 @@ def _beside(fine: Adhering, like: RelaxationFit) -> Nearby | None:
     values = {item.name: item.value for item in like.estimates} | dict(like.settings.fixed)
     with contextlib.suppress(SolveError, ArithmeticError, ValueError):  # a LinAlgError is one
         length = values["range"] if "range" in values else values["w"] / values["stress"]
-        own = {"delta0": fine.cycle.touch + length, "P0": fine.cycle.base[0], "tilt": fine.cycle.base[1]}
+        own = {"delta0": fine.cycle.touches[0] + length, "P0": fine.cycle.base[0], "tilt": fine.cycle.base[1]}
         x = fine.unknowns.at({**values, **own, **fine.settings.fixed})
-        found = _least(Nearby.of(fine, x), FINE[2])
+        found = _least(Nearby.of(fine, x), FINE[2], (1.0,))
         if found.ended and found.scatter <= min(LIKE * like.scatter, SEARCH_MISFIT):
             return found
     return None
@@ -189,13 +229,12 @@ def _starts(model: Adhering) -> list[Array]:
     cycle, body, settings = model.cycle, model.body, model.settings
     limits, fixed = ElasticLimits(body.nonadhesive), settings.fixed
     first, end = cycle.contact
-    shows, top = cycle.touch, first + int(np.argmax(cycle.z[first:end]))  # at the reversal
+    top = first + int(np.argmax(cycle.z[first:end]))  # at the reversal
     depth, load = float(cycle.tip[top]), float(cycle.load[top])
-    radius = float(np.interp(depth - shows, body.series.delta, body.series.a))
+    zones = (1.0,) if fixed.keys() & {"stress", "range"} else ZONES
     starts = []
-    for ratio, time, share, zone in itertools.product(
-        RATIOS, TIMES, SHARES, (1.0,) if fixed.keys() & {"stress", "range"} else ZONES
-    ):
+    for shows, ratio, time, share, zone in itertools.product(cycle.touches, RATIOS, TIMES, SHARES, zones):
+        radius = float(np.interp(depth - shows, body.series.delta, body.series.a))
 
         def work(modulus: float, ratio: float = ratio, share: float = share) -> float:
             fast, rest = (limits.work(modulus, cycle.pulled), ratio * limits.work(ratio * modulus, cycle.pulled))
@@ -241,21 +280,29 @@ def _best(model: Adhering, begun: Sequence[Array], evaluations: int) -> Array:
     return theta
 
 
-def _least(near: Nearby, evaluations: int) -> Nearby:
+def _least(near: Nearby, evaluations: int, holds: Sequence[float] = (HELD, 1.0)) -> Nearby:
     """Where the record is likeliest, by steps to where it is by what it says near the last ones, first with the stress
     nearly held, which takes up what other unknowns are off; ``ended`` where the loads there hardly differ."""
-    for held in (HELD, 1.0):
-        within, ended = WITHIN[1], False
+    for held in holds:
+        within, ended, careful = WITHIN[1], False, False
         for _ in range(evaluations):
-            there = Posterior.of(near, 1.0, within, held).likeliest()
-            if ended := near.moves(there) < CONVERGED:
+            foretold = Posterior.of(near, 1.0, within, held).likeliest()
+            if ended := near.moves(foretold) < MOVED:
                 break
-            new = Nearby.of(near.model, there)
+            noise = CONVERGED + SCATTERS[1] * near.cost
+            if careful:  # what derivatives foretell ends nearer: the best of several distances
+                tried = [Posterior.of(near, 1.0, within * share, held).likeliest() for share in NEARER]
+                costs = near.model.costs(tried)
+                best = int(np.argmin(costs))
+                if costs[best] > near.cost + noise:
+                    break
+                foretold, within = tried[best], within * NEARER[best] / 3
+            new = Nearby.of(near.model, foretold)
             gained = near.cost - new.cost
             near = new if gained > 0 else near
-            if ended := -CONVERGED - SCATTERS[1] * near.cost < gained < CONVERGED + SCATTERS[0] * near.cost:
+            if ended := -noise < gained < CONVERGED + SCATTERS[0] * near.cost:
                 break
-            within = min(within * 3, WITHIN[2]) if gained > 0 else within / 5
+            careful, within = careful or gained <= 0, min(within * 3, WITHIN[2]) if gained > 0 else within / 5
             if within < WITHIN[0]:
                 break
     return replace(near, ended=ended)

@@ -26,6 +26,8 @@ APART = 1.5  # theory: rows from a jump, within which no row shows when it was
 STEEP = (0.015, 0.004)
 CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
 FINEST = 0.25, 0.5  # choice: of these zones, those that are extrapolated with them by squares of widths, or else
+SHORTER = (1.0, 1 / 6)  # choice: of tolerances there: a power law relaxes at once behind each corner
+LATER_ERROR = 0.2  # choice: of what they add to the end of contact, what that may err by
 ALIKE = 0.05  # choice: of the time in contact, by which its end may differ in them
 ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where it is to be excluded that the law fits
 POWER_STEP = 1.1  # theory: of log rates of a power law's exponentials, which then err by 1e-4
@@ -87,11 +89,11 @@ class Adhering:
         return found
 
     def corrected(self, theta: Array, here: Marched) -> Adhering:
-        """The same with what zones of no width change from the march ``here`` with ``theta``, by a narrow one that can
-        be followed, in loads and in the end of contact."""
-        t = self.cycle.t
+        """The same with what zones of no width, and shorter steps, change from the march ``here`` with ``theta``, by a
+        narrow one that can be followed, in loads and in the end of contact."""
+        t, tolerance = self.cycle.t, self.tolerance * SHORTER[self.settings.law == "power"]
         for share in FINEST:
-            (narrow,) = replace(self, width=share * self.width).march([self.trial(theta)])
+            (narrow,) = replace(self, width=share * self.width, tolerance=tolerance).march([self.trial(theta)])
             later = narrow.lost - here.lost if math.isfinite(here.lost) else 0.0
             if not narrow.given_up and abs(later) < ALIKE * self.cycle.lasting:
                 break
@@ -99,8 +101,9 @@ class Adhering:
             return self
         change = self.instant(theta) * (narrow.load(t) - here.load(t)) / (1 - share**2)
         change = np.where(self.apart(here, (narrow.begun, narrow.lost)), 0.0, change)
-        jumps = self.jumps.copy()
-        jumps[1, 0] -= later / (1 - share**2) if math.isfinite(jumps[1, 1]) else 0.0
+        jumps, later = self.jumps.copy(), later / (1 - share**2)
+        if math.isfinite(jumps[1, 1]):
+            jumps[1] = jumps[1, 0] - later, math.hypot(self.cycle.jump_error, LATER_ERROR * later)
         return replace(self, correction=change, jumps=jumps)
 
     def apart(self, one: Marched, other: tuple[float, float]) -> Array:
@@ -112,11 +115,23 @@ class Adhering:
                 mask |= (t >= low) & (t <= high)
         return mask
 
+    def off(self, theta: Array, here: Marched) -> Array:
+        """Residuals of rows and jumps from the march at ``theta``."""
+        seen = np.isfinite(self.jumps[:, 1])
+        off = np.where(self.out(here), 0.0, (self.loads(theta, here) - self.cycle.P) / self.sigma)
+        return np.append(off, ((self.times(here) - self.jumps[:, 0]) / self.jumps[:, 1])[seen])
+
+    def costs(self, tried: Sequence[Array]) -> list[float]:
+        """Half the sums of squares of all residuals at many places, by one march."""
+        found = []
+        for theta, one in zip(tried, self.march([self.trial(theta) for theta in tried]), strict=True):
+            off = np.append(self.off(theta, one), self.prior(theta)[0])
+            found.append(float(off @ off) / 2)
+        return found
+
     def state(self, theta: Array, here: Marched, columns: Mapping[str, Array]) -> State:
         """Residuals from the march at ``theta``, with their derivatives by what moves the contact."""
-        out, seen = self.out(here), np.isfinite(self.jumps[:, 1])
-        off = np.where(out, 0.0, (self.loads(theta, here) - self.cycle.P) / self.sigma)
-        off = np.append(off, ((self.times(here) - self.jumps[:, 0]) / self.jumps[:, 1])[seen])
+        out, off = self.out(here), self.off(theta, here)
         line = {"P0": np.ones_like(self.cycle.z), "tilt": self.cycle.z - self.cycle.z[0]}
         J = np.zeros((off.size, theta.size))
         for i, name in enumerate(self.unknowns.names):

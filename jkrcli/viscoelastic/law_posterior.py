@@ -19,7 +19,7 @@ from .lockstep_march import Marched, Trial
 from .timed_record import RELAXED, RelaxationSettings
 
 SPECTRUM = np.geomspace(0.3, 3000.0, 11)  # choice: rates q_k over the time in contact
-SPECTRUM_STEP, LAW_STEP = 0.03, 1e-3  # choice: of r, and of parameters of laws, for differences
+SPECTRUM_STEP, LAW_STEP = 0.006, 1e-3  # choice: of r, and of parameters of laws, for differences
 SPECTRUM_TIMES = np.geomspace(1e-4, 1.0, 50)  # choice: over the time in contact, at which r is told by these
 OMEGA = np.linalg.pinv(np.expm1(-np.multiply.outer(SPECTRUM_TIMES, SPECTRUM)), rcond=1e-4).T  # of r at these
 # choice: quantiles are then good to a tenth of a standard error
@@ -128,10 +128,14 @@ class Nearby:
         every |= {name: np.exp(one) if is_time(name) else one for name, one in zip(self.names, law.T, strict=True)}
         return np.broadcast_to(RELAXED[settings.law](every, t), (len(law), t.size))
 
+    def relaxed(self, law: Array) -> Array:
+        """r(t)/r(0) of laws (n, parameters) at ``SPECTRUM_TIMES``, (n, times)."""
+        r = self.r(law, np.append(0.0, SPECTRUM_TIMES) * self.model.cycle.lasting)
+        return r[:, 1:] / r[:, :1]
+
     def spectrum(self, law: Array) -> Array:
         """The weights of exp(-q_k t) - 1 in r(t)/r(0) - 1 of laws (n, parameters), (n, rates)."""
-        r = self.r(law, np.append(0.0, SPECTRUM_TIMES) * self.model.cycle.lasting)
-        found: Array = (r[:, 1:] / r[:, :1] - 1) @ OMEGA
+        found: Array = (self.relaxed(law) - 1) @ OMEGA
         return found
 
     @cached_property
@@ -174,11 +178,12 @@ class Posterior:
     mean: Array
     by: Array
     spread: Array
+    within: float
 
     @classmethod
     def of(cls, near: Nearby, variance: float, within: float = math.inf, held: float = 1.0) -> Posterior:
-        """Of residuals of the ``variance``, over the noise; ``within``: how far off logs of the others are likely, of
-        the cohesive stress that times ``held``."""
+        """Of residuals of the ``variance``, over the noise; ``within``: how far off logs of the others and of r(t) are
+        likely, of the cohesive stress that times ``held``."""
         J, off, rows = near.state.jacobian, near.state.residuals, len(near.by_r)
         modulus = np.array([name == "modulus" for name in near.model.unknowns.names])
         logs = np.array([one.kind == "log" for one in near.model.unknowns.free])
@@ -200,12 +205,13 @@ class Posterior:
         back = np.linalg.pinv(R)[:p]
         spread, found = back @ back.T, -back @ on
         root = np.linalg.cholesky(spread + 1e-12 * np.diag(np.diag(spread)))
-        return cls(near, others, seen[:, -1], seen[:, 0], seen[:, 1:-1], found[:, -1], found[:, :-1], root)
+        return cls(near, others, seen[:, -1], seen[:, 0], seen[:, 1:-1], found[:, -1], found[:, :-1], root, within)
 
     def told(self, law: Array) -> tuple[Array, Array, Array]:
         """What is left of all rows and of what is likely before, by parameters ``law`` (n, parameters), as residuals
         (n, rows), with the likeliest mu (n,), and its standard deviation."""
-        changed = (self.near.spectrum(law) - self.near.own_spectrum) @ self.matrix.T
+        relaxed = self.near.relaxed(law)
+        changed = ((relaxed - 1) @ OMEGA - self.near.own_spectrum) @ self.matrix.T
         off = self.left + changed
         mu, known = np.zeros(len(law)), np.zeros(len(law))
         if self.stiff.any():
@@ -216,7 +222,11 @@ class Posterior:
         likely = np.array([likely_before(name, self.near.model.cycle.lasting) for name in self.near.names]).reshape(
             -1, 2
         )
-        return np.concatenate([off, (law - likely[:, 0]) / likely[:, 1]], axis=1), mu, known
+        every = [off, (law - likely[:, 0]) / likely[:, 1]]
+        if math.isfinite(self.within):
+            further = np.log(relaxed / self.near.relaxed(self.near.x[self.near.own][None]))
+            every.append(further / (self.within * math.sqrt(SPECTRUM_TIMES.size)))
+        return np.concatenate(every, axis=1), mu, known
 
     def off(self, law: Array) -> Array:
         """The residuals of ``told``."""

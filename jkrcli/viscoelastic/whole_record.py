@@ -30,6 +30,8 @@ EVEN = 3e-4  # choice: of the way, what a device that moves evenly may be off
 BINS = 120  # choice: places of a device that does not move in straight pieces
 JUMP_SEEN = 7.0  # theory: of the noise, a step between two rows that it does not make
 NEAR = 10  # choice: rows, within which a jump lies that is seen
+JUMP_TIME = 4e-4  # choice: of the time in contact, what a march errs by in that of a jump
+LATE = (0.0, 0.1, 0.2)  # choice: of the time in contact, how late it may show
 MEAN = 3  # choice: rows to either side, of whose loads means are taken
 
 
@@ -103,11 +105,15 @@ class Cycle:
         first = max(self.before.stop, int(seen[0])) if seen.size and self.before.stop else self.before.stop
         return first, self.behind.start
 
-    @property
-    def touch(self) -> float:
-        """Where the tip is as contact begins, before it jumps [m]."""
+    @cached_property
+    def touches(self) -> list[float]:
+        """Where the tip may be as contact begins, before it jumps [m]: where no jump is seen, contact shows late."""
         first = self.contact[0]
-        return float(self.z[first - 1] if first else self.tip[0])
+        if not first:
+            return [float(self.tip[0])]
+        late = np.array(LATE if math.isinf(self.jumps[0]) else (0.0,)) * self.lasting
+        found: list[float] = np.interp(self.t[first - 1] - late, self.t, self.z).tolist()
+        return found
 
     @property
     def spacing(self) -> float:
@@ -126,6 +132,11 @@ class Cycle:
             seen = 0 < edge < self.t.size and sign * steps[i] > JUMP_SEEN * self.noise
             times.append(float(self.t[i] + self.t[i + 1]) / 2 if seen else math.inf)
         return times[0], float(self.t[-1]) if self.held else times[1]
+
+    @property
+    def jump_error(self) -> float:
+        """Of the time of a jump, by the rows and by a march [s]."""
+        return math.hypot(self.spacing / math.sqrt(12), JUMP_TIME * self.lasting)
 
     def near(self, rows: float) -> Array:
         """Mask of those within so many of a jump that is seen."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import tomli_w
@@ -42,23 +42,6 @@ COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still
 EARLIER = {"rounded-cone": {"cap": "parabola"}, "pyramid": {"equal": "area"}, "three-sided-pyramid": {"equal": "area"}}
 UNPROTECTED = 1  # the format without a digest
 EARLIER_LEVEL = 0.9  # of the errors in files that state none
-
-
-class Column(NamedTuple):
-    """What a column of a series is called in the file, its unit, and what it is."""
-
-    name: str
-    unit: str
-    words: str
-
-
-STORED = {
-    "a": Column("a", "m", "contact radius, undeformed configuration"),
-    "delta": Column("delta", "m", "displacement of the indenter, into the specimen positive"),
-    "P": Column("P", "N", "load, compression positive"),
-    "S": Column("S", "N/m", "slope dP/d(delta) of the nonadhesive contact"),
-    "dS": Column("dS_da", "N/m^2", "derivative dS/da"),
-}
 KERNEL = {  # tables of a kernel that is kept: unit, and what they are
     "coefficients": ("1/m", "of even Legendre polynomials, row by row: of the kernel, then of its companions"),
     "weights": ("1", "part of a companion's change of delta, P, S, dS/da that is left as an error"),
@@ -152,19 +135,19 @@ def _larger_elements(series: Series) -> Iterator[tuple[str, hdf5.Group]]:
 def _errors(series: Series) -> dict[str, hdf5.Group | hdf5.Dataset]:
     """The errors of the columns, each with the quantity that is equal in the comparison with the truth."""
     at_radius = series.errors_at_radius
-    equal = {name: "radius" if name in ("S", "dS") or not at_radius else "displacement" for name in COLUMNS}
+    equal = {name: "displacement" if at_radius and name in ("a", "delta", "P") else "radius" for name in COLUMNS}
     errors = [(name, "", equal[name], values) for name, values in series.errors.items()]
     errors += [(name, "_at_equal_a", "radius", values) for name, values in at_radius.items()]
     columns: dict[str, hdf5.Group | hdf5.Dataset] = {}
     for key, more, same, values in errors:
-        name, unit, _ = STORED[key]
+        name, unit, *_ = COLUMNS[key]
         columns[name + more] = hdf5.unit_column(values, unit, f"estimated absolute error of {name} at equal {same}")
     return columns
 
 
 def _columns(rows: Series | RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
     there = {key: values for key in COLUMNS if (values := getattr(rows, key, None)) is not None}
-    return {STORED[key].name: hdf5.unit_column(values, *STORED[key][1:]) for key, values in there.items()}
+    return {COLUMNS[key].name: hdf5.unit_column(values, *COLUMNS[key][1:3]) for key, values in there.items()}
 
 
 # ---------------------------------------------------------------------- reading
@@ -372,15 +355,14 @@ class _Reader:
     def columns(self, group: str, required: Sequence[str] = ("a", "delta", "P")) -> dict[str, Array]:
         """The columns of the series in a ``group``, all of one length."""
         there = self.group(group).members
-        columns = {
-            key: self.column(group, *STORED[key]) for key in COLUMNS if key in required or STORED[key].name in there
-        }
+        wanted = [key for key in COLUMNS if key in required or COLUMNS[key].name in there]
+        columns = {key: self.column(group, *COLUMNS[key][:2]) for key in wanted}
         sizes = {name: values.size for name, values in columns.items()}
         if len(set(sizes.values())) > 1:
             raise InputError(f"{self.path}: {group}: all columns must have the same length, got {sizes}")
         return columns
 
-    def column(self, group: str, name: str, unit: str, _: str) -> Array:
+    def column(self, group: str, name: str, unit: str) -> Array:
         values = self.numbers(group, name, 1)
         if (found := str(self.dataset(group, name).attributes.get("unit", ""))) != unit:
             raise InputError(f'{self.path}: {group}/{name}: unit must be "{unit}", got "{found}"')

@@ -61,7 +61,7 @@ class ClosedForm:
             a = _radii(problem, formula)
             columns = formula.columns(a)
             S0 = float(formula.columns(np.array([indenter.a0]))[2][0])
-            errors = {name: formula.error * values for name, values in zip(COLUMNS, (0 * a, *columns), strict=True)}
+            errors = {name: formula.error * values for name, values in zip(COLUMNS, (0 * a, *columns), strict=False)}
             series = Series(a, *columns, errors=errors, a0=indenter.a0, S0=S0)
         budget = ErrorBudget(discretisation=formula.error, truncation=0.0, radius=0.0)
         facts = {"solution": formula.name}

@@ -39,8 +39,8 @@ class SeriesFile(Result):
 
     @property
     def columns(self) -> Mapping[str, Array]:  # type: ignore[override]
-        named = zip(COLUMNS, ("m", "m", "N", "N_per_m", "N_per_m2"), strict=True)
-        columns = {f"{name}_{unit}": getattr(self.solution.series, name) for name, unit in named}
+        units = {name: column.unit.replace("/", "_per_").replace("^", "") for name, column in COLUMNS.items()}
+        columns = {f"{name}_{unit}": getattr(self.solution.series, name) for name, unit in units.items()}
         return {name: column for name, column in columns.items() if column is not None}
 
     @property

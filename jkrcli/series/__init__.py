@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -13,7 +13,25 @@ from ..base.errors import Estimate, InputError, Unknown
 from ..base.numerics import ROUNDED, Array, pchip
 from ..bodies.problem import Problem
 
-COLUMNS = ("a", "delta", "P", "S", "dS")
+
+class Column(NamedTuple):
+    """A column of a series: what it is called in the file, its unit, and what it is; ``modulus``, ``profile``: the
+    powers with which it grows with all moduli of the bodies, and with the height of the indenter's profile."""
+
+    name: str
+    unit: str
+    words: str
+    modulus: int = 0
+    profile: int = 0
+
+
+COLUMNS = {  # by the fields of ``Series``; one more is a line here, its field there, and the method that gives it
+    "a": Column("a", "m", "contact radius, undeformed configuration"),
+    "delta": Column("delta", "m", "displacement of the indenter, into the specimen positive", 0, 1),
+    "P": Column("P", "N", "load, compression positive", 1, 1),
+    "S": Column("S", "N/m", "slope dP/d(delta) of the nonadhesive contact", 1),
+    "dS": Column("dS_da", "N/m^2", "derivative dS/da", 1),
+}
 JUDGED = 0.01  # of the largest depth, from which a profile's points count in the budget; choice: as elements do
 NO_SMOOTHING = Unknown("no smoothing was done")
 
@@ -100,7 +118,7 @@ class Series:
     shift: Array | None = None
 
     def __post_init__(self) -> None:
-        _freeze(self, COLUMNS)
+        _freeze(self, [*COLUMNS])
         errors = {key: _frozen(f"errors[{key}]", value, len(self)) for key, value in self.errors.items()}
         object.__setattr__(self, "errors", errors)
         self._check()
@@ -142,26 +160,24 @@ class Series:
 
     def scaled(self, factor: float) -> Series:
         """The series of the same bodies with all moduli multiplied by ``factor``: P, S and S' scale, delta does not."""
-
-        def times(values: Array | None) -> Array | None:
-            return None if values is None else values * factor
-
-        errors = {k: v * factor if k in ("P", "S", "dS") else v for k, v in self.errors.items()}
         S0 = None if self.S0 is None else self.S0 * factor
         coarser = None if self.coarser is None else replace(self.coarser, series=self.coarser.series.scaled(factor))
-        P, S, dS = self.P * factor, times(self.S), times(self.dS)
-        return replace(self, P=P, S=S, dS=dS, errors=errors, S0=S0, coarser=coarser)
+        return replace(self, **self._times(factor, "modulus"), S0=S0, coarser=coarser)
 
     def under_profile(self, factor: float) -> Series:
         """The series of the same bodies under an indenter whose profile is ``factor`` times as high: delta and P scale,
         a, S and S' do not."""
-        errors = {k: v * factor if k in ("delta", "P") else v for k, v in self.errors.items()}
         own = None if self.own is None else self.own.under_profile(factor)
         coarser = self.coarser
         coarser = None if coarser is None else replace(coarser, series=coarser.series.under_profile(factor))
         unresolved = None if self.unresolved is None else self.unresolved * factor
-        delta, P = self.delta * factor, self.P * factor
-        return replace(self, delta=delta, P=P, errors=errors, own=own, coarser=coarser, unresolved=unresolved)
+        return replace(self, **self._times(factor, "profile"), own=own, coarser=coarser, unresolved=unresolved)
+
+    def _times(self, factor: float, of: Literal["modulus", "profile"]) -> dict[str, Any]:
+        """The columns that are there, and their errors, for a ``factor`` of what they grow with by a power."""
+        by = {key: factor ** getattr(column, of) for key, column in COLUMNS.items()}
+        columns = {key: values * by[key] for key in COLUMNS if (values := getattr(self, key)) is not None}
+        return columns | {"errors": {key: values * by[key] for key, values in self.errors.items()}}
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 from click.shell_completion import get_completion_class
@@ -13,9 +13,6 @@ from ..report.result import PICTURES, Output
 from . import options
 from .inputs import announce_files, begin_tables, read_files, read_series, series_file
 from .printing import give, warn
-
-if TYPE_CHECKING:
-    from ..series import Solution
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr compare``: two results of the same problem.
@@ -84,7 +81,7 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     from ..report import archive
 
     announce_files("show", files)
-    items: list[Solution | dict[str, Any]] = []
+    items: list[Any] = []  # solutions, and summaries of archives
     for path in files:
         if case_only or not archive.is_archive(path):
             items.append(read_series(series_file(path)))

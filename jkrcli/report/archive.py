@@ -1,10 +1,12 @@
 """Archives (HDF5) of fits and of the tables of sweeps, checked when they are read; what files hold."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,8 +16,10 @@ from ..base.errors import LEVEL, InputError, accuracy, counted
 from ..base.files import as_json, read_bytes, write_bytes
 from ..base.numerics import Array, half_width
 from ..base.units import show
-from ..series import COLUMNS, Solution
 from .result import SHOWN, Several
+
+if TYPE_CHECKING:
+    from ..series import Solution
 
 # --------------------------------------------------------------------------------------------------
 # Archives (HDF5) of fits and of the tables of sweeps: written under one digest, checked when they are read back.
@@ -154,11 +158,11 @@ class Shown(Several):
     contents: Sequence[Solution | Mapping[str, Any]]
 
     def summary(self) -> dict[str, Any]:
-        return {"files": [_as_dict(item) if isinstance(item, Solution) else item for item in self.contents]}
+        return {"files": [item if isinstance(item, Mapping) else _as_dict(item) for item in self.contents]}
 
     @property
     def parts(self) -> Sequence[Sequence[str]]:
-        return [_words(item) if isinstance(item, Solution) else archive_words(item) for item in self.contents]
+        return [archive_words(item) if isinstance(item, Mapping) else _words(item) for item in self.contents]
 
 
 def _as_dict(solution: Solution) -> dict[str, Any]:
@@ -203,6 +207,8 @@ def _words(solution: Solution) -> list[str]:
 
 
 def _columns(solution: Solution) -> list[str]:
+    from ..series import COLUMNS
+
     return [name for name in COLUMNS if getattr(solution.filtered, name) is not None]
 
 

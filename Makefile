@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help study setup run test test-all core test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures kinds cost bounds point-bounds node-study mesh-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds relaxing-speeds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help study setup run test test-all core test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures kinds cost bounds point-bounds node-study mesh-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds speed-bounds relaxing-speeds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -182,6 +182,9 @@ relaxation-bounds: $(READY) #: whether 95 % intervals of records that relax hold
 
 adhesion-bounds: $(READY) #: whether 95 % intervals of whole adhesive force curves on relaxing bodies hold w and E*(t), on 120 made records (half an hour)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.adhesion_bounds $(call QUOTE,$(SEED)) 0 120
+
+speed-bounds: $(READY) #: whether 95 % intervals of joint fits of three speeds hold bulk, stress and the law of w, on 20 made triples (an hour)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.speed_bounds $(call QUOTE,$(SEED)) 20
 
 relaxing-speeds: $(READY) #: the three force curves of a relaxing specimen in cases/measured, made again (a quarter of a minute)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.relaxing_speeds cases/measured

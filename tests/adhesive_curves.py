@@ -4,6 +4,9 @@ over the contact and its cohesive zone, step by step in time. NumPy and SciPy on
 R = 1 and E* = 1 at t = 0; modes (relaxed, weights, rates). A flat punch of radius x that moves down by W(x) under a
 density phi obeys (pi/2) phi + int K phi = V = int r(t - s) dW. In contact W = delta - x^2/R; in the zone phi = -(2/pi)
 s sqrt(c^2 - x^2), s = 2 stress; phi is continuous at a, and the gap at c is w/stress. Over a step W moves evenly.
+
+Where w = w0 (1 + (v/v0)^n) at the speed v of an edge c that recedes, a step is solved for a and q = (v/v0)^n, by which
+all is smooth: c = c_0 - v0 q^(1/n) dt.
 """
 
 from __future__ import annotations
@@ -69,9 +72,9 @@ class Contact:
     """A contact step by step on a device of ``stiffness``; ``at``: radii a and c, None where there is none."""
 
     def __init__(self, w: float, stress: float, law: Law, nu: float | None, h: float, end: float, points: int,
-                 stiffness: float) -> None:  # fmt: skip
+                 stiffness: float, rate: tuple[float, float] | None = None) -> None:  # fmt: skip
         self.s, self.gap, self.k, self.stiffness = 2 * stress, w / stress, kernel(nu, h), stiffness
-        self.law = law
+        self.law, self.rate = law, rate
         self.x = np.linspace(0, end, points)
         self.d = self.x[1]
         self.W, self.eta = np.zeros_like(self.x), np.zeros((law.rates.size, points))
@@ -151,6 +154,58 @@ class Contact:
                 return a, a + b
         return None
 
+    def newton_at_speed(self, x: float, a: float, c: float, dt: float) -> tuple[float, float] | None:
+        """The same a time ``dt`` later where w depends on the speed of the edge."""
+        assert self.rate is not None
+        assert self.at is not None
+        (v0, n), (a0, c0) = self.rate, self.at
+
+        def edge(q: float) -> float:
+            return c0 - dt * v0 * q ** (1 / n) if q > 0 else c0 - q * (c0 - a0)
+
+        def off(a: float, q: float) -> tuple[float, float]:
+            place, opens = self.place(a, edge(q))
+            return place - x, opens - math.log1p(max(q, 0.0))
+
+        q = ((c0 - c) / dt / v0) ** n if c < c0 else (c0 - c) / (c0 - a0)
+        for _ in range(25):
+            c = edge(q)
+            b = c - a
+            if not (0 < a and 0 < b and c < self.x[-1]):
+                return None
+            e, d = 1e-5 * b, 1e-6 + 1e-5 * abs(q)
+            p0, g0 = off(a, q)
+            pa, ga = ((one - zero) / e for one, zero in zip(off(a + e, q), (p0, g0), strict=True))
+            pq, gq = ((one - zero) / d for one, zero in zip(off(a, q + d), (p0, g0), strict=True))
+            det = pa * gq - pq * ga
+            if not (gq < 0 and det < 0):
+                return None
+            da, dq = (g0 * pq - p0 * gq) / det, (p0 * ga - g0 * pa) / det
+            part = min(1.0, 0.5 * b / max(abs(da), 1e-300))
+            while part > 1e-6 and abs(edge(q + part * dq) - c) > 0.5 * b:
+                part /= 2
+            a, q = a + part * da, q + part * dq
+            if abs(da) < 1e-7 * b and abs(dq) < 1e-6 * (1e-3 + abs(q)):
+                return a, edge(q)
+        return None
+
+    def open_at_axis(self, x: float, dt: float) -> tuple[float, float] | None:
+        """A zone alone, the surfaces being apart at its centre too, a time ``dt`` later."""
+        assert self.rate is not None
+        assert self.at is not None
+        (v0, n), c0 = self.rate, self.at[1]
+
+        def off(c: float) -> float:
+            delta, P, gap, _ = self.state(0.0, c)
+            return delta + gap - self.gap * (1 + ((c0 - c) / dt / v0) ** n) + P / self.stiffness - x
+
+        c = c0
+        while c > 0.5 * c0:  # the first from c0 on: beyond it there may be others
+            before, c = c, c - 0.02 * c0
+            if off(before) > 0 >= off(c) or off(before) < 0 <= off(c):
+                return 0.0, brentq(off, c, before, xtol=1e-13)
+        return None
+
     def jump(self, x: float, below: float) -> tuple[float, float] | None:
         """A stable state at ``x`` with a contact radius below a limit, with nothing relaxing meanwhile."""
         before, radii = math.inf, np.geomspace(below, 0.01 * below, 60)
@@ -203,8 +258,10 @@ class Made:
 
 
 def cycle(w: float, stress: float, law: Law, corners: Sequence[tuple[float, float]], stiffness: float,
-          nu: float | None = None, h: float = 1.0, fine: float = 1.0) -> Made:  # fmt: skip
-    """A device that moves between ``corners`` ((t, z), ...) from apart to apart; ``fine``: steps and points less."""
+          nu: float | None = None, h: float = 1.0, fine: float = 1.0,
+          rate: tuple[float, float] | None = None) -> Made:  # fmt: skip
+    """A device that moves between ``corners`` ((t, z), ...) from apart to apart; ``fine``: steps and points less;
+    ``rate``: v0 and n of w over the speed of the edge."""
     times, places = np.array(corners).T
     lasting, top = times[-1] - times[0], places.max()
     left = float(law(np.array([lasting]))[0])
@@ -212,7 +269,7 @@ def cycle(w: float, stress: float, law: Law, corners: Sequence[tuple[float, floa
     zone = left * math.pi / 4 * w / stress**2
     end = 1.2 * largest + 2 * zone / left
     points = int(min(max(end / zone * POINTS / fine, 1500), 60000))
-    contact = Contact(w, stress, law, nu, h, end, points, stiffness)
+    contact = Contact(w, stress, law, nu, h, end, points, stiffness, rate)
     rows, t = [(float(times[0]), 0.0)], float(times[0])
     begun = float(np.interp(-contact.gap, places[:2], times[:2])) if places[1] > places[0] else math.nan
 
@@ -242,15 +299,21 @@ def cycle(w: float, stress: float, law: Law, corners: Sequence[tuple[float, floa
         b = c - a
         guess = (a, c) if before is None else (a + before[0] * dt, c + before[1] * dt)
         guess = max(guess[0], a / 2), max(guess[1], max(guess[0], a / 2) + b / 3)
-        found = contact.newton(z(t + dt), *guess)
+        if rate is None:
+            found = contact.newton(z(t + dt), *guess)
+        else:
+            found = contact.newton_at_speed(z(t + dt), *guess, dt) if a > 0 else contact.open_at_axis(z(t + dt), dt)
         y = dt * law.rates
         matters = min(1.0, max(0.1, float(np.max(4 * law.weights * np.minimum(y, 1 / y)))))
         allowed = MOVE * fine * b / matters
         if found is None or max(abs(found[0] - a), abs(found[1] - c)) > 1.5 * allowed:
             dt /= 2.5
             if dt < 1e-7 * lasting:
+                if rate is not None and 0 < a < 0.1 * c:
+                    contact.at, before, dt = (0.0, c), None, 1e-6 * lasting
+                    continue
                 contact.begin(0.0)
-                found = contact.jump(z(t), 0.97 * a)
+                found = contact.jump(z(t), 0.97 * a) if a > 0 else None
                 if found is None:
                     rows.append((t + 1e-10 * lasting, 0.0))
                     return _made(rows, times, places, begun, t)

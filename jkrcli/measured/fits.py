@@ -531,7 +531,7 @@ def fit_measured(
     per_row, per_file = TABLE_FIT_PER_ROW + refits * TABLE_REFIT_PER_ROW, refits * TABLE_REFIT
     begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
     fitted = fitted_body(source, slopes, limits)
-    adheres = "w" in _flat(asked.free) or "w" in dict(asked.fix)
+    adheres = bool(asked.law) or "w" in _flat(asked.free) or "w" in dict(asked.fix)
     if fitted.range_of_case and (kind == LAW or (kind == RELAXATION and not adheres)):
         raise InputError(f"fit: {kind} {NO_RANGE}")
     words = str(source) if isinstance(source, Path) else _specimen(fitted)

@@ -139,7 +139,8 @@ class Settings:
 # Python; whatever is given besides is refused.
 EACH, LAW, RELAXATION, SHARED = "each", "--law", "--relaxation", "--shared"
 EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
-    "law": (LAW,), "relaxation": (RELAXATION,), "terms": (RELAXATION,), "shared": (SHARED,), "own": (SHARED,),
+    "law": (LAW, RELAXATION), "relaxation": (RELAXATION,), "terms": (RELAXATION,), "shared": (SHARED, RELAXATION),
+    "own": (SHARED, RELAXATION),
     "tip_radius": (EACH, SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
     "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
     "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, SHARED, LAW, RELAXATION), "samples": (EACH,),
@@ -166,6 +167,8 @@ def check_unused(kind: str, given: Mapping[str, Any], called: Callable[[str], st
         idle += [name for name in ("samples", "seed") if name in given]
     if kind == RELAXATION and given.get("relaxation") != "prony":
         idle += [name for name in ("terms",) if name in given]
+    if kind == RELAXATION and not (given.get("shared") or given.get("law")):
+        idle += [name for name in ("own",) if name in given]
     idle += [name for (name, value), kinds in NOT.items() if kind in kinds and given.get(name) == value]
     if "slopes" in given and given.get("tip_radius") and kind == SHARED:
         raise InputError(f"fit: {called('slopes')} does not go with {called('tip_radius')}, whose bodies have exact "

@@ -30,7 +30,7 @@ from .adhesive_loads import APART, CONVERGED, LIKELY_RANGE, STEEP, ZONE, Adherin
 from .law_posterior import MARCH_ERROR, Nearby, Posterior
 from .relaxing_adhesion import ZONE_SLOPE
 from .timed_record import BESIDE, MISFIT, ROWS_APART, UNSETTLED, RelaxationFit, RelaxationSettings
-from .whole_record import BASE_FEWEST, MEAN, NEAR, Cycle
+from .whole_record import BASE_FEWEST, MEAN, NEAR, PARTING_TIME, Cycle
 
 DEEPER = 1.5  # choice: times the depth, to which a body is solved
 # Where a search begins.
@@ -99,12 +99,8 @@ def adhering_fit(
 ) -> RelaxationFit:
     """The fit of a force curve with its retraction and free rows, w among the unknowns; ``like``: the fit of one that
     may be alike, as that of a neighbour, where it begins."""
-    if body.no_range:
-        raise InputError(body.no_range.replace("adhesion of finite range", "adhesion on a viscoelastic specimen"))
-    cycle = Cycle.of(curve)
-    _check(cycle)
-    settings = _with_base_line(cycle, settings)
-    fine = _problem(body, cycle, settings)
+    fine = prepared(body, curve, settings)
+    settings, cycle = fine.settings, fine.cycle
     wide = None if like is None else _beside(fine, like)
     if wide is None:
         near = Nearby.of(*_begun(fine))
@@ -164,6 +160,22 @@ def _with_likely_range(found: Nearby, wide: Adhering) -> Nearby | None:
     return Nearby.of(wide, found.model.unknowns.at({**values, **changed}))
 
 
+def prepared(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> Adhering:
+    """The residuals of a force curve with its retraction and free rows, with what is free of their zeros."""
+    if body.no_range:
+        raise InputError(body.no_range.replace("adhesion of finite range", "adhesion on a viscoelastic specimen"))
+    cycle = Cycle.of(curve)
+    _check(cycle)
+    settings = _with_base_line(cycle, settings)
+    fine = _problem(body, cycle, settings)
+    if not settings.rate:
+        return fine
+    seen = np.array([cycle.jumps[0], cycle.jumps[1] if cycle.held else cycle.recovered])
+    error = math.hypot(cycle.spacing / math.sqrt(12), PARTING_TIME * cycle.lasting)
+    jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, np.full(2, error)], axis=1), [0.0, math.inf])
+    return replace(fine, jumps=jumps, parting=cycle.parting)
+
+
 def _check(cycle: Cycle) -> None:
     """InputError where no adhesion shows, or a load is prescribed."""
     if cycle.load_is_prescribed:
@@ -209,17 +221,22 @@ def _beside(fine: Adhering, like: RelaxationFit) -> Nearby | None:
 
 def _begun(fine: Adhering) -> tuple[Adhering, Array]:
     """The problem ``fine`` with a standard solid, by which every search begins, and its unknowns after rough ones."""
-    cycle, settings = fine.cycle, fine.settings
+    settings = fine.settings
     if settings.law != "sls":
         known = {name: value for name, value in settings.fixed.items() if name not in settings.of_law}
         settings = replace(settings, law="sls", fixed=known)
     fine = replace(fine, settings=settings, unknowns=Unknowns(settings.parameters, fine.unknowns.units))
-    rough = np.maximum(ROUGH * (cycle.pulled + np.abs(cycle.load)), cycle.noise)
-    jumps = fine.jumps.copy()
-    jumps[np.isfinite(jumps[:, 1]), 1] = ROUGH_TIME * cycle.lasting
-    sigma = np.where(cycle.free, 3 * cycle.noise, rough)
-    model = replace(fine, width=SEARCH[0], tolerance=SEARCH[1], sigma=sigma, jumps=jumps, left_out=cycle.near(NEAR))
+    model = rough(fine)
     return fine, _best(model, _starts(model), SEARCH[2])
+
+
+def rough(fine: Adhering) -> Adhering:
+    """The same as a search begins: wide zones, few steps, and readings that count for less."""
+    cycle, jumps = fine.cycle, fine.jumps.copy()
+    errors = np.maximum(ROUGH * (cycle.pulled + np.abs(cycle.load)), cycle.noise)
+    jumps[np.isfinite(jumps[:, 1]), 1] = ROUGH_TIME * cycle.lasting
+    sigma = np.where(cycle.free, 3 * cycle.noise, errors)
+    return replace(fine, width=SEARCH[0], tolerance=SEARCH[1], sigma=sigma, jumps=jumps, left_out=cycle.near(NEAR))
 
 
 def _starts(model: Adhering) -> list[Array]:
@@ -253,13 +270,18 @@ def _starts(model: Adhering) -> list[Array]:
         starts.append(model.unknowns.at({**values, **law, "modulus": modulus, **fixed}))
     low, high = zip(*(model.unknowns.bounds(theta, FARTHEST) for theta in starts), strict=True)
     starts = [np.clip(theta, a, b) for theta, a, b in zip(starts, low, high, strict=True)]
-    costs = []
+    return [starts[i] for i in np.argsort(misses(model, starts))[:BEGINS]]
+
+
+def misses(model: Adhering, starts: Sequence[Array]) -> list[float]:
+    """How far off the record each of some unknowns is."""
+    cycle, costs = model.cycle, list[float]()
     for theta, march in zip(starts, model.march([model.trial(theta) for theta in starts]), strict=True):
         off = (model.loads(theta, march) - cycle.P) / model.sigma
         lost = march.lost if math.isfinite(march.lost) else cycle.t[-1] + cycle.lasting / 4
         missed = 0.0 if math.isinf(model.jumps[1, 1]) else (lost - model.jumps[1, 0]) / cycle.lasting
         costs.append(float(np.sum(np.log1p(off**2))) * (1 + abs(missed)))
-    return [starts[i] for i in np.argsort(costs)[:BEGINS]]
+    return costs
 
 
 def _search(model: Adhering, start: Array, evaluations: int) -> LeastSquares:

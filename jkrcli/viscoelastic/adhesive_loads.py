@@ -11,14 +11,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion.finite_range import AttractedBody
-from ..base.numerics import Array
+from ..base.numerics import TINY, Array
 from ..bodies.problem import Modes, PowerRelaxation, Relaxation
 from ..measured.forward_model import FittedBody
 from ..measured.least_squares import State
 from ..measured.parameters import Unknowns
+from .edge_speed import law_over, likely
 from .lockstep_march import March, Marched, Trial
 from .timed_record import RELAXED, RelaxationSettings
-from .whole_record import Cycle
+from .whole_record import Cycle, recovers
 
 LINE, ZONE = ("P0", "tilt"), ("stress", "range")
 APART = 1.5  # theory: rows from a jump, within which no row shows when it was
@@ -33,7 +34,8 @@ ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where it 
 POWER_STEP = 1.1  # theory: of log rates of a power law's exponentials, which then err by 1e-4
 POWER_SLOWEST, POWER_LEAST = 0.02, 1e-6  # theory: rates times time that one stands for; weights that do not count
 STEP = 0.01  # choice: of logs of the modulus and w, for differences; of others what changes loads alike
-STEPS = {"time": 0.05, "onset": 0.3, "stress": 0.1, "delta0": 0.003, "ratio": 0.01, "weight": 0.01, "exponent": 0.01}
+STEPS = {"time": 0.05, "onset": 0.3, "stress": 0.1, "delta0": 0.003, "ratio": 0.01, "weight": 0.01, "exponent": 0.01,
+         "v0": 0.05, "n": 0.03, "b": 0.03}  # fmt: skip
 LOAD_ERROR = 1e-3  # choice: of loads and pull-off force; twice what fine marches differ from those of other equations
 # What is likely before: half-widths of normal distributions.
 LIKELY_RANGE, RANGES = 4.5e-10, 3.0  # theory: w/stress of dry contact, 0.2 to 1 nm; log: 20 times it is no rarity
@@ -46,7 +48,10 @@ class Adhering:
     """The residuals of a ``cycle`` as a function of ``unknowns``, with marches of ``width`` and ``tolerance``;
     ``sigma``: standard deviations of the loads, ``left_out``: rows near jumps, ``jumps``: times of the begin and end of
     contact and their standard deviations (2, 2), infinite where there are none; ``correction``: what narrower zones add
-    to the loads [N]; ``steep``: of the time in contact, how near to jumps rows do not count."""
+    to the loads [N]; ``steep``: of the time in contact, how near to jumps rows do not count; ``parting``: how long
+    before and behind its end loads change too fast for their times [s]; ``erring``: whether what marches may err by are
+    unknowns too; ``settled``: whether the rows that do not count are those ``left_out``, whatever the march, and
+    derivatives are by steps to both sides."""
 
     body: FittedBody
     attracted: AttractedBody
@@ -60,6 +65,9 @@ class Adhering:
     left_out: Array
     correction: Array | float = 0.0
     steep: float = STEEP[0]
+    parting: tuple[float, float] = (0.0, 0.0)
+    erring: bool = False
+    settled: bool = False
 
     def trial(self, theta: Array) -> Trial:
         """The specimen of the unknowns ``theta``."""
@@ -67,13 +75,18 @@ class Adhering:
         m, w = self.instant(theta), values["w"]
         stress = values["stress"] if "stress" in values else w / values["range"]
         modes = _few(self.settings.relaxation(values), float(np.ptp(self.cycle.t)))
-        return Trial(w / m, stress / m, self.cycle.stiffness / m, modes, values["delta0"])
+        rate = law_over(self.settings.rate, values, m) if self.settings.rate else None
+        return Trial(w / m, stress / m, self.cycle.stiffness / m, modes, values["delta0"], rate)
 
     def march(self, trials: Sequence[Trial], leaders: Sequence[int] | None = None) -> list[Marched]:
         """Marches of many trials, each with the steps of that of its ``leaders``."""
         steps = None if self.settings.most is None else ROUGH_STEPS
         how = self.cycle.program, self.width, self.tolerance, steps, leaders
-        return March(self.body.problem, self.attracted, trials, *how).run()
+        found = March(self.body.problem, self.attracted, trials, *how).run()
+        if self.settings.rate:  # contact ends without a jump
+            ends = [recovers(one.rows[:, 0], one.rows[:, 4], -float(one.rows[:, 4].min())) for one in found]
+            return [replace(one, lost=end) for one, end in zip(found, ends, strict=True)]
+        return found
 
     def instant(self, theta: Array) -> float:
         """The modulus at t = 0, in those of the body."""
@@ -103,14 +116,15 @@ class Adhering:
         change = np.where(self.apart(here, (narrow.begun, narrow.lost)), 0.0, change)
         jumps, later = self.jumps.copy(), later / (1 - share**2)
         if math.isfinite(jumps[1, 1]):
-            jumps[1] = jumps[1, 0] - later, math.hypot(self.cycle.jump_error, LATER_ERROR * later)
+            known = jumps[1, 1] if self.settings.rate else self.cycle.jump_error
+            jumps[1] = jumps[1, 0] - later, math.hypot(known, LATER_ERROR * later)
         return replace(self, correction=change, jumps=jumps)
 
-    def apart(self, one: Marched, other: tuple[float, float]) -> Array:
-        """Mask of rows between jumps of a march and ``other`` ones."""
+    def apart(self, one: Marched, other: tuple[float, float], parting: tuple[float, float] = (0.0, 0.0)) -> Array:
+        """Mask of rows between jumps of a march and ``other`` ones, and ``parting`` before and behind the last [s]."""
         t, mask = self.cycle.t, np.zeros(self.cycle.t.size, dtype=bool)
-        for mine, theirs in zip((one.begun, one.lost), other, strict=True):
-            low, high = min(mine, theirs), max(mine, theirs)
+        for mine, theirs, near in zip((one.begun, one.lost), other, ((0.0, 0.0), parting), strict=True):
+            low, high = min(mine, theirs) - near[0], max(mine, theirs) + near[1]
             if math.isfinite(low):
                 mask |= (t >= low) & (t <= high)
         return mask
@@ -139,6 +153,12 @@ class Adhering:
                 J[: out.size, i] = np.where(out, 0.0, line[name] * self.unknowns.scales[i] / self.sigma)
             else:
                 J[:, i] = columns[name]
+        if self.erring:  # (1 + B B^T)^(-1/2), the columns of B have no row in common
+            B = np.where(out[:, None], 0.0, self.march_errors(here, theta))
+            size = np.sum(B**2, axis=0)
+            share = (1 - 1 / np.sqrt(1 + size)) / np.maximum(size, TINY)
+            for one in (off, J):
+                one[: out.size] -= (B * share) @ (B.T @ one[: out.size])
         prior, J_prior = self.prior(theta)
         return State(np.append(off, prior), lambda: np.concatenate([J, J_prior]))
 
@@ -149,11 +169,13 @@ class Adhering:
 
     def out(self, one: Marched) -> Array:
         """Mask of rows that do not count: beside jumps, or between those of the record and of the march ``one``."""
+        if self.settled:
+            return self.left_out
         mine, t = np.array([one.begun, one.lost]), self.cycle.t
         theirs = np.where(np.isfinite(self.jumps[:, 1]), self.jumps[:, 0], mine)
         width = max(APART * self.cycle.spacing, self.steep * self.cycle.lasting)
         beside = np.any(np.abs(t[:, None] - mine) < width, axis=1)
-        return self.left_out | self.apart(one, (float(theirs[0]), float(theirs[1]))) | beside
+        return self.left_out | self.apart(one, (float(theirs[0]), float(theirs[1])), self.parting) | beside
 
     def change(self, here: Marched, loads: Array, moved: Array, there: Marched) -> Array:
         """How residuals, of loads and jumps, change from the march ``here`` with its ``loads`` to ``there`` at
@@ -176,16 +198,18 @@ class Adhering:
         """Of the unknowns for differences: shares towards the middle."""
         steps = np.array([STEPS.get(name.rstrip("0123456789"), STEP) for name in self.unknowns.names])
         shares = np.array([one.kind != "log" and one.name != "delta0" for one in self.unknowns.free])
-        return np.where(shares & (theta > 0.5), -steps, steps)
+        steps = np.where(shares & (theta > 0.5), -steps, steps)
+        inside = np.where(shares, np.minimum(theta, 1 - theta) / 2, np.inf)  # to both sides
+        return np.clip(steps, -inside, inside) if self.settled else steps
 
     def prior(self, theta: Array) -> tuple[Array, Array]:
         """What is likely before, as residuals."""
         values, names, unit = self.unknowns.values(theta), self.unknowns.names, np.eye(theta.size)
         rows, by = list[float](), list[Array]()
         for i, name in enumerate(names):
-            if likely := likely_before(name, self.cycle.lasting):
-                rows.append((theta[i] - likely[0]) / likely[1])
-                by.append(unit[i] / likely[1])
+            if before := likely_before(name, self.cycle.lasting) or likely(name, self.cycle.speed):
+                rows.append((theta[i] - before[0]) / before[1])
+                by.append(unit[i] / before[1])
         for name, sign in (("stress", -1), ("range", 1)):
             if name in names:
                 length = values["range"] if name == "range" else values["w"] / values["stress"]
@@ -195,16 +219,18 @@ class Adhering:
         return np.array(rows), np.array(by).reshape(-1, theta.size)
 
     def moved(self, theta: Array, names: Sequence[str]) -> list[Array]:
-        """``theta`` with a step of each of some unknowns."""
-        steps = np.diag(self.steps(theta))
-        return [theta + steps[self.unknowns.names.index(name)] for name in names]
+        """``theta`` with a step of each of some unknowns, to both sides where the rows are settled."""
+        steps = np.diag(self.steps(theta))[[self.unknowns.names.index(name) for name in names]]
+        return list(theta + (np.concatenate([steps, -steps]) if self.settled else steps))
 
     def rates(self, theta: Array, here: Marched, names: Sequence[str], there: Iterable[Marched]) -> dict[str, Array]:
         """Derivatives by unknowns from the marches of their steps."""
         steps = dict(zip(self.unknowns.names, self.steps(theta), strict=True))
         loads = self.loads(theta, here)
-        return {name: self.change(here, loads, moved, one) / steps[name]
-                for name, moved, one in zip(names, self.moved(theta, names), there, strict=True)}  # fmt: skip
+        changes = [self.change(here, loads, *one) for one in zip(self.moved(theta, names), there, strict=True)]
+        if self.settled:
+            changes = [(up - down) / 2 for up, down in zip(changes, changes[len(names) :], strict=False)]
+        return {name: change / steps[name] for name, change in zip(names, changes, strict=True)}
 
     @staticmethod
     def many(asked: Sequence[tuple[Adhering, Array]]) -> list[State]:
@@ -212,11 +238,11 @@ class Adhering:
         model = asked[0][0]
         names = [name for name in model.unknowns.names if name not in LINE]
         sets = [[theta, *model.moved(theta, names)] for _, theta in asked]
-        leaders = np.repeat(np.arange(len(sets)) * (len(names) + 1), len(names) + 1)
+        leaders = np.repeat(np.arange(len(sets)) * len(sets[0]), len(sets[0]))
         marches = iter(model.march([model.trial(theta) for some in sets for theta in some], leaders.tolist()))
         found = []
         for theta, *_ in sets:
-            here, *there = itertools.islice(marches, len(names) + 1)
+            here, *there = itertools.islice(marches, len(sets[0]))
             found.append(model.state(theta, here, model.rates(theta, here, names, there)))
         return found
 

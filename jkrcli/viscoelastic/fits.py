@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from ..base.errors import InputError, SolveError
@@ -13,6 +14,7 @@ from ..tables.text import some
 from .law_fits import RelaxationFits
 from .rate_fit import rate_fit, rate_settings
 from .relaxation_fit import relaxation_fit
+from .shared_speeds import shared_speeds_fit
 from .timed_record import RelaxationFit, relaxation_settings
 
 
@@ -27,15 +29,21 @@ def fit_law(request: FitRequest) -> None:
 
 
 def fit_relaxation(request: FitRequest) -> None:
-    """The modulus, a law of relaxation and zeros from records over time, each for itself; curves that cannot be used
-    are skipped and said."""
+    """The modulus, a law of relaxation and zeros from records over time, each for itself, or together where they share
+    a law of w over speed or what is named; curves that cannot be used are skipped and said."""
     body, asked = request.body, request.options
     terms = {} if asked.terms is None else {"terms": asked.terms}
+    shared, own = (list(itertools.chain(*groups)) for groups in (asked.shared, asked.own))
     how: dict[str, Any] = {"level": asked.level, "confidence": asked.confidence, "segment": asked.segment} | terms
+    how |= {"rate": asked.law, "shared": shared, "own": own}
     assert asked.relaxation is not None
     settings = relaxation_settings(
         asked.relaxation, asked.fix, request.names, body.problem.E_star, body.range_of_case, **how
     )
+    if asked.law or asked.shared:
+        together, _ = request.curves(request.measured)
+        request.conclude(lambda: shared_speeds_fit(body, together, settings, announce))
+        return
     curves, skipped = usable(request.measured, request.reading)
     done: list[RelaxationFit] = []
     for curve in curves:

@@ -60,6 +60,7 @@ from .rate_fit import RateFit, rate_fit, rate_settings
 from .relaxation import RelaxingContact
 from .relaxation_fit import relaxation_fit
 from .relaxing_adhesion import RelaxingAdhesion
+from .shared_speeds import SharedSpeedsFit, shared_speeds_fit
 from .timed_record import RelaxationFit, relaxation_settings
 
 __all__ = ["LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify_law", "identify_relaxation"]
@@ -227,8 +228,8 @@ def _law(law: AnyLaw) -> RateLaw:
 @checked
 def identify_law(
     body: Body, measured: Iterable[OneCurve], law: RateName = "power", free: Iterable[str] = (), fix: Known = None,
-    slopes: SlopesRule = "auto", **options: Any,
-) -> RateFit:  # fmt: skip
+    slopes: SlopesRule = "auto", relaxation: RelaxationName | None = None, **options: Any,
+) -> RateFit | SharedSpeedsFit:  # fmt: skip
     """Fit w0, the parameters of a law of w over the speed of the edge, E* and the contact point.
 
     Parameters
@@ -245,13 +246,16 @@ def identify_law(
         Known ones, ``{"n": "0.5"}``.
     slopes : str, optional
         As of `transform`.
+    relaxation : str, optional
+        "sls", "power" or "prony": whole force curves of a viscoelastic specimen.
     **options
         start, level, confidence, segment as of ``jkr fit --law``.
 
     Returns
     -------
-    RateFit
-        ``estimates``, the ``law``, and its ``band(v)`` over speeds [m/s].
+    RateFit or SharedSpeedsFit
+        ``estimates``, the ``law``, and its ``band(v)`` over speeds [m/s]; of a viscoelastic specimen the ``fits`` of
+        the curves.
 
     Raises
     ------
@@ -259,10 +263,15 @@ def identify_law(
         Where the curves cannot be fitted.
     """
 
-    check_options("identify_law", LAW, options)
+    of_bulk = {**given(slopes), "relaxation": relaxation} if relaxation else {}
+    check_options("identify_law", RELAXATION if relaxation else LAW, options, **of_bulk)
     source = body_of(body, slopes)
-    settings = rate_settings(source, law, free, fix or {}, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
+    if relaxation:
+        names = (relaxation, fix or {}, free, source.problem.E_star, source.range_of_case, law)
+        result = one_thread()(shared_speeds_fit)(source, curves, relaxation_settings(*names, **options))
+        return replace(result, body=body_words(body, source))
+    settings = rate_settings(source, law, free, fix or {}, **options)
     return replace(one_thread()(rate_fit)(source, curves, settings), body=body_words(body, source))
 
 

@@ -18,6 +18,7 @@ from ..report.tables import stacked, stiffness, transpose_rows, with_unit
 from . import report as rate
 from . import rheology
 from .rate_fit import RateFit
+from .shared_speeds import SharedSpeedsFit
 from .timed_record import RelaxationFit
 
 OVER_TIME, OVER_TIMES = (0.01, 0.5), 5  # choice: of the time in contact, at which E*(t) is written
@@ -181,3 +182,54 @@ def relaxation_fit_words(fit: RelaxationFit) -> list[str]:
         rheology.words(fit),
         f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
     ]
+
+
+# --------------------------------------------------------------------------------------------------
+# Of records of one specimen at several speeds.
+
+
+@TABLES.register(SharedSpeedsFit)
+def shared_speeds_table(fit: SharedSpeedsFit) -> dict[str, list[Any]]:
+    """A row per record: what is common to all, its own zeros, its scatter."""
+    return RelaxationFits(fit.fits, fit.body).columns | {"device_speed_m_per_s": list(fit.speeds)}
+
+
+@SUMMARIES.register(SharedSpeedsFit)
+def shared_speeds_summary(fit: SharedSpeedsFit) -> dict[str, Any]:
+    """What is common to all records, then each of them."""
+    level = fit.settings.level
+    return identity("jkr-shared-speeds-fit", fit.body) | {
+        "level": level,
+        "free": list(fit.free),
+        "estimates": {item.name: estimate_summary(item, level) for item in fit.estimates},
+        "rate": rate.law_summary(fit.law),
+        "scatter": fit.scatter,
+        "fits": [_fit(one) | {"device_speed_m_per_s": v} for one, v in zip(fit.fits, fit.speeds, strict=True)],
+        "neglected": rate.ADHESION_NEGLECTED,
+        "warnings": list(fit.warnings),
+    }
+
+
+@WORDS.register(SharedSpeedsFit)
+def shared_speeds_words(fit: SharedSpeedsFit) -> list[str]:
+    """What is common to all records; their zeros stand in the table."""
+    level, first = fit.settings.level, fit.fits[0]
+    own = [item for item in fit.estimates if item.free and item.name != "modulus"]
+    doubts = list(dict.fromkeys(doubt for one in fit.fits for doubt in one.doubts))
+    speeds = ", ".join(show(v, "speed", 3) for v in fit.speeds)
+    law = f"; w0 = {show(fit.value('w'), 'work')}, {rate.law_words(fit.law)}" if fit.law else ""
+    return [
+        brief(own, level) + (f"; doubtful: {', '.join(doubts)}" if doubts else ""),
+        f"  {len(fit.fits)} force curves at {speeds} fitted together: {first.relaxation}{law}",
+        *estimate_lines(fit.estimates, level, {"E_star": "E*" if fit.settings.law == "power" else "E* instant"}),
+        rheology.words(first),
+        f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
+    ]
+
+
+@FIGURES.register(SharedSpeedsFit)
+def draw_shared_speeds(fit: SharedSpeedsFit) -> Figure:
+    """The pictures of the records."""
+    from .figures import relaxation_fit_figure
+
+    return relaxation_fit_figure(fit.fits)

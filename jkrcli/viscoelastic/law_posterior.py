@@ -63,7 +63,7 @@ class Nearby:
         model, cycle = self.model, self.model.cycle
         values = model.unknowns.values(self.x)
         unknowns = Unknowns(settings.parameters, model.unknowns.units)
-        law = _law_near(settings, values["ratio"], values["time"], cycle.lasting)
+        law = law_near(settings, values["ratio"], values["time"], cycle.lasting)
         at_once = values["modulus"] * law.pop("modulus", 1.0)
         x = unknowns.at({**values, **law, "modulus": at_once, **settings.fixed})
         return replace(self, model=replace(model, settings=settings, unknowns=unknowns), x=x)
@@ -364,7 +364,7 @@ class Posterior:
         return np.take_along_axis(pairs, order[..., None], axis=1).reshape(law.shape)
 
 
-def _law_near(settings: RelaxationSettings, ratio: float, time: float, lasting: float) -> dict[str, float]:
+def law_near(settings: RelaxationSettings, ratio: float, time: float, lasting: float) -> dict[str, float]:
     """Parameters of a law near a standard solid of ``ratio`` and ``time`` [s] in a contact ``lasting`` so long [s]; the
     "modulus" of a power law is over that at t = 0."""
     if settings.law == "power":

@@ -40,6 +40,8 @@ from scipy.special import dawsn
 from ..adhesion.finite_range import AttractedBody
 from ..base.numerics import TINY, Array
 from ..bodies.problem import Modes, Problem
+from .edge_speed import EdgeLaws
+from .rate import RateLaw
 from .relaxing_adhesion import LEAST_LEFT, ZONE_SLOPE, creep
 
 NODES = 12  # choice: of Gauss, over a zone
@@ -57,6 +59,7 @@ KERNEL = 1e-5  # theory: of the largest, terms of the kernel that are left out
 BENDS = 0.3  # choice: of the largest load, what it is off a straight line, as a zone that its prediction misses
 GROWS = 1.4  # choice: from step to step; of twice as long ones loads have the noise of where they begin
 SEARCHED = 32  # choice: radii among which a jump's end is looked for
+RATE_KNOWN = 0.05  # choice: of its speed, what Newton's last step may move an edge whose w depends on it
 MOVES = 0.5  # choice: of the zone, by which its edge moves at most while its body relaxes
 FEWEST = 4.0  # choice: steps of a piece of the program at least, times the root of the tolerance's inverse
 CRACK = np.geomspace(1e-7, 1e9, 260)  # theory: b/v over a time of retardation, beyond which nothing changes
@@ -129,13 +132,15 @@ class Kernel:
 @dataclass(frozen=True)
 class Trial:
     """A specimen and device with everything over its modulus: ``w`` [m], ``stress`` [-], ``stiffness`` [m], ``modes``
-    of relaxation; ``zero``: position of the device [m] of first touch."""
+    of relaxation; ``zero``: position of the device [m] of first touch; ``rate``: w over the speed of a receding edge,
+    None: the same at all speeds."""
 
     w: float
     stress: float
     stiffness: float
     modes: Modes
     zero: float = 0.0
+    rate: RateLaw | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,6 +200,8 @@ class March:
         self.left = np.maximum(self.relaxed + np.sum(self.weights * gone, axis=1), LEAST_LEFT)
         self.body, self.r_max = body, body.limit
         self.length = self.w / self.stress
+        rates, ways = [one.rate for one in trials if one.rate], np.abs(np.diff(self.x))
+        self.rate = EdgeLaws.of(rates, self.w, float(np.max(ways / np.diff(self.t)))) if rates else None
         self._prepare(width)
 
     # ------------------------------------------------------------------ sizes
@@ -261,7 +268,8 @@ class March:
         if self.crack is None:
             return np.zeros(rows.size)
         start, step, logs = self.crack
-        y = (np.log(np.maximum(np.abs(v), TINY)) - start[rows]) / step[rows]
+        wider = 0.0 if self.rate is None else self.rate.at(rows, -v)[0]  # zones, by w(v)
+        y = (np.log(np.maximum(np.abs(v), TINY)) - wider - start[rows]) / step[rows]
         y = np.clip(y, 0, logs.shape[2] - 1.001)
         i, side = y.astype(int), (v > 0).astype(int)
         low = logs[side, rows, i]
@@ -339,11 +347,17 @@ class March:
         length = self.w[rows] / self.sigma[rows]
         if np.isfinite(h).all():
             length = length * np.exp(self.harder[rows])
+        rate = self.rate if np.isfinite(h).all() else None
         # where the last step left a state within CLOSE, its equations are looked at once more, without slopes
         todo, last, slopes = at, np.zeros(n, dtype=bool), np.zeros((4, n))
         for _ in range(NEWTON):
             r, A, B = rows[todo], a[todo], b[todo]
             touching, wanted = A > 0, length[todo]
+            v, lasts, by_v = np.zeros((3, todo.size))
+            if rate is not None:
+                v, lasts = self._receding(r, A + B, h[todo])
+                more, by_v = rate.at(r, v)
+                wanted, by_v = wanted * np.exp(more), by_v / lasts
             known = bool(last[todo].all())
             many = 1 if known else 3
             e = 1e-4 * B
@@ -355,7 +369,8 @@ class March:
             opens = np.log(np.maximum(gap / wanted, TINY))
             if not known:
                 slopes[:2, todo], slopes[2:, todo] = (place[1:] - place[0]) / e, (opens[1:] - opens[0]) / e
-            xa, xc, ga, gc = slopes[:, todo]
+            xa, xc, ga, gc = slopes[:, todo] + np.multiply.outer([0, 0, 0, 1], by_v)
+            xc = np.where(touching, xc, xc + wanted * by_v)
             place, opens, off = place[0], opens[0], place[0] - x[todo]
             det = xa * gc - xc * ga
             stable = np.where(touching, (gc > 0) & (det > 0), xc > 0)
@@ -368,6 +383,11 @@ class March:
             for target, value in zip(result, (A, A + B, place - P[0] / self.k[r], P[0], mu[: A.size]), strict=True):
                 target[todo[finished]] = value[finished]
             good[todo[~stable]] = False
+            settled = np.ones(todo.size, dtype=bool)
+            if rate is not None:
+                to = rate.limited(v, v - dc / lasts)
+                dc = (v - to) * lasts
+                settled = np.abs(to - v) < RATE_KNOWN * np.maximum(np.abs(v), rate.slow)
             moved = np.maximum(np.abs(da), np.abs(dc - da)) / B
             part = np.minimum(1.0, MOVES / np.maximum(moved, TINY))
             opened = touching & (A + part * da <= 0)
@@ -375,7 +395,7 @@ class March:
             part = np.where(opened & ~small, np.minimum(part, (A - 5e-4 * B) / np.where(da < 0, -da, 1.0)), part)
             a[todo] = np.where(small, 0.0, np.where(closing, 1e-3 * B, A + part * da))
             b[todo] = np.where(small, A + B, np.where(closing, (1 - 1e-3) * B, B + part * (dc - da)))
-            last[todo] = (moved < CLOSE) & ~small & ~closing
+            last[todo] = (moved < CLOSE) & ~small & ~closing & settled
             done[todo[finished]] = True
             outside = ~(a + b < self.reach[rows] * (1 - 1e-6)) | ~(b > 0)
             good &= ~outside
@@ -383,6 +403,12 @@ class March:
             if not todo.size:
                 break
         return (*result, good & done)
+
+    def _receding(self, rows: Array, c: Array, h: Array) -> tuple[Array, Array]:
+        """The speeds of edges that are at ``c`` a time ``h`` later, at the end of it, and -dc/dv [s] there."""
+        mean, known = (self.state[1, rows] - c) / h, self.before[rows]
+        on = np.where(known, h / (h + self.lasted[rows]), 0.0)
+        return mean + on * (mean + self.speeds[1, rows]), h / (1 + on)
 
     def _leap(self, rows: Array, x: Array, c: Array, inwards: bool) -> tuple[Array, ...]:
         """The next stable state beyond the radius ``c`` of the prepared steps of no time; as of ``_newton``."""
@@ -442,7 +468,7 @@ class March:
         self.state = np.zeros((4, n))  # a, c, delta, P
         # the next step, and what the last one in the same piece tells of the speeds of a and c
         self.h, self.before, self.speeds = np.zeros(n), np.zeros(n, dtype=bool), np.zeros((2, n))
-        self.slopes, self.most = np.zeros(n), np.full(n, TINY)
+        self.slopes, self.most, self.lasted = np.zeros(n), np.full(n, TINY), np.zeros(n)
         self.history: list[tuple[Array, ...]] = []
 
         self._note(np.arange(n))
@@ -499,7 +525,7 @@ class March:
         self._take(rows, at, tuple(there))
         moves = np.stack([there[0][at], there[1][at]]) - self.state[:2, rows]
         part = -np.expm1(-np.abs(moves[1]) / 2 / (self.state[1, rows] - self.state[0, rows]))
-        self.speeds[:, rows] = moves / step
+        self.speeds[:, rows], self.lasted[rows] = moves / step, step
         self.slopes[rows] = (there[3][at] - self.state[3, rows]) / step
         self.most[rows] = np.maximum(self.most[rows], np.abs(there[3][at]))
         self.harder[rows] += part * (self._harder(rows, self.speeds[1, rows]) - self.harder[rows])

@@ -33,7 +33,8 @@ class Names(click.Choice):  # type: ignore[type-arg]
 over_time = options.several(
     click.option("--law", type=Names("power", "log", of="viscoelastic.rate:RATE_LAWS"),
                  help="w depends on the speed of the contact line: w0 and the law's v0, n (or v0, b) are free too, all "
-                 "force curves are fitted together; needs t, delta, P."),
+                 "force curves are fitted together; needs t, delta, P. With --relaxation whole force curves of a "
+                 "viscoelastic specimen."),
     click.option("--relaxation", type=Names("sls", "power", "prony", of="bodies.problem:RELAXATIONS"),
                  help="Viscoelastic specimen: modulus, law and contact point from t, delta, P of indentation, dwell "
                  "and retraction; with --free w of whole force curves that adhere."),

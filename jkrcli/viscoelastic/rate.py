@@ -38,6 +38,7 @@ Speed: TypeAlias = Annotated[float, Ranged("speed", above=0)]
 Exponent: TypeAlias = Annotated[float, Ranged("number", above=0, most=100)]
 PositiveWork: TypeAlias = Annotated[float, Ranged("work", above=0)]
 
+RATE_ENDS = {"n": (0.1, 3.0)}  # choice: exponents that are sought; measured ones are 0.1 to 1
 RATE_LAWS = Registry()
 rate_law = RATE_LAWS.register  # decorator: the name by which ``--rate law=...`` and ``--law`` call it
 

@@ -43,7 +43,7 @@ from ..measured.procedure import fit
 from ..measured.rows import noise_from_third_differences
 from ..measured.settings import Settings
 from ..measured.work import WorkAlong, work_along
-from .rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
+from .rate import RATE_ENDS, RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
 from .timed_record import check_over_time, check_rising, noise_about, noise_of, through
 
 # --------------------------------------------------------------------------------------------------
@@ -181,7 +181,6 @@ def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, 
 WHOLE_LEAST = 12  # choice: points
 WHOLE_DECADE = 10.0  # choice: ratio of the speeds below which the points do not separate n and v0
 WHOLE_EXPONENTS = (0.25, 0.5, 1.0)  # choice: starts of n
-WHOLE_LAWS = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
 WHOLE_REACH = 40.0  # tuned on work along a record, by `make constants`: guard, how far logs move
 # tuned on work along a record, by `make constants`: relative half-width of a speed, beyond which its point says
 # nothing about a law
@@ -193,9 +192,6 @@ WHOLE_EVEN = 0.01  # choice: guard, least weight of a point's error over the med
 # tuned on work along a record, by `make constants`: standard deviations beyond which a point pulls less, as
 # outliers are usual
 WHOLE_TURN = 1.5
-
-
-ENDS = {"n": WHOLE_LAWS}
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +221,7 @@ class LawAlongRecords:
     @property
     def narrow(self) -> bool:
         """Whether the speeds span less than the decade that separates n and v0, or n ends on a bound."""
-        ends = "n" in self.values and not WHOLE_LAWS[0] * 1.01 < self.values["n"] < WHOLE_LAWS[1] * 0.99
+        ends = "n" in self.values and not RATE_ENDS["n"][0] * 1.01 < self.values["n"] < RATE_ENDS["n"][1] * 0.99
         return ends or self.speeds[1] < WHOLE_DECADE * self.speeds[0]
 
     def band(self, v: Array, level: float = LEVEL) -> tuple[Array, Array, Array]:
@@ -275,7 +271,7 @@ def law_along_records(
     if v.size < WHOLE_LEAST * max(1, together // 4):
         return Unknown(f"{v.size} points with a receding contact line are too few for a law")
     ranges = law_ranges(name)
-    logs = Unknowns(parameters_of(ranges, ranges, {}, ENDS))
+    logs = Unknowns(parameters_of(ranges, ranges, {}, RATE_ENDS))
     starts, sigma = _starts(logs, v, w), np.ones(v.size)
     for _ in range(1 if v_err is None else WHOLE_ROUNDS):
         best = min((_nearest(name, logs, v, w, sigma, start) for start in starts), key=lambda least: least.cost)
@@ -543,7 +539,7 @@ def rate_settings(
     if both := [name for name in wanted if name in fixed]:
         raise InputError(f"fit: {both[0]} is both free and fixed")
     known = fixed if "P0" in wanted else {"P0": 0.0} | fixed
-    unknowns = Unknowns(parameters_of(ranges, ranges.keys() - known.keys(), known, ENDS))
+    unknowns = Unknowns(parameters_of(ranges, ranges.keys() - known.keys(), known, RATE_ENDS))
     return RateSettings(law, unknowns, start=named.known(start), **options)
 
 

@@ -50,6 +50,12 @@ RANGE = "the numbers leave the range of arithmetic"
 FAILURES = (JkrError, FloatingPointError, OverflowError, ValueError)  # of a history far from any record
 
 
+def check_body(body: FittedBody) -> None:
+    """InputError where a history is not that of one relaxation function."""
+    if body.problem.indenter.material is not None or body.problem.sticks:
+        raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
+
+
 def relaxation_fit(
     body: FittedBody, curve: Curve, settings: RelaxationSettings, like: RelaxationFit | None = None
 ) -> RelaxationFit:
@@ -67,8 +73,7 @@ def relaxation_fit(
 
 
 def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings, like: RelaxationFit | None) -> RelaxationFit:
-    if body.problem.indenter.material is not None or body.problem.sticks:
-        raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
+    check_body(body)
     if settings.adheres:
         with np.errstate(all="ignore"):  # of trials far from any record
             return adhering_fit(body, curve, settings, like)

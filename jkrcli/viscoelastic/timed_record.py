@@ -27,6 +27,7 @@ from ..measured.curve import Curve
 from ..measured.least_squares import SEARCH_MISFIT, Followed, t_quantile
 from ..measured.parameters import MODULUS, Answer, Level, Nameable, Parameter, Unknowns, check_law, parameters_of, word
 from ..measured.rows import noise_from_third_differences
+from .rate import RATE_ENDS, rate_parameters
 
 # --------------------------------------------------------------------------------------------------
 # What a device did, from its readings: straight pieces between corners.
@@ -230,7 +231,9 @@ class RelaxationSettings:
     """A request: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free, the
     ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed;
     ``segment``: its rows alone; ``adhesion``: of w, stress and range, those that are free; ``most``: mean square
-    residual, in units of the noise, above which a rough fit is abandoned; then valleys are not followed."""
+    residual, in units of the noise, above which a rough fit is abandoned; then valleys are not followed; ``rate``: the
+    law of w over the speed of the edge by name, None: w is the same at all speeds; ``own``: what each of several
+    records has for itself."""
 
     law: str
     zeros: tuple[str, ...]
@@ -241,6 +244,8 @@ class RelaxationSettings:
     segment: SegmentName | None = None
     adhesion: tuple[str, ...] = ()
     most: float | None = None
+    rate: str | None = None
+    own: tuple[str, ...] = ("delta0", "P0", "tilt")
 
     def __post_init__(self) -> None:
         read_fields(self, "fit")
@@ -260,8 +265,13 @@ class RelaxationSettings:
         """The modulus, those of the law, and zeros."""
         known = {**dict.fromkeys(ZEROS.keys() - set(self.zeros), 0.0), **self.fixed}
         adhesion = {name: ADHESION[name] for name in ADHESION if name in self.adhesion or name in known}
-        ranges = MODULUS | self.of_law | adhesion | ZEROS
-        return parameters_of(ranges, ranges.keys() - known.keys(), known)
+        ranges = MODULUS | self.of_law | adhesion | self.of_rate | ZEROS
+        return parameters_of(ranges, ranges.keys() - known.keys(), known, RATE_ENDS)
+
+    @property
+    def of_rate(self) -> dict[str, Ranged]:
+        """The ranges of the parameters of the law of w over speed."""
+        return {} if self.rate is None else rate_parameters(self.rate)
 
     @property
     def of_law(self) -> dict[str, Ranged]:
@@ -290,19 +300,22 @@ def _of_law(law: str, terms: int) -> dict[str, Ranged]:
 
 def relaxation_settings(
     law: str, fix: Named = (), free: Iterable[str] = (), E_star: float = 1.0,
-    ranged: RangeRequest | None = None, **options: Any,
+    ranged: RangeRequest | None = None, rate: str | None = None, shared: Iterable[str] = (), own: Iterable[str] = (),
+    **options: Any,
 ) -> RelaxationSettings:  # fmt: skip
     """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
     names, and what ``free`` adds: P0, and tilt of the base line [N/m]; w, and the stress or range of adhesion, which
     is else that of the case, ``ranged``, if it has one. Of a power law, whose modulus is that at its time, the time is
-    fixed, 1 s by default. ``E_star`` of the body [Pa]."""
+    fixed, 1 s by default. With a law of w over speed, ``rate``, w is free too. Several records have in common what is
+    ``shared``, all but zeros by default, but for what is each's ``own``. ``E_star`` of the body [Pa]."""
     check_law(law, RELAXATIONS)
-    asked_for = RelaxationSettings(law, (), **options)
-    own = _of_law(law, asked_for.terms) | ({"onset": TIME} if law == "power" else {})
-    named = Nameable("--relaxation", MODULUS | own | ADHESION | ZEROS, E_star)
+    asked_for = RelaxationSettings(law, (), rate=rate, **options)
+    of_law = _of_law(law, asked_for.terms) | ({"onset": TIME} if law == "power" else {})
+    named = Nameable("--relaxation", MODULUS | of_law | ADHESION | asked_for.of_rate | ZEROS, E_star,
+                     {"w0": "w"} if rate else {})  # fmt: skip
     fixed = named.known(fix)
     fixed = ({"time": 1.0} if law == "power" else {}) | fixed
-    wanted = ["delta0", *(named.own(name) for name in free if name != "relaxation")]
+    wanted = ["delta0", *(["w"] if rate else []), *(named.own(name) for name in free if name != "relaxation")]
     wanted = [name for name in wanted if name not in fixed]
     adhesion = tuple(name for name in ADHESION if name in wanted)
     zeros = tuple(name for name in wanted if name in ZEROS)
@@ -320,7 +333,16 @@ def relaxation_settings(
         raise InputError("fit: stress and range are one parameter with w: give one of them")
     if asked == ["w"] and ranged:
         fixed |= {"range": ranged.length} if ranged.stress is None else {"stress": ranged.stress}  # type: ignore[dict-item]
-    return replace(asked_for, zeros=zeros, fixed=fixed, adhesion=adhesion)
+    common, each = [named.own(name) for name in shared], [named.own(name) for name in own]
+    if both := set(common) & ({*each} | ZEROS.keys()):
+        raise InputError(f"fit: {min(both)}: is each force curve's own, it cannot be in --shared")
+    together = rate is not None or bool(common)
+    if together and not (adhesion or fixed.keys() & ADHESION.keys()):
+        raise InputError("fit: --shared: force curves are fitted together with w: add --free w")
+    if together and asked_for.segment not in (None, "both"):
+        raise InputError(f"fit: --segment {asked_for.segment}: whole force curves are fitted together: leave it out")
+    others = (named.ranges.keys() - set(common)) if common else set(each)
+    return replace(asked_for, zeros=zeros, fixed=fixed, adhesion=adhesion, own=(*ZEROS, *sorted(others - ZEROS.keys())))
 
 
 def _solid(p: Mapping[str, Array], t: Array) -> Array:

@@ -32,6 +32,9 @@ JUMP_SEEN = 7.0  # theory: of the noise, a step between two rows that it does no
 NEAR = 10  # choice: rows, within which a jump lies that is seen
 JUMP_TIME = 4e-4  # choice: of the time in contact, what a march errs by in that of a jump
 LATE = (0.0, 0.1, 0.2)  # choice: of the time in contact, how late it may show
+# choice: of the time in contact, within which no derivative foretells how contact ends that does so without a jump, and
+# the error of its end
+PARTING, PARTING_TIME = 0.03, 2e-3
 MEAN = 3  # choice: rows to either side, of whose loads means are taken
 
 
@@ -143,6 +146,30 @@ class Cycle:
         return np.any(np.abs(self.t[:, None] - np.array(self.jumps)) < rows * self.spacing, axis=1)
 
     @property
+    def recovered(self) -> float:
+        """When half of the pull-off force is gone for good, infinite where it is not [s]."""
+        return recovers(self.t, self.load, self.pulled)
+
+    @cached_property
+    def parting(self) -> tuple[float, float]:
+        """How long before and behind the recovery of the load it changes by more than its noise in what marches may err
+        by in time [s]."""
+        end = self.recovered
+        if math.isinf(end):
+            return 0.0, 0.0
+        fast = np.abs(np.gradient(self.load, self.t)) * PARTING_TIME * self.lasting > self.noise / 2
+        ways = np.flatnonzero(self.t <= end)[::-1], np.flatnonzero(self.t > end)
+        before, behind = (int(np.argmin(np.append(fast[way], False))) for way in ways)
+        near = PARTING * self.lasting
+        late = float(self.t[min(self.contact[1], self.t.size - 1)]) - end  # a small contact is left, and jumps off
+        return before * self.spacing + near, max(behind * self.spacing, late) + near
+
+    @property
+    def speed(self) -> float:
+        """The largest at which the device moves back [m/s]."""
+        return float(-np.min(np.diff(self.program[1]) / np.diff(self.program[0])))
+
+    @property
     def held(self) -> bool:
         """Whether the last row is in contact."""
         return self.behind.start == self.t.size
@@ -177,6 +204,15 @@ class Cycle:
         own = self.curve, self.t, self.z, self.P
         return TimedRecord(*own, "displacement", self.stiffness, self.program, noise, noise, read=not self.straight,
                            flags=tuple(flags), lasting=self.lasting)  # fmt: skip
+
+
+def recovers(t: Array, P: Array, pulled: float) -> float:
+    """When half of the largest tension ``pulled`` of the loads ``P`` is gone for good, infinite where it is not [s]."""
+    low = np.flatnonzero(P < -pulled / 2)
+    i = int(low[-1]) if low.size else P.size - 1
+    if i + 1 == P.size:
+        return math.inf
+    return float(t[i] + (-pulled / 2 - P[i]) / (P[i + 1] - P[i]) * (t[i + 1] - t[i]))
 
 
 def corners_of(t: Array, z: Array) -> tuple[Array, Array]:

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from adhesive_curves import cycle, sampled, solid  # type: ignore[import-not-found]
 
-R, E, W, RANGE, STIFFNESS = 100e-9, 100e6, 0.03, 0.5e-9, 2.0
-RATIO, TIME, NOISE, ROWS = 0.4, 0.03, 0.01, 500
-SPEEDS = {"slow": 0.1e-6, "middle": 0.5e-6, "fast": 2.5e-6}  # of the piezo [m/s]
-PUSHED, HELD = 12e-9, 0.06  # way beyond first touch [m], and the hold [s]
+R, E, W, RANGE, STIFFNESS = 100e-9, 100e6, 0.03, 0.5e-9, 2.0  # choice: a sharp tip on an elastomer
+RATIO, TIME, NOISE, ROWS = 0.4, 0.03, 0.01, 500  # choice: noise over the pull-off force, rows in contact
+SPEEDS = {"slow": 0.1e-6, "middle": 0.5e-6, "fast": 2.5e-6}  # choice: of the piezo [m/s]
+PUSHED, HELD = 12e-9, 0.06  # choice: way beyond first touch [m], and the hold [s]
 
 
 def main(folder: Path) -> None:

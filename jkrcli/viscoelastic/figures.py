@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..base.units import show
 from ..measured.figures import MARKERS
 from ..report import plots
 from ..report.plots import Axes, Figure, axis_of, log_ticks, panelled, pretty, unit_of
-from .rate_fit import RateFit
+from .rate_fit import RateFit, law_of
 from .timed_record import RelaxationFit
 
 
@@ -46,11 +46,14 @@ PICTURE_FIRST = 1e-3  # choice: of how long a record lasts, the first time of E*
 PICTURE_RECORDS = 3  # choice: that are drawn at most
 
 
-def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
+def relaxation_fit_figure(fits: Sequence[RelaxationFit], speeds: Sequence[float] = ()) -> Figure:
     """Of each of the first records the load over time and over the displacement, readings and model, what the model
-    leaves of the response, and E*(t) with its band."""
-    shown = fits[:PICTURE_RECORDS]
-    with panelled(plots.WIDE, 5.0 * len(shown), 4 * len(shown), columns=2, legend=3) as (figure, axes):
+    leaves of the response, and E*(t) with its band; of a law of w over the ``speeds`` of devices [m/s] that too."""
+    shown, last = fits[:PICTURE_RECORDS], len(speeds) > 0
+    height, count = 5.0 * len(shown) + 2.5 * last, 4 * len(shown) + last
+    with panelled(plots.WIDE, height, count, columns=2, legend=4 if last else 3) as (figure, axes):
+        if last:
+            _work_over_speed(axes[-1], fits[0], speeds)
         for i, fit in enumerate(shown):
             over_time, over_depth, left, moduli = axes[4 * i : 4 * i + 4]
             record, (delta, P) = fit.record, _delta_and_P(fit.record.imposed, fit.record.response, fit)
@@ -79,6 +82,18 @@ def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
 
 def _delta_and_P(imposed: Array, response: Array, fit: RelaxationFit) -> tuple[Array, Array]:
     return (response, imposed) if fit.record.loaded else (imposed, response)
+
+
+def _work_over_speed(axes: Axes, fit: RelaxationFit, speeds: Sequence[float]) -> None:
+    """The energy release rate G = w(v) with which the edge recedes, with its band, a tenfold beyond the ``speeds``."""
+    v = np.geomspace(min(speeds) / 10, 10 * max(speeds), 60)
+
+    def logs(p: Mapping[str, float]) -> Array:
+        law, w0 = law_of(str(fit.settings.rate), {**p, "w0": p["w"]})
+        return np.log(law.work(w0, v))
+
+    w, low, high = fit.intervals(logs).T
+    law_band(axes, v, w, low, high, plots.BLACK, "w over the speed of the edge")
 
 
 def _relaxed_moduli(axes: Axes, fit: RelaxationFit) -> None:

@@ -229,7 +229,7 @@ def shared_speeds_words(fit: SharedSpeedsFit) -> list[str]:
 
 @FIGURES.register(SharedSpeedsFit)
 def draw_shared_speeds(fit: SharedSpeedsFit) -> Figure:
-    """The pictures of the records."""
+    """The pictures of the records, and w over the speed of the edge."""
     from .figures import relaxation_fit_figure
 
-    return relaxation_fit_figure(fit.fits)
+    return relaxation_fit_figure(fit.fits, fit.speeds if fit.law else ())

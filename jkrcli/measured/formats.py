@@ -35,4 +35,4 @@ def register(format: Format) -> None:
 
 def format_of(path: Path) -> Format | None:
     """The registered format of the file at ``path``."""
-    return next((one for one in FORMATS.values() if one.knows(path)), None)
+    return next((one for one in reversed(FORMATS.values()) if one.knows(path)), None)

@@ -47,8 +47,7 @@ LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME = 0.003  # choice: of the time in contact, errors of jumps in a search, and of the last one in wide zones
 HELD = 0.05  # choice: of steps of others, those of a stress that is held
-# theory: as CONVERGED: what is likely is told about the last place, and as well of one two standard errors off
-MOVED = 4.0
+MOVED = 4.0  # theory: as CONVERGED: two standard errors; what is likely is told about the last place all the same
 FAR = 0.9  # choice: of logs, from the likely range, where that is tried too
 CORRECTED = 3  # choice: times that zones are extrapolated
 NEARER = (1.0, 0.3, 0.1, 0.03)  # choice: of a distance that led nowhere or near, which are tried
@@ -112,10 +111,14 @@ def adhering_fit(
     if settings.most is not None and float(np.mean(off[off != 0] ** 2)) > settings.most:
         raise SolveError("no history of this specimen leaves as little")
     found, corrected = _corrected(wide)
-    if (other := _with_likely_range(found, wide.model)) is not None:
-        other, again = _corrected(_least(other, FINE[2], (HELD,)))
-        found, corrected = (other, again) if other.cost < found.cost else (found, corrected)
-    change = replace(found, model=wide.model).state.residuals - found.state.residuals
+    with contextlib.suppress(SolveError, ArithmeticError, ValueError):  # a LinAlgError is one
+        if like is None and (other := _with_likely_range(found, wide.model)) is not None:
+            other, again = _corrected(_least(other, FINE[2], (HELD,)))
+            if again >= corrected and other.cost < found.cost:
+                found, corrected = other, again
+    # what zones of no width change, by the errors of jumps with them
+    jumps = np.stack([wide.model.jumps[:, 0], found.model.jumps[:, 1]], axis=1)
+    change = replace(found, model=replace(wide.model, jumps=jumps)).state.residuals - found.state.residuals
     fit = _result(found, np.linalg.pinv(found.state.jacobian) @ change)
     return fit if corrected and not found.here.given_up else replace(fit, warnings=(*fit.warnings, GIVEN_UP))
 
@@ -140,7 +143,7 @@ def _corrected(wide: Nearby) -> tuple[Nearby, bool]:
     for _ in range(CORRECTED):
         narrower = replace(found, model=wide.model.corrected(found.x, found.here))
         change = found.state.residuals - narrower.state.residuals
-        if followed and float(change @ change) < CONVERGED:
+        if followed and (narrower.model is wide.model or float(change @ change) < CONVERGED):
             break
         followed = narrower.model is not wide.model
         found = _least(narrower, FINE[2], (1.0,))
@@ -150,11 +153,11 @@ def _corrected(wide: Nearby) -> tuple[Nearby, bool]:
 
 
 def _with_likely_range(found: Nearby, wide: Adhering) -> Nearby | None:
-    """The unknowns ``found`` with the likely range in place of one that is far from it: zones so wide or narrow may be
-    another valley than that of the record. None where the range is not far, or known."""
+    """The unknowns ``found`` of a power law with the likely range in place of one that is far from it: relaxation at
+    short times is like a zone so wide, or narrow, in another valley. None where the range is not far, or known."""
     values, names = found.model.unknowns.values(found.x), found.model.unknowns.names
     length = values["range"] if "range" in values else values["w"] / values["stress"]
-    if not set(names) & set(ZONE) or abs(math.log(length / LIKELY_RANGE)) < FAR:
+    if wide.settings.law != "power" or not set(names) & set(ZONE) or abs(math.log(length / LIKELY_RANGE)) < FAR:
         return None
     changed = {"range": LIKELY_RANGE} if "range" in names else {"stress": values["w"] / LIKELY_RANGE}
     return Nearby.of(wide, found.model.unknowns.at({**values, **changed}))
@@ -302,9 +305,10 @@ def _best(model: Adhering, begun: Sequence[Array], evaluations: int) -> Array:
     return theta
 
 
-def _least(near: Nearby, evaluations: int, holds: Sequence[float] = (HELD, 1.0)) -> Nearby:
-    """Where the record is likeliest, by steps to where it is by what it says near the last ones, first with the stress
-    nearly held, which takes up what other unknowns are off; ``ended`` where the loads there hardly differ."""
+def _least(near: Nearby, evaluations: int, holds: Sequence[float]) -> Nearby:
+    """Where the record is likeliest, by steps to where it is by what it says near the last ones, ``ended`` where the
+    loads there hardly differ; one search after the other with the stress, which takes up what other unknowns are off,
+    within so much of what these may change: ``holds``."""
     for held in holds:
         within, ended, careful = WITHIN[1], False, False
         for _ in range(evaluations):
@@ -324,9 +328,10 @@ def _least(near: Nearby, evaluations: int, holds: Sequence[float] = (HELD, 1.0))
             near = new if gained > 0 else near
             if ended := -noise < gained < CONVERGED + SCATTERS[0] * near.cost:
                 break
-            careful, within = careful or gained <= 0, min(within * 3, WITHIN[2]) if gained > 0 else within / 5
-            if within < WITHIN[0]:
+            careful, within = careful or gained <= 0, within * 3 if gained > 0 else within / 5
+            if gained <= 0 and within < WITHIN[0]:
                 break
+            within = min(max(within, WITHIN[0]), WITHIN[2])
     return replace(near, ended=ended)
 
 

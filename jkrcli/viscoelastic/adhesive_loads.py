@@ -27,7 +27,7 @@ APART = 1.5  # theory: rows from a jump, within which no row shows when it was
 STEEP = (0.015, 0.004)
 CONVERGED = 0.5  # theory: of the sum of squares of rows by their noise: less than a standard error
 FINEST = 0.25, 0.5  # choice: of these zones, those that are extrapolated with them by squares of widths, or else
-SHORTER = (1.0, 1 / 6)  # choice: of tolerances there: a power law relaxes at once behind each corner
+SHORTER = 1 / 6  # choice: of the tolerance there: a power law relaxes at once behind each corner
 LATER_ERROR = 0.2  # choice: of what they add to the end of contact, what that may err by
 ALIKE = 0.05  # choice: of the time in contact, by which its end may differ in them
 ROUGH_STEPS = 400  # choice: of a march, twice those of usual records, where it is to be excluded that the law fits
@@ -104,10 +104,10 @@ class Adhering:
     def corrected(self, theta: Array, here: Marched) -> Adhering:
         """The same with what zones of no width, and shorter steps, change from the march ``here`` with ``theta``, by a
         narrow one that can be followed, in loads and in the end of contact."""
-        t, tolerance = self.cycle.t, self.tolerance * SHORTER[self.settings.law == "power"]
+        t, tolerance = self.cycle.t, self.tolerance * (SHORTER if self.settings.law == "power" else 1.0)
         for share in FINEST:
             (narrow,) = replace(self, width=share * self.width, tolerance=tolerance).march([self.trial(theta)])
-            later = narrow.lost - here.lost if math.isfinite(here.lost) else 0.0
+            later = narrow.lost - here.lost if min(narrow.lost, here.lost) < math.inf else 0.0
             if not narrow.given_up and abs(later) < ALIKE * self.cycle.lasting:
                 break
         else:

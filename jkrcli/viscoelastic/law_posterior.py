@@ -224,7 +224,7 @@ class Posterior:
         )
         every = [off, (law - likely[:, 0]) / likely[:, 1]]
         if math.isfinite(self.within):
-            further = np.log(relaxed / self.near.relaxed(self.near.x[self.near.own][None]))
+            further = np.log(np.maximum(relaxed, TINY) / self.near.relaxed(self.near.x[self.near.own][None]))
             every.append(further / (self.within * math.sqrt(SPECTRUM_TIMES.size)))
         return np.concatenate(every, axis=1), mu, known
 
@@ -324,15 +324,19 @@ class Posterior:
         turned = -1.0 if self.near.names[0] == "ratio" else 1.0  # the weight is 1 - ratio
 
         def slopes(law: Array) -> Array:
+            if not exponentials:
+                return law
             here = law.copy()
             here[:, ::2] = np.log(law[:, ::2] if turned > 0 else 1 - law[:, ::2]) - law[:, 1::2]
-            return here if exponentials else law
+            return here
 
         def laws(here: Array) -> Array:
+            if not exponentials:
+                return here
             law = here.copy()
             weights = np.exp(np.minimum(here[:, ::2] + here[:, 1::2], 1.0))
             law[:, ::2] = weights if turned > 0 else 1 - weights
-            return law if exponentials else here
+            return law
 
         def logs(here: Array) -> Array:
             return self.log(laws(here)) + (np.sum(here, axis=1) if exponentials else 0.0)

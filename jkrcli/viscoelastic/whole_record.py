@@ -31,6 +31,7 @@ BINS = 120  # choice: places of a device that does not move in straight pieces
 JUMP_SEEN = 7.0  # theory: of the noise, a step between two rows that it does not make
 NEAR = 10  # choice: rows, within which a jump lies that is seen
 JUMP_TIME = 4e-4  # choice: of the time in contact, what a march errs by in that of a jump
+STRAIGHT = 0.2  # choice: of all loads, what two base lines, or one from end to end, may differ by
 LATE = (0.0, 0.1, 0.2)  # choice: of the time in contact, how late it may show
 # choice: of the time in contact, within which no derivative foretells how contact ends that does so without a jump, and
 # the error of its end
@@ -70,6 +71,12 @@ class Cycle:
             knots = (np.r_[t[0], means[0], t[-1]], np.r_[z[0], means[1], z[-1]])
         noise = noise_of(P)
         first, last = _base_line(t, P, noise), _base_line(-t[::-1], P[::-1], noise)
+        if first and last:  # a straight piece that begins or ends in contact is no base line
+            line = np.polyfit(z[:first] - z[0], P[:first], 1 if np.ptp(z[:first]) > 0.05 * np.ptp(z) else 0)
+            off, much = P[-last:] - np.polyval(line, z[-last:] - z[0]), STRAIGHT * float(np.ptp(P))
+            deep = z[-last:].min() > z[min(first, z.size - 1)]  # than where contact began
+            if deep or max(abs(float(off[0])), abs(float(off[-1]))) > much:
+                first, last = (0, last) if abs(float(P[first - 1] - P[0])) > much else (first, 0)
         return cls(curve, t, z, P, k, knots, straight, noise, slice(0, first), slice(t.size - last, t.size))
 
     @property
@@ -115,8 +122,7 @@ class Cycle:
         if not first:
             return [float(self.tip[0])]
         late = np.array(LATE if math.isinf(self.jumps[0]) else (0.0,)) * self.lasting
-        found: list[float] = np.interp(self.t[first - 1] - late, self.t, self.z).tolist()
-        return found
+        return np.unique(np.interp(self.t[first - 1] - late, self.t, self.z))[::-1].tolist()
 
     @property
     def spacing(self) -> float:

@@ -39,9 +39,9 @@ ZONES = (0.25, 0.02, 0.0)  # choice: zones over the contact radius, where no ran
 MODULI, TRIED = 1e6, 50  # choice: in those of the body, the moduli among which a search begins
 FARTHEST, REACH = 4.0, 1.5  # choice: of logs, from what is likely of a record, and from where a search begins
 ROUNDS = 3  # choice: modulus and zero in turn, good to a tenth
-BEGINS = 3  # choice: searches
+BEGINS = 2  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
-SEARCH, FINE = (0.03, 2e-2, 4), (0.012, 8e-3, 12)
+SEARCH, FINE = (0.03, 2e-2, 3), (0.012, 8e-3, 12)
 QUICK = 3e-3  # choice: tolerance of steps of a power law, which relaxes at once behind each corner of the program
 LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss

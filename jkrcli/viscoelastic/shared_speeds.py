@@ -25,7 +25,7 @@ from ..measured.forward_model import FittedBody
 from ..measured.least_squares import SEARCH_MISFIT, Intervals, Least, LeastSquares, State, covariance
 from ..measured.lockstep import together
 from ..measured.parameters import Answer, Unknowns
-from .adhesive_fit import BEGINS, FARTHEST, FINE, GIVEN_UP, ZONES, ElasticLimits, misses, prepared, rough
+from .adhesive_fit import FARTHEST, FINE, GIVEN_UP, ZONES, ElasticLimits, misses, prepared, rough
 from .adhesive_loads import LIKELY_RANGE, ZONE, Adhering
 from .law_posterior import MARCH_ERROR, law_near
 from .lockstep_march import Marched
@@ -41,6 +41,7 @@ DEEPEST = 1e-3  # choice: of the way, what a hold may drift
 # choice: where a search begins: ratios, times from the shortest rise to the longest, w0 over w of the slowest pull-off
 BULK_RATIOS, BULK_FIRST, BULK_LAST, BULK_TIMES, WORKS = (0.25, 0.6), 0.2, 1.0, 4, (0.4, 0.8)
 APPROACHED, SEARCHED, FOLLOWED = 10, 6, 8  # choice: evaluations of these searches
+BEST = 3  # choice: parts of the places, one zone width after the other, from the best of which a search begins
 ROUNDS = 3  # choice: in which the rows that do not count are settled
 LONGER = 8.0  # choice: times the search of approaches, that a fit takes: 5 to 12 of made triples
 WORSE = 4.0  # choice: times the least cost, beyond which a search leads nowhere
@@ -169,7 +170,7 @@ class Records:
             own = [{"delta0": zero, "P0": cycle.base[0], "tilt": cycle.base[1]}
                    for cycle, zero in zip(cycles, zeros.tolist(), strict=True)]  # fmt: skip
             tried.append(rising.at(law, own))
-        return rising.best_of_each(tried, BEGINS)
+        return rising.best_of_each(tried, BEST)
 
     def continued(self, rising: Records, found: Sequence[Array]) -> list[Array]:
         """The best of some laws of w with each of what approaches tell."""

@@ -34,6 +34,7 @@ The same without TOML, by a method of one's choice:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
@@ -41,6 +42,7 @@ from .adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.device_path import Course, Program
 from .adhesion.finite_range import RangeRequest, without_range
 from .adhesion.from_rest import LoadingHistory, Rest
+from .adhesion.roughness import Roughness, works_on
 from .adhesion.rules import RULES
 from .base import units
 from .base.arguments import OneOf, checked, exactly_one
@@ -100,8 +102,8 @@ __all__ = [
     "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "GradedTransverselyIsotropic",
     "HalfSpace", "Hybrid", "InputError", "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading",
     "Paraboloid", "Power", "PowerLaw", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Refusal",
-    "Rigid", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated",
-    "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "load_case", "parse_case", "plot",
+    "Rigid", "Roughness", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile",
+    "Tabulated", "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "load_case", "parse_case", "plot",
     "profile", "pull_off", "read", "save", "solve", "summary", "table", "to_pandas", "transform",
 ]  # fmt: skip
 if TYPE_CHECKING:
@@ -237,7 +239,7 @@ def save(solved: Solution, path: AnyPath, force: bool = False) -> Path:
 def transform(
     solved: Body, w: WorkOfAdhesion, slopes: SlopesRule = "auto", modulus_factor: Factor = 1.0,
     method: AnyMethod = None, *,
-    stress: Stress | None = None, length: PositiveLength | None = None,
+    stress: Stress | None = None, length: PositiveLength | None = None, roughness: Roughness | None = None,
 ) -> Analysis:  # fmt: skip
     """Transform a nonadhesive solution to the adhesive curve for one work of adhesion.
 
@@ -258,6 +260,8 @@ def transform(
         Cohesive stress [Pa] of adhesion of finite range (Maugis-Dugdale); default: what the case says.
     length : float or str, optional
         Range [m] of such adhesion, instead of ``stress``.
+    roughness : Roughness, optional
+        Of the surfaces: ``w`` is that between smooth ones, less the elastic energy of full contact.
 
     Returns
     -------
@@ -277,7 +281,8 @@ def transform(
     """
     solution = solution_of(solved, method)
     ranged = range_of(solution, stress, length)
-    return analyse(solution, [w], slopes, modulus_factor, ranged)[0]
+    works, rough = works_on(roughness, solution.problem.scaled(modulus_factor), [w], bool(ranged))
+    return replace(analyse(solution, works, slopes, modulus_factor, ranged)[0], rough=rough[0])
 
 
 @checked
@@ -360,13 +365,15 @@ def solution_of(solved: Body, method: str | Method | None) -> Solution:
 
 
 @checked
-def check(case: Case | AnyPath) -> Check:
+def check(case: Case | AnyPath, roughness: Roughness | None = None) -> Check:
     """Tell which method a case needs, what each costs and what to expect; nothing is solved at full accuracy.
 
     Parameters
     ----------
     case : Case or path
         The case, or its file.
+    roughness : Roughness, optional
+        As of `transform`.
 
     Returns
     -------
@@ -379,7 +386,8 @@ def check(case: Case | AnyPath) -> Check:
         Where the case is wrong.
     """
     loaded = load_case(case) if isinstance(case, str | Path) else case
-    return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
+    path = Path(case) if isinstance(case, str | Path) else Path("case")
+    return one_thread()(Check.of)(path, loaded, roughness)
 
 
 @checked
@@ -427,6 +435,7 @@ def pull_off(
     slopes: SlopesRule = "auto", modulus_factor: Factor = 1.0, *, stress: Stress | None = None,
     length: PositiveLength | None = None,
     uncertain: Known = None, rest_load: Force | None = None, rest_depth: Length | None = None,
+    roughness: Roughness | None = None,
 ) -> Result:  # fmt: skip
     """Find where contact is lost, or which w a measured pull-off force means.
 
@@ -446,6 +455,8 @@ def pull_off(
         Standard deviations of what w follows from, ``{"load": "5%", "R": "2%"}``.
     rest_load, rest_depth : float or str, optional
         Of a viscoelastic specimen: at rest there [N] or [m], then pulled at once; default: at P = 0.
+    roughness : Roughness, optional
+        As of `transform`; with ``load`` the w between smooth surfaces, at most, is told too.
 
     Returns
     -------
@@ -468,10 +479,13 @@ def pull_off(
         if len(devices) > 1:
             raise InputError(f"stiffness: a measured load has one, got {len(devices)}")
         under, pairs = (devices or [LOAD_CONTROL])[0], texts_of(uncertain or {})
-        return offered("work of one pull-off")(solution, abs(load), under, rest, slopes, modulus_factor, pairs)
+        how = slopes, modulus_factor, pairs, roughness
+        return offered("work of one pull-off")(solution, abs(load), under, rest, *how)
     ranged = range_of(solution, stress, length)
-    works: list[Any] = [w]
+    given: list[Any] = [w]
+    works, rough = works_on(roughness, solution.problem.scaled(modulus_factor), given, bool(ranged))
     curve, lost = where_lost(solution, works, devices, slopes, modulus_factor, ranged)[0]
+    curve = replace(curve, rough=rough[0])
     controls = devices or [LOAD_CONTROL, DISPLACEMENT_CONTROL]
     return PullOff(curve, lost, lost_by_history(curve, controls, rest, slopes))
 

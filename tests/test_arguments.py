@@ -40,6 +40,7 @@ MADE: dict[str, dict[str, Any]] = {  # right fields of every public dataclass
     "Prony": {"weights": (0.3,), "times": (1.0,)}, "Pyramid": {"B": 1.0, "d": 1.0},
     "Problem": {"indenter": TIP, "specimen": SPECIMEN, "loading": LOADING},
     "Program": {"t": (0.0, 1.0), "x": (0.0, 1e-6)}, "RoundedCone": {"R": 1e-6, "half_angle": 0.5},
+    "Roughness": {"rms": 1e-9, "longest": 1e-6, "shortest": 1e-7, "hurst": 0.8},
     "RoundedFlat": {"b": 1e-6, "edge_radius": 1e-7}, "Specimen": {"layers": (), "base": BULK},
     "TableProfile": {"r": (0.0, 1.0, 2.0), "heights": (0.0, 1.0, 4.0)},
     "Tabulated": {"depths": (0.0, 1e-6), "moduli": (1e6, 2e6)}, "Unknown": {"reason": "none"},

@@ -250,6 +250,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.study_map("rate", speed=[1.0], stiffness=["rigid"]),
         "",
     ),
+    "roughness map": (
+        ("study", "roughness-map", "--rms", "9 nm", "--thickness", "2 um", "--no-plots"),
+        lambda: python.study_map("roughness", rms=["9 nm"], thickness=["2 um"]),
+        "",
+    ),
     "sticking map": (
         ("study", "sticking-map", "--ratio", "1", "--nu", "0.3", "--no-plots"),
         lambda: python.study_map("sticking", ratio=[1.0], nu=[0.3]),

@@ -46,6 +46,7 @@ TABLES = (  # how the first line of a table of ours begins: CSV has no place for
     b"nu,base,w_R2_over_Estar_h3",
     b"nu,a_over_h,S_ratio,",
     b"h_over_R,k_over_Estar_R,",
+    b"h_m,E_Pa,rms_m,",
     b"size_m,elements,unknowns,",
     b"case,status,reason,",
     b"case,reason,command",

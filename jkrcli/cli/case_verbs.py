@@ -22,6 +22,7 @@ from .inputs import SEPARATED, Flags, begin_tables, body_options, case_of, named
 from .printing import announce, command_line, detail, give, note, say
 
 if TYPE_CHECKING:
+    from ..adhesion.roughness import Roughness
     from ..case.models import Case
     from ..resolve.foreign import SeriesReading
 
@@ -231,8 +232,9 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
 
 
 @options.verb("case")
+@options.roughness_options
 @options.json_option
-def check(case: Path, as_json: bool) -> None:
+def check(case: Path, roughness: Roughness | None, as_json: bool) -> None:
     """Check CASE before it is solved: the method that it needs, what each would cost, the pull-off force to expect, and
     how large the neglected effects are.
 
@@ -254,4 +256,4 @@ def check(case: Path, as_json: bool) -> None:
     layers = f"of {counted(len(problem.layers), 'layer')} " * (len(problem.layers) > 1)
     what = f"check {layers}for {counted(len(works), 'work', 'works')} of adhesion"
     announce(what, seconds_of_effects(problem, works))
-    give(Check.of(case, loaded), as_json)
+    give(Check.of(case, loaded, roughness), as_json)

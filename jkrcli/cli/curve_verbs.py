@@ -19,6 +19,7 @@ from .printing import announce, answer, give, present, warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from ..adhesion.roughness import Roughness
     from ..series import Solution
 
 # --------------------------------------------------------------------------------------------------
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 @options.verb("files...")
 @click.option("--w", "works", multiple=True, type=options.WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
 @options.curve_options
+@options.roughness_options
 @options.into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
 @click.option("--scale", "own", multiple=True, type=options.SCALE,
@@ -37,8 +39,8 @@ if TYPE_CHECKING:
 @options.limits_options
 @options.output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
-    files: tuple[Path, ...], works: tuple[float, ...], how: options.CurveOptions, dimensionless: str | None,
-    own: tuple[tuple[str, float], ...], in_one: bool, limits: Limits, output: Output,
+    files: tuple[Path, ...], works: tuple[float, ...], how: options.CurveOptions, roughness: Roughness | None,
+    dimensionless: str | None, own: tuple[tuple[str, float], ...], in_one: bool, limits: Limits, output: Output,
 ) -> None:  # fmt: skip
     """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a solution, for each work of adhesion.
 
@@ -49,6 +51,7 @@ def transform(
     jkr transform data.h5 --w "50 mJ/m^2"
     jkr transform gel.h5 --w "35 mJ/m^2" --w "40 mJ/m^2" --together -o results
     """
+    from ..adhesion.roughness import works_on
     from ..report import forward, tables
     from ..resolve.analysis import analyse
     from ..resolve.resolve import effect_on, sticking_warnings
@@ -64,17 +67,20 @@ def transform(
     wanted = [works or inputs.works_of(solution) for solution in solutions]
     ranges = list(map(how.of, solutions))
     factor = "" if how.modulus_factor == 1 else f"-modulus{how.modulus_factor:g}"
-    ends = [f"{ranged.suffix}{factor}" for ranged in ranges]  # of the names of files
+    end = f"{factor}-rough" if roughness is not None else factor
+    ends = [f"{ranged.suffix}{end}" for ranged in ranges]  # of the names of files
     figures = output.plots and not in_one
     inputs.begin_curves("transform", solutions, wanted, limits, ranges, tables=True, figures=figures)
     targets, pictures = _files(files, wanted, ends, in_one, output)
     summaries, lines, warnings = [], list[list[str]](), list[str]()
     with together():
         for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):
-            effect = effect_on(solution.scaled(how.modulus_factor), works)
+            body = solution.scaled(how.modulus_factor)
+            acting, rough = works_on(roughness, body.problem, works, bool(ranged))
+            effect = effect_on(body, acting)
             warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-            analysed = analyse(solution, works, how.slopes, how.modulus_factor, ranged)
-            curves = [replace(curve, effect=effect) for curve in analysed]
+            analysed = analyse(solution, acting, how.slopes, how.modulus_factor, ranged)
+            curves = [replace(one, effect=effect, rough=by) for one, by in zip(analysed, rough, strict=True)]
             for curve, target in zip(curves, places, strict=True):
                 scales = tables.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
                 summaries.append(tables.curve_summary(curve, scales))
@@ -127,6 +133,7 @@ find_option: options.Options = offered("option of the inverse question") or opti
 )  # fmt: skip
 @force_options
 @find_option
+@options.roughness_options
 @click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
               "instantly [default: at rest at P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta.")
@@ -134,12 +141,13 @@ find_option: options.Options = offered("option of the inverse question") or opti
 @options.limits_options
 @options.json_option
 def pull_off(
-    files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], rest_load: float | None,
-    rest_depth: float | None, how: options.CurveOptions, limits: Limits, flags: inputs.Flags, as_json: bool,
+    files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], roughness: Roughness | None,
+    rest_load: float | None, rest_depth: float | None, how: options.CurveOptions, limits: Limits,
+    flags: inputs.Flags, as_json: bool,
     force: float | None = None, uncertain: tuple[tuple[str, str], ...] = (), sought: str | None = None,
 ) -> None:  # fmt: skip
     """Print pull-off and jump-in of each FILE, a case or a solution, or of a specimen from options, under load control,
-    displacement control and each --stiffness, with the energy lost in a cycle.
+    displacement control and each --stiffness, with the energy lost in a cycle; on rough surfaces with --roughness.
 
     With --load the other way round: the work of adhesion that a measured pull-off force means, or with --find any
     number of the case. A viscoelastic specimen has several: very slow, very fast, loaded slowly and pulled at once.
@@ -149,11 +157,14 @@ def pull_off(
     jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
     """
     from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+    from ..adhesion.roughness import works_on
     from ..report.forward import PullOff
     from ..resolve.analysis import where_lost
     from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
 
     if sought is not None:
+        if roughness is not None:
+            raise InputError("pull-off: --find takes smooth surfaces: leave --roughness out")
         give(offered("the inverse question")(files, sought, force, works, stiffnesses, how.slopes), as_json)
         return
     if force is not None and works:
@@ -162,7 +173,7 @@ def pull_off(
         offered("idle options of a measured pull-off")(force, uncertain, how.stress, how.length, options.flag)
     rest = rest_of(rest_load, rest_depth, options.flag)
     if inputs.by_flags("pull-off", flags, files):
-        solutions = [_by_flags(flags, works, force, stiffnesses, how)]
+        solutions = [_by_flags(flags, works, force, stiffnesses, how, roughness)]
     elif files:
         _, solutions = inputs.read_files("pull-off", files)
     else:
@@ -171,7 +182,7 @@ def pull_off(
         )
     if force is not None:
         measured = offered("work of a measured pull-off")
-        give(measured(solutions, abs(force), stiffnesses, uncertain, rest, how, limits), as_json)
+        give(measured(solutions, abs(force), stiffnesses, uncertain, rest, how, limits, roughness), as_json)
         return
     for solution in solutions:
         checked_histories(solution, rest)
@@ -179,8 +190,11 @@ def pull_off(
     wanted = [works or inputs.works_of(solution) for solution in solutions]
     histories = sum(seconds_of_histories(*each, len(stiffnesses)) for each in zip(solutions, wanted, strict=True))
     inputs.begin_curves("pull-off", solutions, wanted, limits, ranges, devices=len(stiffnesses), beside=histories)
-    curves = [one for solution, some, ranged in zip(solutions, wanted, ranges, strict=True)
-             for one in where_lost(solution, some, stiffnesses, how.slopes, how.modulus_factor, ranged)]  # fmt: skip
+    curves = []
+    for solution, some, ranged in zip(solutions, wanted, ranges, strict=True):
+        acting, rough = works_on(roughness, solution.problem.scaled(how.modulus_factor), some, bool(ranged))
+        lost = where_lost(solution, acting, stiffnesses, how.slopes, how.modulus_factor, ranged)
+        curves += [(replace(one, rough=by), each) for (one, each), by in zip(lost, rough, strict=True)]
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
     results = [PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
     give(Results(results, list(dict.fromkeys(text for one in results for text in one.warnings))), as_json)
@@ -188,9 +202,10 @@ def pull_off(
 
 def _by_flags(
     flags: inputs.Flags, works: Sequence[float], force: float | None, stiffnesses: Sequence[float],
-    how: options.CurveOptions,
+    how: options.CurveOptions, roughness: Roughness | None,
 ) -> Solution:  # fmt: skip
     """The body by flags, solved as far as the question needs; no file is written."""
+    from ..adhesion.roughness import works_on
     from ..resolve.histories import solved_for, solved_for_force
 
     problem = inputs.case_of("pull-off", flags, "a case or solution file", loading={"radius": 1.0}).model.problem()
@@ -199,7 +214,8 @@ def _by_flags(
     elif works and not (w := max(works)) > 0:
         raise InputError(f"pull-off: --w must be > 0 to ask where contact is lost, got {w:g} J/m^2")
     elif works:
-        solution = solved_for(problem, works, how.slopes, how.modulus_factor)
+        acting, _ = works_on(roughness, problem.scaled(how.modulus_factor), works, bool(how.stress or how.length))
+        solution = solved_for(problem, acting, how.slopes, how.modulus_factor)
     else:
         raise InputError("pull-off: give --w, or --load with a measured pull-off force")
     called = f"{problem.indenter.words} on {problem.specimen.words}"

@@ -27,6 +27,7 @@ from .printing import LEVEL, QUIET, VERBOSE, forewarn, warn
 
 if TYPE_CHECKING:
     from ..adhesion.finite_range import RangeRequest
+    from ..adhesion.roughness import Roughness
     from ..series import Solution
 
     ParamType = click.ParamType[Any, Any]
@@ -487,6 +488,21 @@ class State:
         exactly_one(verb, **{"--a": self.radius, "--load": self.load})
 
 
+def _roughness(roughness: dict[str, str] | None, surface_energy: float | None) -> Roughness | None:
+    from ..adhesion.roughness import Roughness
+
+    return Roughness.of_words(roughness, surface_energy)
+
+
+roughness_options = as_one(
+    "roughness",
+    _roughness,
+    click.option("--roughness", type=PAIRS,
+                 help="Rough surfaces: rms=50nm,longest=20um,shortest=10nm,hurst=0.8, or psd=FILE,convention=C_iso (C, "
+                 "q_C_iso_over_pi, C_1D): w less the elastic energy of full contact."),
+    click.option("--surface-energy", type=WORK,
+                 help='Of the soft body, "22 mJ/m^2": its area grows on rough surfaces [default: not counted].'),
+)  # fmt: skip
 state_options = as_one("state", State)
 range_options = as_one("attraction", RangeOptions)
 curve_options = as_one("how", CurveOptions, slopes_option, modulus_factor_option)

@@ -15,6 +15,7 @@ from .. import __version__
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, transform
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
+from ..adhesion.roughness import ROUGH_STEEPEST, Roughness
 from ..base.arguments import checked, reader
 from ..base.errors import InputError, JkrError, SolveError, Unknown, counted, known
 from ..base.executors import Pool, in_order
@@ -22,7 +23,7 @@ from ..base.files import lists
 from ..base.numerics import MOST_STEPS, Array, pchip
 from ..base.process import one_thread
 from ..base.registry import Result
-from ..base.units import Ranged
+from ..base.units import Ranged, show
 from ..base.wings import offered
 from ..bodies.indenters import Paraboloid
 from ..bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
@@ -166,7 +167,7 @@ def map_of(name: str) -> Map:
     """The row of the map called ``name``."""
     if name not in (names := maps()):
         raise InputError(f'unknown map "{name}" (maps: {", ".join(names)})')
-    rows = (PULL_OFF_MAP, STICKING_MAP, TRANSITION_MAP, ADHESION_MAP, RATE_MAP)
+    rows = (PULL_OFF_MAP, STICKING_MAP, TRANSITION_MAP, ADHESION_MAP, RATE_MAP, ROUGHNESS_MAP)
     return next(row for row in rows if row.name == name)
 
 
@@ -673,6 +674,81 @@ TRANSITION_MAP = Map(
 )  # fmt: skip
 
 
+# --------------------------------------------------------------------------------------------------
+# The roughness map: what full conformal contact leaves of w, over the rms height and the modulus. U ~ E rms^2 of one
+# body and one shape of spectrum, so that one integral serves all cells of a layer.
+
+ROUGHNESS_FLAT = 1e-3  # choice: rms over the shortest wave of the unit spectrum, whose slope is small
+ROUGHNESS_PER_LAYER = 2e-3  # CPU seconds; tuned on maps of 1 and 50 layers, by `make guards`
+
+
+def _roughness_work(values: Values) -> Work:
+    return partial(_roughness_rows, values), values["thickness"]
+
+
+def _roughness_rows(values: Values, thickness: float) -> Columns:
+    """U and w over rms and E on one layer; NaN and the reason where contact is partial or slopes are steep."""
+    rms, E = (column.ravel() for column in np.meshgrid(values["rms"], values["modulus"]))
+    waves = {name: values[name] for name in ("longest", "shortest", "hurst")}
+    material = Elastic(1.0, values["nu"])
+    layers = () if math.isinf(thickness) else (Layer(material, thickness),)
+    specimen = Specimen(layers, Rigid(True) if layers else HalfSpace(material))
+    height = values["shortest"] * ROUGHNESS_FLAT
+    unit = Roughness(rms=height, **waves).on(Problem(Paraboloid(1.0), specimen, Loading("radius", 1.0)))
+    U, slope = unit.energy * E * (rms / height) ** 2, unit.spectrum.slope * rms / height
+    reason = np.where(U >= values["w"], "U > w: no adhesion by conformal contact", "")
+    reason = np.where(slope > ROUGH_STEEPEST, f"rms slope above {ROUGH_STEEPEST:g}", reason)
+    w = np.where(reason == "", values["w"] - U, np.nan)
+    return rows(h_m=thickness, E_Pa=E, rms_m=rms, rms_slope=slope, elastic_energy_J_per_m2=U, w_J_per_m2=w,
+                w_smooth_J_per_m2=values["w"], reason=reason)  # fmt: skip
+
+
+def _roughness_figure(columns: Columns) -> Figure:
+    from .figures import MapPanel, lines_figure
+
+    over, labels = ("rms_m", "rms height [m]"), {"E_Pa": lambda E: f"$E$ = {show(E, 'modulus')}"}
+    if np.unique(columns["rms_m"]).size < np.unique(columns["E_Pa"]).size:
+        over, labels = ("E_Pa", "Young's modulus [Pa]"), {"rms_m": lambda rms: f"rms {show(rms, 'length')}"}
+    labels |= {"h_m": lambda h: "half-space" if math.isinf(h) else f"$h$ = {show(h, 'length')}"}
+    panel = MapPanel("w_J_per_m2", "work of adhesion at least [J/m$^2$]", "full conformal contact, $r$ = 1")
+    return lines_figure(columns, over, [panel], labels)
+
+
+ROUGHNESS_MAP = Map(
+    "roughness",
+    """Map the work of adhesion that full conformal contact leaves between rough surfaces, over rms height and modulus.
+
+    On a half-space and on bonded layers; the area is taken as nominal (r = 1), so that E and rms act by E rms^2 alone.
+    Writes roughness-map.csv, .png and .svg.
+
+    \b
+    jkr study roughness-map --thickness "1 um" --w "50 mJ/m^2" -o map
+    jkr study roughness-map --rms "50 nm" --modulus "1 MPa" --modulus "3 MPa"
+    """,
+    {
+        "rms": Axis(tuple(np.geomspace(5e-9, 500e-9, 21).tolist()), "Rms heights; repeatable.", shown="5 to 500 nm",
+                    read=Ranged("length", above=0).read),
+        "modulus": Axis((1e6,), "Young's moduli; repeatable.", family=True, shown="1 MPa",
+                        read=Ranged("modulus", above=0).read),
+        "thickness": Axis((math.inf, 1e-6), "Of bonded layers, or half-space; repeatable.", family=True,
+                          shown="half-space, 1 um",
+                          read=Ranged("length", above=0, words=(("half-space", math.inf),)).read),
+        "nu": Axis(0.5, "Poisson's ratio.", POISSON, several=False),
+        "longest": Axis(20e-6, "Longest wave.", several=False, shown="20 um", read=Ranged("length", above=0).read),
+        "shortest": Axis(10e-9, "Shortest wave.", several=False, shown="10 nm", read=Ranged("length", above=0).read),
+        "hurst": Axis(0.8, "Hurst exponent.", Ranged("number", above=0, most=1), several=False),
+        "w": Axis(0.05, "Between smooth surfaces.", several=False, shown="50 mJ/m^2",
+                  read=Ranged("work", above=0).read),
+    },
+    _roughness_work,
+    lambda values: ROUGHNESS_PER_LAYER * len(values["thickness"]),
+    "bonded layers and half-space, nu = {nu:g}: what roughness leaves of w = {w:g} J/m^2",
+    [("h_m", "h [m]", "10.3g"), ("E_Pa", "E [Pa]", "10.3g"), ("rms_m", "rms [m]", "10.3g"),
+     ("elastic_energy_J_per_m2", "U [J/m^2]", "11.4g"), ("w_J_per_m2", "w at least", "11.4g")],
+    _roughness_figure,
+)  # fmt: skip
+
+
 @checked
 def study_map(name: str, **axes: Any) -> MapResult:
     """Compute a map of results over parameters, as ``jkr study <name>-map`` does.
@@ -680,7 +756,7 @@ def study_map(name: str, **axes: Any) -> MapResult:
     Parameters
     ----------
     name : str
-        "pull-off", "sticking", "transition", "adhesion" or "rate".
+        "pull-off", "sticking", "transition", "adhesion", "rate" or "roughness".
     **axes
         Values of its parameters: ``study_map("pull-off", nu=[0.3], q=[0.1, 1])``.
 

@@ -27,6 +27,7 @@ MAPS = {
     "transition": "The pull-off force on a layer between JKR and DMT, over the range of adhesion.",
     "adhesion": "Which model of adhesion holds on a layer, over its range and the load.",
     "rate": "Pull-off force and energy lost over speed, stiffness and body.",
+    "roughness": "What roughness leaves of w, over rms height and modulus.",
 }
 
 

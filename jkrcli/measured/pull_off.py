@@ -19,6 +19,7 @@ from ..adhesion.from_rest import (
     history_error,
     work_from_pull_off,
 )
+from ..adhesion.roughness import RoughContact, Roughness
 from ..adhesion.validity import Strains
 from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, JkrError, Unknown, known
 from ..base.numerics import HALF_WIDTH, evenly
@@ -262,14 +263,15 @@ def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
 
 def work_of_force(
     solution: Solution, load: float, stiffness: float, rest: Rest | None, slopes: str, modulus_factor: float,
-    uncertain: Sequence[tuple[str, str]] = (),
+    uncertain: Sequence[tuple[str, str]] = (), roughness: Roughness | None = None,
 ) -> MeasuredPullOff | MeasuredByHistory:  # fmt: skip
     """What a pull-off force ``load`` [N] by a device of ``stiffness`` [N/m] means, of a viscoelastic specimen after
     each history."""
+    rough = None if roughness is None else roughness.on(solution.problem.scaled(modulus_factor))
     found = works_by_history(solution, load, stiffness, rest, slopes, modulus_factor, uncertain)
     if isinstance(found, list):
         return MeasuredByHistory.of(solution, load, stiffness, found, slopes, modulus_factor)
-    return MeasuredPullOff(measured_work(solution, load, stiffness, slopes, modulus_factor, uncertain))
+    return MeasuredPullOff(measured_work(solution, load, stiffness, slopes, modulus_factor, uncertain), rough)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -281,7 +283,7 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 
 def works_of_force(
     solutions: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
-    rest: Rest | None, how: options.CurveOptions, limits: Limits,
+    rest: Rest | None, how: options.CurveOptions, limits: Limits, roughness: Roughness | None = None,
 ) -> Results:  # fmt: skip
     """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
     controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
@@ -292,7 +294,7 @@ def works_of_force(
     inputs.begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
     results, warnings = list[Result](), list[str]()
     for solution in solutions:
-        settings = how.slopes, how.modulus_factor, uncertain
+        settings = how.slopes, how.modulus_factor, uncertain, roughness
         measured = [work_of_force(solution, force, one, rest, *settings) for one in controls]
         results += measured
         if isinstance(measured[0], MeasuredByHistory):
@@ -392,15 +394,25 @@ def _measured_as_json(means: MeasuredWork) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredPullOff(Result):
-    """What a measured pull-off force means."""
+    """What a measured pull-off force means, between ``rough`` surfaces too."""
 
     means: MeasuredWork
+    rough: RoughContact | None = None
 
     @property
     def warnings(self) -> list[str]:
         means = self.means
         doubt = implausible_work(means.work.w, means.result.problem.E_star)
-        return [f"{means.result.path}: {doubt}"] if doubt else []
+        doubts = () if self.rough is None else self.rough.warnings(means.work.point.a)
+        return [f"{means.result.path}: {text}" for text in (doubt, *doubts) if text]
+
+    @property
+    def _smooth(self) -> tuple[float, Estimate]:
+        """w between smooth surfaces [J/m^2], at most, with its half-width."""
+        assert self.rough is not None
+        rough, error = self.rough, self.means.error
+        w = rough.smooth(self.means.work.w)
+        return w, error if isinstance(error, Unknown) else math.hypot(error, rough.error_at(w)) / rough.area
 
     def summary(self) -> dict[str, Any]:
         means, work = self.means, self.means.work
@@ -411,8 +423,16 @@ class MeasuredPullOff(Result):
             **tables.device(work.stiffness),
             **_measured_as_json(means),
             "w_half_space_J_per_m2": work.half_space,
+            **self._rough_as_json(),
             "validity": tables.validity(means.result, work.point),
         }
+
+    def _rough_as_json(self) -> dict[str, Any]:
+        if self.rough is None:
+            return {}
+        w, error = self._smooth
+        smooth = {"w_smooth_J_per_m2": w, "w_smooth_err_J_per_m2": known(error), "w_smooth_bound": "upper"}
+        return smooth | {"roughness": self.rough.summary()}
 
     def words(self) -> list[str]:
         means, work = self.means, self.means.work
@@ -427,6 +447,11 @@ class MeasuredPullOff(Result):
         else:
             lines.append(f"  {OF_INPUTS}")
         lines.append(f"  {means.series_words}")
+        if self.rough is not None:
+            smooth, error = self._smooth
+            shown = show(smooth, "work") if isinstance(error, Unknown) else show_within(smooth, error, "work", 4)
+            lines.append(f"  w = {shown} between smooth surfaces, at most: full conformal contact is assumed")
+            lines += [f"  {line}" for line in self.rough.words()]
         if work.half_space is None:
             lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
         else:

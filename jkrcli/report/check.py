@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 from .. import __version__
 from ..adhesion.finite_range import unable
+from ..adhesion.roughness import Roughness, RoughWork, works_on
 from ..adhesion.validity import large_strains
 from ..base.errors import Refusal, Unknown, counted, installs
 from ..base.process import free_memory, memory_words
@@ -46,28 +47,30 @@ class Check(Result):
     left_out: Sequence[NeglectedEffect]
     range_: str | Unknown
     remarks: Sequence[str]
+    rough: Sequence[RoughWork | None] = ()  # of each work of adhesion
 
     @classmethod
-    def of(cls, path: Path, case: Case) -> Check:
-        """What is to be said of a ``case``."""
+    def of(cls, path: Path, case: Case, roughness: Roughness | None = None) -> Check:
+        """What is to be said of a ``case``, its surfaces with this ``roughness``."""
         model = case.model
         problem = model.problem()
         choice = choose_method(problem, model.method, lambda name: method_of(model, name))
         options = choice.options or survey(problem, lambda name: method_of(model, name))
         adhesion, left = model.adhesion, list[NeglectedEffect]()
         ranged = adhesion.range or adhesion.stress or adhesion.capillary
+        works, rough = works_on(roughness, problem, adhesion.w, bool(ranged))
         expected: EffectsPreview | Unknown
         try:
-            expected = preview_effects(problem, adhesion.w, adhesion.z0)
+            expected = preview_effects(problem, tuple(works), adhesion.z0)
         except Refusal as error:
             expected = Unknown(str(error))
         else:  # what the case leaves out, at the depth expected
-            left = neglected_effects(problem, expected, adhesion.w, None if ranged else adhesion.z0)
+            left = neglected_effects(problem, expected, tuple(works), None if ranged else adhesion.z0)
         # Words on the range of adhesion that a case asks for, or why it has no curve
         range_: str | Unknown = "jkr transform includes its range; the force here is that of JKR" if ranged else ""
         if ranged and (reason := unable(problem, choice.name)):
             range_ = Unknown(reason)
-        return cls(path, problem, choice, options, expected, left, range_, case.remarks)
+        return cls(path, problem, choice, options, expected, left, range_, case.remarks, rough)
 
     def summary(self) -> dict[str, Any]:
         data: dict[str, Any] = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
@@ -79,7 +82,8 @@ class Check(Result):
         else:
             adhesion = [
                 {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)}
-                for w, p, v in self.expected.adhesion
+                | ({} if by is None else by.summary())
+                for (w, p, v), by in zip(self.expected.adhesion, self.rough, strict=True)
             ]
             sizes = tables.quantities(self.expected, "a delta P")
             errors = {"half_space_error": self.expected.half_space_error, "profile_error": self.expected.profile_error}
@@ -118,6 +122,8 @@ class Check(Result):
         adhesion = () if isinstance(self.expected, Unknown) else self.expected.adhesion
         judged = dict.fromkeys(text for _, _, judged in adhesion for text in judged.warnings)
         refused = [f"jkr transform will refuse: {self.range_}"] if isinstance(self.range_, Unknown) else []
+        for (_, point, _), by in zip(adhesion, self.rough, strict=False):
+            judged |= dict.fromkeys(() if by is None else by.contact.warnings(getattr(point, "a", None)))
         return [*judged, *refused, *self.remarks]
 
     def _reaches(self) -> Iterator[str]:
@@ -143,6 +149,7 @@ class Check(Result):
                 digits = tables.digits(point.P, large_strains(self.problem, w, point, loaded=True))
                 lost = f"P = {show(point.P, 'load', digits)} at {tables.format_state(point, 'a')}"
             yield f"  w = {show(w, 'work')}: pull-off (load control) {lost}; {tabor}"
+        yield from (f"    {line}" for by in self.rough if by is not None for line in by.words())
         for *_, judged in expected.adhesion[-1:]:
             if known := tables.size_words(judged, SIZES):
                 yield f"  sizes     {', '.join(known)} at the largest contact radius"

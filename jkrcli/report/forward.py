@@ -106,9 +106,10 @@ class PullOff(Result):
 
     @property
     def warnings(self) -> list[str]:
-        """What the moduli of a viscoelastic specimen mean where no history is solved."""
+        """What the moduli of a viscoelastic specimen mean where no history is solved, and doubts of the roughness."""
         law = self.result.problem.specimen.relaxation
-        return [f"{self.result.path}: {text}" for text in relaxing(law)] if isinstance(self.histories, Unknown) else []
+        texts = relaxing(law) if isinstance(self.histories, Unknown) else ()
+        return [f"{self.result.path}: {text}" for text in (*texts, *self.result.rough_warnings)]
 
     @property
     def _points(self) -> list[CriticalPoint | Unknown]:

@@ -156,9 +156,10 @@ def summary(result: Analysis) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def law(result: Analysis) -> dict[str, float]:
-    """Tension and range of adhesion of finite range; nothing for JKR."""
-    return {} if result.law is None else {"stress_Pa": result.law.stress, "range_m": result.law.length}
+def law(result: Analysis) -> dict[str, Any]:
+    """Tension and range of adhesion of finite range, and what w is by on rough surfaces; nothing for smooth JKR."""
+    rough = {} if result.rough is None else result.rough.summary()
+    return rough | ({} if result.law is None else {"stress_Pa": result.law.stress, "range_m": result.law.length})
 
 
 def law_words(result: Analysis) -> str:
@@ -196,7 +197,14 @@ def format_pull_off(
     result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
 ) -> list[str]:
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
-    numerical error of each, of one number where all are far below what is read off."""
+    numerical error of each, of one number where all are far below what is read off; what w is by on rough surfaces."""
+    rough = [] if result.rough is None else [f"  {line}" for line in result.rough.words()]
+    return [*_verdict(result, points), *rough]
+
+
+def _verdict(
+    result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
+) -> list[str]:
     there = {name: (at, half) for name, (at, half) in points.items() if not isinstance(at, Unknown) and at.P}
     errors = {
         name.removesuffix(" control"): half["P"] / abs(at.P)
@@ -417,7 +425,11 @@ def own_scales(values: Mapping[str, float]) -> Scales:
 @TABLES.register(Analysis)
 def curve_table(curve: Analysis, scales: Scales | None = None) -> dict[str, Array]:
     """The columns of an adhesive curve, with those in units of ``scales``."""
-    return curve_columns(curve.curve) | ({} if scales is None else scales.columns(curve))
+    columns = curve_columns(curve.curve) | ({} if scales is None else scales.columns(curve))
+    if curve.rough is not None:
+        works = {"w_J_per_m2": curve.w, "w_smooth_J_per_m2": curve.rough.w}
+        columns |= {name: np.full(curve.curve.P.size, w) for name, w in works.items()}
+    return columns
 
 
 @SUMMARIES.register(Analysis)

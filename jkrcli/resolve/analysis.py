@@ -26,6 +26,7 @@ from ..adhesion.curve import (
 from ..adhesion.device_path import Stability, behaviours, stable_radius
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range, RangeRequest
 from ..adhesion.pull_off_error import Errors, error_of_rows, from_reference, pull_off_error
+from ..adhesion.roughness import RoughWork
 from ..adhesion.rules import RULES
 from ..adhesion.slopes import Slopes, exact, slopes, smoothed
 from ..adhesion.slopes.nodes import Ahead
@@ -80,7 +81,7 @@ class Analysis(Reported):
     """One adhesive curve with its critical points, error budget, validity and, where it exists, the exact solution.
 
     ``law``: of adhesion of finite range, None for JKR; ``effect``: what it matters whether the surfaces stick, where
-    that is known for several curves of one body at once.
+    that is known for several curves of one body at once; ``rough``: what its w is by, where the surfaces are rough.
     """
 
     solution: Solution
@@ -89,6 +90,7 @@ class Analysis(Reported):
     modulus_factor: float = 1.0
     law: Range | None = None
     effect: StickingEffect | Unknown | None = None
+    rough: RoughWork | None = None
 
     def __repr__(self) -> str:
         return f"<Analysis of {self.path}: w = {self.w:g} J/m^2, {len(self.curve.series)} points>"
@@ -198,8 +200,14 @@ class Analysis(Reported):
         relaxes = relaxing(self.problem.specimen.relaxation)
         sentences = [*relaxes, *self.solution.warnings, *flags, *limits, *doubts]
         sentences += [*yield_warning(self.problem, self.curve.series), *outside]
-        sentences += self._off_the_bodies
+        sentences += [*self._off_the_bodies, *self.rough_warnings]
         return list(dict.fromkeys(sentences))
+
+    @property
+    def rough_warnings(self) -> Sequence[str]:
+        """What is doubtful of the roughness, where there is one."""
+        point = self.pull_off["load"]
+        return () if self.rough is None else self.rough.contact.warnings(getattr(point, "a", None))
 
     @property
     def _off_the_bodies(self) -> list[str]:

@@ -56,6 +56,7 @@ BASES: dict[str, tuple[str, ...]] = {  # verbs on shipped inputs; what follows t
     "study transition-map": ("--nu", "0.3", "--q", "1", "--mu", "1"),
     "study adhesion-map": ("--nu", "0.3", "--q", "1", "--mu", "1", "--load", "1"),
     "study rate-map": ("--speed", "1", "--stiffness", "rigid", "--thickness", "0.3"),
+    "study roughness-map": ("--rms", "10 nm", "--rms", "20 nm", "--modulus", "1 MPa"),
     "study converge": ("gel.toml", "--levels", "2"), "bench": ("gel.toml", "--repeat", "1"), "doctor": (),
     "fit": ("gel.toml", "probe.csv"), "fit:raw": ("raw.txt", "--radius", "5 um", "--nu", "0.5"),
 }  # fmt: skip

@@ -123,6 +123,7 @@ BASES: dict[str, tuple[str, ...]] = {  # verbs, with what they are given in ever
     "study transition-map": ("--nu", "0.3", "--q", "1", "--mu", "1", "--mu", "2"),
     "study adhesion-map": ("--nu", "0.3", "--q", "1", "--mu", "1", "--mu", "2", "--load", "1"),
     "study rate-map": ("--speed", "1", "--stiffness", "rigid", "--thickness", "0.3"),
+    "study roughness-map": ("--rms", "10 nm", "--rms", "20 nm", "--modulus", "1 MPa"),
     "show": ("small.h5",), "doctor": (), "completion": ("bash",),
     "bench": ("small.toml", "--repeat", "1"), "study converge": ("small.toml", "--levels", "2"),
 }  # fmt: skip
@@ -147,6 +148,8 @@ VALUES: dict[str, tuple[str, ...]] = {  # what another value of an option is, wh
     "--segment": ("retract",),
     "--noise": ("P=3 uN",),
     "--use": ("delta,P",), "--window": ("7",), "--only": ("1",), "--show-case": ("1",), "--hours": ("0",),
+    "--roughness": ("rms=9nm,longest=1um,shortest=100nm,hurst=0.8",), "--surface-energy": ("20 mJ/m^2",),
+    "--rms": ("50 nm",), "--modulus": ("2 MPa",), "--longest": ("9 um",), "--shortest": ("50 nm",), "--hurst": ("0.7",),
     "--q": ("3",), "--beta": ("0.1",), "--ratio": ("3",), "--mu": ("3",),
 }  # fmt: skip
 OWN: dict[tuple[str, str], tuple[str, ...]] = {  # and where it is not

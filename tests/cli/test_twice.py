@@ -33,6 +33,7 @@ VERBS = {
     "converge": ("study", "converge", "cases/thin-layer.toml"),
     "transition-map": ("study", "transition-map", "--q", "1", "--mu", "1"),
     "rate-map": ("study", "rate-map", "--speed", "0.1", "--speed", "1", "--stiffness", "rigid"),
+    "roughness-map": ("study", "roughness-map", "--rms", "9 nm", "--modulus", "1 MPa"),
     "sticking-map": ("study", "sticking-map", "--nu", "0.4", "--ratio", "1"),
 }
 

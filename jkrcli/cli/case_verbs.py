@@ -104,6 +104,18 @@ class ZeroType(options.ScaleType):
         return super().parsed(text) if "=" in text else ("delta", options.LENGTH.parsed(text))
 
 
+class ShapeType(options.ParsedType):
+    """disc, any or ellipse=R1/R2."""
+
+    name = "SHAPE"
+
+    def parsed(self, text: str) -> str:
+        from ..adhesion.contact_shape import ratio_of
+
+        ratio_of(text)
+        return text
+
+
 def _reading(**columns: Any) -> SeriesReading:
     from ..resolve.foreign import SeriesReading
 
@@ -132,6 +144,8 @@ reading_options = options.as_one(
     click.option("--nodes", type=options.FileType(),
                  help="Radii of all nodes of the mesh at the contact, a table of one column, where contact radii are "
                  "those of the outermost node in contact. Default: the series tells them."),
+    click.option("--contact-shape", type=ShapeType(), default="disc", show_default=True,
+                 help="Of a contact that grows: any (no disc, a = sqrt(A/pi)), or ellipse=R1/R2 of the tip's radii."),
     click.option("--sort", is_flag=True, help="Order the rows by displacement first."),
 )  # fmt: skip
 

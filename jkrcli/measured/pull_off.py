@@ -60,6 +60,8 @@ class MeasuredWork:
     def large_strains(self) -> Strains:
         """Relative change of w that large strains may make, of the sign opposite to that of the pull-off force: w is
         as good as proportional to it."""
+        if self.result.shape is not None:  # known of discs alone
+            return None
         point, loaded = self.work.point, self.work.stiffness == LOAD_CONTROL
         change = strains_after(self.result.problem, self.work.w, self.history, point, loaded)
         if change is None or isinstance(change, Unknown):
@@ -423,6 +425,7 @@ class MeasuredPullOff(Result):
             **tables.device(work.stiffness),
             **_measured_as_json(means),
             "w_half_space_J_per_m2": work.half_space,
+            **tables.law(means.result),
             **self._rough_as_json(),
             "validity": tables.validity(means.result, work.point),
         }
@@ -447,6 +450,8 @@ class MeasuredPullOff(Result):
         else:
             lines.append(f"  {OF_INPUTS}")
         lines.append(f"  {means.series_words}")
+        if (shape := means.result.shape) is not None:
+            lines.append(f"  {shape.words({control(work.stiffness): work.stiffness})}, w the other way (model)")
         if self.rough is not None:
             smooth, error = self._smooth
             shown = show(smooth, "work") if isinstance(error, Unknown) else show_within(smooth, error, "work", 4)

@@ -125,6 +125,7 @@ class Imported(SeriesFile):
             f"{self._reached}; {facts['rows']} rows, {len(self.solution.series)} different contact radii{errors}",
             f"  loads     {facts['loads']}",
             f"  radii     {facts['radii']}",
+            *([f"  contact   {facts['contact_shape']}: compared with no disc"] if "contact_shape" in facts else []),
             f"  body      {self.solution.problem.words}",
             f"  columns   {facts['columns']}; separated by: {facts['separator']}",
             f"  written   {self.file}",

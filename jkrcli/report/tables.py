@@ -157,8 +157,11 @@ def summary(result: Analysis) -> dict[str, Any]:
 
 
 def law(result: Analysis) -> dict[str, Any]:
-    """Tension and range of adhesion of finite range, and what w is by on rough surfaces; nothing for smooth JKR."""
+    """Tension and range of adhesion of finite range, what w is by on rough surfaces, and the shape of a contact that is
+    no disc; nothing for smooth JKR of discs."""
     rough = {} if result.rough is None else result.rough.summary()
+    if result.shape is not None:
+        rough["contact_shape"] = result.shape.summary(CONTROLS)
     return rough | ({} if result.law is None else {"stress_Pa": result.law.stress, "range_m": result.law.length})
 
 
@@ -197,9 +200,12 @@ def format_pull_off(
     result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
 ) -> list[str]:
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
-    numerical error of each, of one number where all are far below what is read off; what w is by on rough surfaces."""
-    rough = [] if result.rough is None else [f"  {line}" for line in result.rough.words()]
-    return [*_verdict(result, points), *rough]
+    numerical error of each, of one number where all are far below what is read off; what w is by on rough surfaces,
+    and what is known of a contact that is no disc."""
+    more = [] if result.rough is None else list(result.rough.words())
+    if result.shape is not None:
+        more.append(f"{result.shape.words(CONTROLS)} (model)")
+    return [*_verdict(result, points), *(f"  {line}" for line in more)]
 
 
 def _verdict(

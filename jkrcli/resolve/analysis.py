@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
+from ..adhesion.contact_shape import DISC, ContactShape, refuse_no_disc
 from ..adhesion.curve import (
     CONTROLS,
     DISPLACEMENT_CONTROL,
@@ -157,7 +158,9 @@ class Analysis(Reported):
         return with_large_strains(judged, worst)
 
     def large_strains(self, point: CriticalPoint) -> Strains:
-        """What large strains change of the pull-off force at the ``point``."""
+        """What large strains change of the pull-off force at the ``point``; known of discs alone."""
+        if self.shape is not None:
+            return None
         loaded = self.pull_off["load"]
         by_load = isinstance(loaded, CriticalPoint) and loaded.a == point.a
         return large_strains(self.problem, self.w, point, by_load, self.curve.surface_displacement(point))
@@ -167,7 +170,7 @@ class Analysis(Reported):
         """The distance to the exact solution of the same indenter; None but for a half-space that slides."""
         specimen = self.problem.specimen
         half_space = self.problem.is_half_space and not (self.problem.sticks or specimen.surface_tension)
-        if not half_space or not isinstance(self.curve, AdhesiveCurve):
+        if not half_space or self.shape is not None or not isinstance(self.curve, AdhesiveCurve):
             return None
         return compare_half_space(self.curve, self.problem)
 
@@ -184,6 +187,8 @@ class Analysis(Reported):
             return 0.0
         if isinstance(point, Unknown):
             return point
+        if self.shape is not None:
+            return Unknown("the effect of a range is solved for contacts that are discs")
         return effect_of_range(self.problem, self.curve.series, self.w, self.solution.record.z0, point)
 
     @property
@@ -202,6 +207,11 @@ class Analysis(Reported):
         sentences += [*yield_warning(self.problem, self.curve.series), *outside]
         sentences += [*self._off_the_bodies, *self.rough_warnings]
         return list(dict.fromkeys(sentences))
+
+    @property
+    def shape(self) -> ContactShape | None:
+        """The shape of a contact that is no disc."""
+        return ContactShape.of(self.solution.facts, self.problem.is_half_space)
 
     @property
     def rough_warnings(self) -> Sequence[str]:
@@ -383,7 +393,9 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
         beside: Compared | None = None
         if solution.raw is not None:
             read = solution.method == "import"
-            beside = compared(solution.problem, solution.raw, read and solution.facts.get("compared") != "no")
+            with_bodies = read and solution.facts.get("compared") != "no"
+            disc = solution.facts.get("contact_shape", DISC) == DISC
+            beside = compared(solution.problem, solution.raw, with_bodies, disc)
             if not read and solution.facts.get("edge_correction"):
                 beside = replace(beside, ahead=CALIBRATED)
         pair = _series_and_slopes(solution, slopes_name, beside)
@@ -406,7 +418,8 @@ def _reference(solution: Solution, series: Series, beside: Compared | None) -> N
         method, problem = solution.method, solution.problem
         specimen, r_max = problem.specimen, problem.indenter.r_max
         closed = problem.is_half_space and not (problem.sticks or specimen.surface_tension)
-        if not closed or (method in METHODS and METHODS[method].exact):
+        disc = solution.facts.get("contact_shape", DISC) == DISC
+        if not closed or not disc or (method in METHODS and METHODS[method].exact):
             return None
         own = own_solution(problem, np.append(series.a, min(REFERENCE_BEYOND * series.a[-1], r_max * (1 - ROUNDED))))
     return None if own is None or own.S is None or own.dS is None else Nonadhesive(own, exact(own))
@@ -532,6 +545,7 @@ def method_behind(solution: Solution) -> Method | None:
 
 def fem_behind(solution: Solution) -> FEM:
     """The finite elements for fields in the body of ``solution``: those that made it, or as its case says."""
+    refuse_no_disc(solution.facts, "fields")
     case = solution.record.case
     made: FEM | None = solution.solver if solution.method == "fem" else None
     return made or (fem_of(case.model) if isinstance(case, Case) else method_class("fem")())
@@ -784,6 +798,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     """Pressure inside, displacement and gap around a contact of radius ``a`` [m] on the body itself: by its kernel, or
     by finite elements where the surfaces stick or the kernel of a cylinder does not give them."""
     problem = solution.problem
+    refuse_no_disc(solution.facts, "profile")
     if request:
         return _attracted(solution, a, request.law(w))
     if problem.sticks:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..adhesion.contact_shape import DISC
 from ..base.errors import InputError, Unknown, counted
 from ..base.numerics import Array, cubic_spline
 from ..base.units import LARGEST_SI
@@ -44,6 +45,8 @@ class SeriesReading:
     surface unless the exact solution of the bodies says that it is the projected one. ``compare``: whether the exact
     solution of the bodies, where there is one, tells where the edge is between nodes, the shape, and what an area is.
     ``nodes``: a table of the radii of all nodes of the mesh at the contact, where the contact radii are those of nodes.
+    ``contact_shape``: "any" or "ellipse=R1/R2" where the contact is no disc: an area is its projected one, its radius
+    sqrt(A/pi), and nothing is compared with discs.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -57,8 +60,14 @@ class SeriesReading:
     nodes: Path | None = None
     separator: str | None = None
     decimal: str | None = None
+    contact_shape: str = DISC
 
     def __post_init__(self) -> None:
+        if self.contact_shape != DISC:
+            if self.area == "surface" or self.nodes is not None:
+                raise InputError("import: --area surface and --nodes are of contacts that are discs: leave them out")
+            object.__setattr__(self, "area", "projected")
+            object.__setattr__(self, "compare", False)
         object.__setattr__(self, "factors", factors_of(self.factors))
 
 
@@ -70,7 +79,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     from .node_radii import check_against_solution, compared
 
     indenter = problem.indenter
-    table = read_table(path, reading.separator, reading.decimal)
+    table = read_table(path, reading.separator, reading.decimal, 3 if reading.contact_shape == DISC else 2)
     table, units, unit_flags = with_units(table, reading.units, NAMES.quantities)
     reading = replace(reading, units=units)
     # Index of the column for each key: the one of `reading`, else by its name; the radius goes before the area.
@@ -79,7 +88,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     wanted = ("delta", "P", "area" if by_area and "a" not in named else "a")
     chosen = {key: named[key] if key in named else NAMES.guess(table, key) for key in wanted}
     check_chosen(table, named | chosen)
-    if "a" in chosen and reading.area != "auto":
+    if "a" in chosen and reading.area != "auto" and reading.contact_shape == DISC:
         raise InputError(f"{path}: --area is what a contact area means, and the table has contact radii: leave it out")
     lines, values = table.lines, dict[str, Array]()
     for key, index in chosen.items():  # in SI: unit, factor, sign and zero applied
@@ -108,13 +117,14 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     if reading.nodes is not None:
         raw = _on_nodes(path, raw, reading.nodes, reading.units.get("a"))
     if noisy:
-        beside, series, words = _by_fit(path, raw, problem, reading.compare)
+        beside, series, words = _by_fit(path, raw, problem, reading)
         raw = beside.raw
         dropped = int(lines.size - raw.a.size)
     else:
         kept, dropped = filter_plateaus(raw)
         _check_kept(path, kept, dropped, indenter)
-        beside, series, words = compared(problem, raw, reading.compare), _series(kept, indenter), ()
+        beside = compared(problem, raw, reading.compare, reading.contact_shape == DISC)
+        series, words = _series(kept, indenter), ()
     loads = beside.loads()
     doubts = () if loads is None else loads.doubts(problem)
     # What the bodies say of radii and loads
@@ -124,6 +134,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     facts = _facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"}
     rows = "those of the rows" if "a" in chosen else f"of the contact area ({reading.area}: --area)"
     facts |= {"loads": said, "radii": beside.of_nodes or rows}
+    if reading.contact_shape != DISC:
+        facts["contact_shape"] = reading.contact_shape
     if loads is not None:
         facts |= {"loads_factor": loads.factor, "loads_factor_error": loads.error * loads.factor}
     return Solution(
@@ -142,7 +154,9 @@ def _series(rows: RawSeries, indenter: Indenter) -> Series:
     return Series(rows.a, rows.delta, rows.P, a0=indenter.a0, S0=None if indenter.a0 > 0 else 0.0)
 
 
-def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tuple[Compared, Series, tuple[str, ...]]:
+def _by_fit(
+    path: Path, raw: RawSeries, problem: Problem, reading: SeriesReading
+) -> tuple[Compared, Series, tuple[str, ...]]:
     """Rows in contact that are noisy beside their bodies, their fitted series, and what is wrong with them.
 
     Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
@@ -159,7 +173,7 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
     kept = raw.only(used)
     _check_kept(path, kept, int(np.sum(~used)), indenter)
     S0 = None if indenter.a0 > 0 else 0.0
-    beside = compared(problem, kept, compare)
+    beside = compared(problem, kept, reading.compare, reading.contact_shape == DISC)
     series, slopes = smoothed(kept, indenter.a0, S0, beside.own, beside.ahead)
     if is_series(kept):  # their scatter is read off the rows themselves, not off what was fitted to them
         inside = (kept.a >= series.a[0]) & (kept.a <= series.a[-1])

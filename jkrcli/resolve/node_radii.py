@@ -205,8 +205,10 @@ def _same(loads: Loads) -> bool:
     return abs(math.log(loads.factor)) + loads.error < DEPARTURE_LEAST
 
 
-def compared(problem: Problem, raw: RawSeries, with_bodies: bool = True) -> Compared:
-    """``raw`` beside the bodies of ``problem``, or beside their tip alone."""
+def compared(problem: Problem, raw: RawSeries, with_bodies: bool = True, disc: bool = True) -> Compared:
+    """``raw`` beside the bodies of ``problem``, or beside their tip alone; as it is where it is no ``disc``."""
+    if not disc:
+        return Compared(problem, raw, None, None, AS_THEY_ARE, None)
     touching, nodes = raw.touching, node_radii(raw)
     reached = touching.a if nodes is None else np.append(touching.a, touching.a[-1] + 2 * nodes.spacing)
     within = np.minimum(reached[reached > problem.indenter.a0], problem.indenter.r_max * (1 - ROUNDED))

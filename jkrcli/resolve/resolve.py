@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..adhesion.contact_shape import ContactShape
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, EquilibriumCurve, Nonadhesive, transform
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
 from ..adhesion.slopes import Slopes
@@ -213,7 +214,10 @@ def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
 
 
 def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Unknown:
-    """Effect on a solved body with its pull-off forces; not computed again where its file has it as small."""
+    """Effect on a solved body with its pull-off forces; not computed again where its file has it as small, and not of a
+    contact that is no disc."""
+    if ContactShape.of(solution.facts, False):
+        return Unknown("effect of no slip unknown: it is solved for contacts that are discs")
     load, stiffness = (solution.facts.get(f"sticking_over_sliding_{name}") for name in ("load", "S"))
     a = float(solution.series.a[-1])
     if isinstance(load, float) and isinstance(stiffness, float):

@@ -159,7 +159,7 @@ def pull_off(
     from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
     from ..adhesion.roughness import works_on
     from ..report.forward import PullOff
-    from ..resolve.analysis import where_lost
+    from ..resolve.analysis import Analysis, Lost, where_lost
     from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
 
     if sought is not None:
@@ -190,7 +190,7 @@ def pull_off(
     wanted = [works or inputs.works_of(solution) for solution in solutions]
     histories = sum(seconds_of_histories(*each, len(stiffnesses)) for each in zip(solutions, wanted, strict=True))
     inputs.begin_curves("pull-off", solutions, wanted, limits, ranges, devices=len(stiffnesses), beside=histories)
-    curves = []
+    curves = list[tuple[Analysis, list[Lost]]]()
     for solution, some, ranged in zip(solutions, wanted, ranges, strict=True):
         acting, rough = works_on(roughness, solution.problem.scaled(how.modulus_factor), some, bool(ranged))
         lost = where_lost(solution, acting, stiffnesses, how.slopes, how.modulus_factor, ranged)

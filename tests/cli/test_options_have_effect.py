@@ -158,6 +158,7 @@ OWN: dict[tuple[str, str], tuple[str, ...]] = {  # and where it is not
     ("study rate-map", "--rate"): ("n=0.5",), ("study rate-map", "--speed"): ("2",),
     ("study rate-map", "--stiffness"): ("1",), ("study rate-map", "--thickness"): ("0.5",),
     ("study adhesion-map", "--load"): ("2",),
+    ("import", "--area"): ("surface",),
     ("import", "--column"): ("a=delta_um",), ("look", "--column"): ("P=a_um",), ("work", "--column"): ("P=a_um",),
     ("explore", "--column"): ("P=a_um",),
     ("bench", "--repeat"): ("2",), ("study converge", "--levels"): ("3",),

@@ -41,7 +41,7 @@ FARTHEST, REACH = 4.0, 1.5  # choice: of logs, from what is likely of a record, 
 ROUNDS = 3  # choice: modulus and zero in turn, good to a tenth
 BEGINS = 2  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
-SEARCH, FINE = (0.03, 2e-2, 3), (0.012, 8e-3, 12)
+SEARCH, FINE = (0.03, 4e-2, 3), (0.012, 2e-2, 12)
 QUICK = 3e-3  # choice: tolerance of steps of a power law, which relaxes at once behind each corner of the program
 LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
@@ -100,25 +100,25 @@ def adhering_fit(
     may be alike, as that of a neighbour, where it begins."""
     fine = prepared(body, curve, settings)
     settings, cycle = fine.settings, fine.cycle
-    wide = None if like is None else _beside(fine, like)
-    if wide is None:
+    wide, begun = fine, None if like is None else _beside(fine, like)
+    if begun is None:
         near = Nearby.of(*_begun(fine))
         if settings.law != "sls":  # where the record is likeliest by that law, whatever the solid's cost is
             near = near.by_law(settings)
             near = Nearby.of(near.model, Posterior.of(near, 1.0, WITHIN[1], HELD).likeliest())
-        wide = _least(near, FINE[2], (HELD,) if settings.most is None else (HELD, 1.0))
-    off = wide.state.residuals[: cycle.t.size]
-    if settings.most is not None and float(np.mean(off[off != 0] ** 2)) > settings.most:
-        raise SolveError("no history of this specimen leaves as little")
-    found, corrected = _corrected(wide)
+        begun = _least(near, FINE[2], (HELD,) if settings.most is None else (HELD, 1.0))
+        wide, off = begun.model, begun.state.residuals[: cycle.t.size]
+        if settings.most is not None and float(np.mean(off[off != 0] ** 2)) > settings.most:
+            raise SolveError("no history of this specimen leaves as little")
+    found, corrected = _corrected(begun, wide)
     with contextlib.suppress(SolveError, ArithmeticError, ValueError):  # a LinAlgError is one
-        if like is None and (other := _with_likely_range(found, wide.model)) is not None:
-            other, again = _corrected(_least(other, FINE[2], (HELD,)))
+        if like is None and (other := _with_likely_range(found, wide)) is not None:
+            other, again = _corrected(_least(other, FINE[2], (HELD,)), wide)
             if again >= corrected and other.cost < found.cost:
                 found, corrected = other, again
     # what zones of no width change, by the errors of jumps with them
-    jumps = np.stack([wide.model.jumps[:, 0], found.model.jumps[:, 1]], axis=1)
-    change = replace(found, model=replace(wide.model, jumps=jumps)).state.residuals - found.state.residuals
+    jumps = np.stack([wide.jumps[:, 0], found.model.jumps[:, 1]], axis=1)
+    change = replace(found, model=replace(wide, jumps=jumps)).state.residuals - found.state.residuals
     fit = _result(found, np.linalg.pinv(found.state.jacobian) @ change)
     return fit if corrected and not found.here.given_up else replace(fit, warnings=(*fit.warnings, GIVEN_UP))
 
@@ -136,16 +136,16 @@ def _problem(body: FittedBody, cycle: Cycle, settings: RelaxationSettings) -> Ad
                     tolerance, np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
 
 
-def _corrected(wide: Nearby) -> tuple[Nearby, bool]:
-    """The least of ``wide`` zones with what narrower ones, extrapolated, change there, and whether these could be
-    followed."""
-    found, followed = wide, False
+def _corrected(begun: Nearby, wide: Adhering) -> tuple[Nearby, bool]:
+    """The least of ``wide`` zones with what narrower ones, extrapolated, change there, from a place where it has
+    ``begun``, and whether these could be followed."""
+    found, followed = begun, begun.model is not wide
     for _ in range(CORRECTED):
-        narrower = replace(found, model=wide.model.corrected(found.x, found.here))
+        narrower = replace(found, model=wide.corrected(found.x, found.here))
         change = found.state.residuals - narrower.state.residuals
-        if followed and (narrower.model is wide.model or float(change @ change) < CONVERGED):
+        if followed and (narrower.model is wide or float(change @ change) < CONVERGED):
             break
-        followed = narrower.model is not wide.model
+        followed = narrower.model is not wide
         found = _least(narrower, FINE[2], (1.0,))
         if found.x is narrower.x:
             break
@@ -209,14 +209,15 @@ def _with_base_line(cycle: Cycle, settings: RelaxationSettings) -> RelaxationSet
 
 
 def _beside(fine: Adhering, like: RelaxationFit) -> Nearby | None:
-    """The likeliest unknowns from the specimen of another fit on, with the record's own begin of contact; None where
-    that leads nowhere."""
+    """The likeliest unknowns from the specimen of another fit on, with the record's own begin of contact and what
+    narrower zones change there; None where that leads nowhere."""
     values = {item.name: item.value for item in like.estimates} | dict(like.settings.fixed)
     with contextlib.suppress(SolveError, ArithmeticError, ValueError):  # a LinAlgError is one
         length = values["range"] if "range" in values else values["w"] / values["stress"]
         own = {"delta0": fine.cycle.touches[0] + length, "P0": fine.cycle.base[0], "tilt": fine.cycle.base[1]}
         x = fine.unknowns.at({**values, **own, **fine.settings.fixed})
-        found = _least(Nearby.of(fine, x), FINE[2], (1.0,))
+        near = Nearby.of(fine, x)
+        found = _least(replace(near, model=fine.corrected(x, near.here)), FINE[2], (1.0,))
         if found.ended and found.scatter <= min(LIKE * like.scatter, SEARCH_MISFIT):
             return found
     return None

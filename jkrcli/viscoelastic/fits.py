@@ -5,17 +5,19 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
-from ..base.errors import InputError, SolveError
+from ..base.errors import InputError, SolveError, counted
 from ..base.process import one_thread
 from ..cli.printing import announce, warn
 from ..measured.files import usable
-from ..measured.fits import FitRequest
+from ..measured.fits import FitRequest, mended
 from ..tables.text import some
 from .law_fits import RelaxationFits
 from .rate_fit import rate_fit, rate_settings
 from .relaxation_fit import relaxation_fit
 from .shared_speeds import shared_speeds_fit
 from .timed_record import RelaxationFit, relaxation_settings
+
+SECONDS, POWER_SECONDS = (3.0, 1.2), (8.0, 4.0)  # choice: of the first force curve and of each next one that is alike
 
 
 def fit_law(request: FitRequest) -> None:
@@ -46,16 +48,20 @@ def fit_relaxation(request: FitRequest) -> None:
         return
     curves, skipped = usable(request.measured, request.reading)
     done: list[RelaxationFit] = []
-    for curve in curves:
-        try:
-            with one_thread():
-                done.append(relaxation_fit(body, curve, settings, done[-1] if done else None))
-        except InputError as error:
-            skipped += error.lines
-        except SolveError as error:  # of one of many it does not cost the others
-            if len(curves) == 1:
-                raise
-            skipped.append(str(error))
+    first, later = (POWER_SECONDS if settings.law == "power" else SECONDS) if settings.adheres else (0.0, 0.0)
+    with mended(f"fits of {counted(len(curves), 'curve')}", len(curves), first + later * (len(curves) - 1)) as step:
+        for curve in curves:
+            before = len(done)
+            try:
+                with one_thread():
+                    done.append(relaxation_fit(body, curve, settings, done[-1] if done else None))
+            except InputError as error:
+                skipped += error.lines
+            except SolveError as error:  # of one of many it does not cost the others
+                if len(curves) == 1:
+                    raise
+                skipped.append(str(error))
+            step(len(done) == before)
     if not done:
         raise InputError(some(skipped))
     for line in skipped:

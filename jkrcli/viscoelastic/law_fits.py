@@ -169,7 +169,7 @@ def relaxation_fit_words(fit: RelaxationFit) -> list[str]:
     record, level = fit.record, fit.settings.level
     control = "displacement of the tip" if record.control == "tip" else record.control
     pieces = len(record.knots[0]) - 1
-    straight = f"held, {pieces} straight piece{'s' if pieces > 1 else ''}"
+    straight = f"prescribed, {pieces} straight piece{'s' if pieces > 1 else ''}"
     motion = "as it was read" if record.read else straight
     own = [fit.estimate(name) for name in ("E_star", *fit.free) if name not in ("modulus", *ZERO_POINTS)]
     doubts = f"; doubtful: {', '.join(fit.doubts)}" if fit.doubts else ""

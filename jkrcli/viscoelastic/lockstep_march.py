@@ -27,14 +27,12 @@ What is left errs like the width over the contact radius, and is extrapolated.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 from scipy.special import dawsn
 
 from ..adhesion.finite_range import AttractedBody
@@ -57,8 +55,10 @@ JUMPS_MOST = 5  # choice: of a contact, beyond which it is given up
 KERNELS = 8  # choice: that are kept
 KERNEL = 1e-5  # theory: of the largest, terms of the kernel that are left out
 BENDS = 0.3  # choice: of the largest load, what it is off a straight line, as a zone that its prediction misses
+# choice: of a piece of the program, its first step at least and at most; of the shortest time of relaxation
+FIRST = 1e-4, 3e-3, 0.1
 GROWS = 1.4  # choice: from step to step; of twice as long ones loads have the noise of where they begin
-SEARCHED = 32  # choice: radii among which a jump's end is looked for
+SEARCHED, SECANTS = 32, 5  # choice: radii among which a jump's end is looked for; their zones are then good to 1e-3
 RATE_KNOWN = 0.05  # choice: of its speed, what Newton's last step may move an edge whose w depends on it
 MOVES = 0.5  # choice: of the zone, by which its edge moves at most while its body relaxes
 FEWEST = 4.0  # choice: steps of a piece of the program at least, times the root of the tolerance's inverse
@@ -158,19 +158,25 @@ class Marched:
     def load(self, t: Array) -> Array:
         """P over the modulus [m^2] at the times ``t`` [s], smooth between corners and jumps."""
         at, P = self.rows[:, 0], self.rows[:, 4]
-        found = np.where(t < at[0], 0.0, P[-1])
-        ends = np.searchsorted(at, self.corners)
-        jumps = np.flatnonzero(np.diff(at) < JUMP_LASTS * 1.5 * np.ptp(self.corners)) + 1
-        cuts = np.unique(np.concatenate([[0, at.size - 1], ends[(ends > 0) & (ends < at.size)], jumps, jumps - 1]))
-        for first, last in itertools.pairwise(cuts.tolist()):
-            inside = (t >= at[first]) & (t <= at[last])
-            if not inside.any():
-                continue
-            if last - first < 2:
-                found[inside] = np.interp(t[inside], at[first : last + 1], P[first : last + 1])
-            else:
-                found[inside] = PchipInterpolator(at[first : last + 1], P[first : last + 1])(t[inside])
-        return found
+        sharp = np.isin(at, self.corners)
+        jumps = np.flatnonzero(np.diff(at) < JUMP_LASTS * 1.5 * np.ptp(self.corners))
+        sharp[[0, -1]] = sharp[jumps] = sharp[jumps + 1] = True
+        h, chord = np.diff(at), np.diff(P) / np.diff(at)
+        # as monotone as the rows: harmonic means of chords (Fritsch, Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300)
+        w0, w1 = h[:-1] + 2 * h[1:], 2 * h[:-1] + h[1:]
+        rising = chord[:-1] * chord[1:] > 0
+        c0, c1 = (np.where(rising, one, 1.0) for one in (chord[:-1], chord[1:]))
+        slopes = np.concatenate([[0.0], np.where(rising, (w0 + w1) / (w0 / c0 + w1 / c1), 0.0), [0.0]])
+        # beside a corner by the parabola of the other end, a straight line between two
+        begin, end = slopes[:-1], slopes[1:]
+        begin, end = (
+            np.where(mine, np.where(others, chord, 2 * chord - other), slope)
+            for mine, slope, others, other in ((sharp[:-1], begin, sharp[1:], end), (sharp[1:], end, sharp[:-1], begin))
+        )
+        i = np.clip(np.searchsorted(at, t, side="right") - 1, 0, at.size - 2)
+        x, part = t - at[i], (t - at[i]) / h[i]
+        found = P[i] + x * (chord[i] + (1 - part) * ((begin - chord)[i] * (1 - part) - (end - chord)[i] * part))
+        return np.where(t < at[0], 0.0, np.where(t > at[-1], P[-1], found))
 
 
 class March:
@@ -277,17 +283,22 @@ class March:
         return found
 
     # ------------------------------------------------------------------ one step
+    def _some(self, rows: Array) -> Array | slice:
+        """The trials ``rows`` as an index; of all of them one that copies nothing."""
+        return slice(None) if rows.size == self.w.size else rows
+
     def _step(self, rows: Array, h: Array) -> None:
         """Prepare the steps ``h`` of the trials ``rows``."""
+        some = self._some(rows)
         z = h[:, None] * self.rates[rows]
         self.decay = np.exp(-z)
         self.gain = np.where(z > 1e-12, -np.expm1(-z) / np.maximum(z, 1e-12), 1.0)
         weights = self.weights[rows]
         eased = np.sum(weights * self.gain, axis=1)
         self.G = self.relaxed[rows] + eased
-        remembered = np.einsum("nm,nmx->nx", weights * self.decay, self.eta[rows])
-        self.H = remembered - eased[:, None] * self.W[rows]
-        self._profile(rows, self.shape[rows] - self.H / self.G[:, None])
+        remembered = np.einsum("nm,nmx->nx", weights * self.decay, self.eta[some])
+        self.H = remembered - eased[:, None] * self.W[some]
+        self._profile(rows, self.shape[some] - self.H / self.G[:, None])
 
     def _profile(self, rows: Array, g: Array) -> None:
         self.g = g
@@ -350,7 +361,7 @@ class March:
         rate = self.rate if np.isfinite(h).all() else None
         # where the last step left a state within CLOSE, its equations are looked at once more, without slopes
         todo, last, slopes = at, np.zeros(n, dtype=bool), np.zeros((4, n))
-        for _ in range(NEWTON):
+        for i in range(NEWTON):
             r, A, B = rows[todo], a[todo], b[todo]
             touching, wanted = A > 0, length[todo]
             v, lasts, by_v = np.zeros((3, todo.size))
@@ -358,7 +369,7 @@ class March:
                 v, lasts = self._receding(r, A + B, h[todo])
                 more, by_v = rate.at(r, v)
                 wanted, by_v = wanted * np.exp(more), by_v / lasts
-            known = bool(last[todo].all())
+            known = bool(last[todo].all()) or (i % 2 == 1 and np.isfinite(h).all())
             many = 1 if known else 3
             e = 1e-4 * B
             radii = (A, B) if known else (np.concatenate([A, A + e * touching, A]),
@@ -420,7 +431,7 @@ class March:
         # the wider the zone, the larger the gap: secants in logs from the width of a narrow one
         b = np.minimum(ZONE_SLOPE * self.E * self.G[at] * self.w[r] / self.sigma[r] ** 2, end / 2)
         power, before = np.full(b.size, 1.3), None
-        for _ in range(8):
+        for _ in range(SECANTS):
             off = np.log(np.maximum(self._rim(at, r, end - b, b)[2] / length, 1e-3))
             if before is not None:
                 run = np.log(b / before[0])
@@ -446,15 +457,16 @@ class March:
 
     def _take(self, rows: Array, at: Array, state: tuple[Array, ...]) -> None:
         """Let the bodies of the trials ``rows``, of the prepared steps ``at``, remember their new ``state``."""
+        some, taken = self._some(rows), self._some(at)
         a, c, delta, _, mu = (one[at] for one in state)
-        x = self.grid[rows]
+        x = self.grid[some]
         pulled = -self.s0[rows, None] * np.sqrt(np.maximum((c[:, None] - x) * (c[:, None] + x), 0.0))
         if mu.shape[1]:
-            pulled += np.matmul(self.u[rows], mu[..., None])[..., 0]
-        W = np.where(x < a[:, None], delta[:, None] - self.shape[rows], (pulled - self.H[at]) / self.G[at, None])
-        moved = W - self.W[rows]
-        self.eta[rows] = self.decay[at][..., None] * self.eta[rows] + self.gain[at][..., None] * moved[:, None]
-        self.W[rows] = W
+            pulled += np.matmul(self.u[some], mu[..., None])[..., 0]
+        W = np.where(x < a[:, None], delta[:, None] - self.shape[some], (pulled - self.H[taken]) / self.G[at, None])
+        moved = W - self.W[some]
+        self.eta[some] = self.decay[at][..., None] * self.eta[some] + self.gain[at][..., None] * moved[:, None]
+        self.W[some] = W
 
     # ------------------------------------------------------------------ the program
     def run(self) -> list[Marched]:
@@ -564,7 +576,10 @@ class March:
 
     def _begin_piece(self, rows: Array) -> None:
         """The first step behind a corner or a jump of the trials ``rows``, which nothing foretells."""
-        self.h[rows], self.before[rows] = 1e-4 * np.diff(self.t)[self.piece[rows]], False
+        piece = np.diff(self.t)[self.piece[rows]]
+        shortest = 1 / np.max(self.rates[rows], axis=1)
+        self.h[rows] = np.clip(FIRST[2] * shortest, FIRST[0] * piece, FIRST[1] * piece)
+        self.before[rows] = False
 
     def _note(self, rows: Array) -> None:
         self.history.append((rows, self.now[rows], *self.state[:, rows]))

@@ -64,11 +64,11 @@ def check_rising(where: str, t: Array, rows: Array) -> None:
         raise InputError(f"{where}: time must rise from row to row, it does not in row {row}")
 
 
-def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:
+def corners(t: Array, x: Array, noise: float, most: int = MOTION_MOST) -> tuple[Array, Array]:
     """The times and places of the corners, ends among them, of straight pieces that leave of ``x`` at rising times
-    ``t`` no more than ``noise``; as many as are worth it."""
+    ``t`` no more than ``noise``; as many as are worth it, ``most`` at most."""
     knots, sums = [0, t.size - 1], _Sums.of(t, x)
-    while len(knots) < MOTION_MOST:
+    while len(knots) < most:
         rest = x - through(t, x, t[knots])[1]
         if np.sqrt(np.mean(rest**2)) < MOTION_STRAIGHT * noise:
             break
@@ -315,7 +315,10 @@ def relaxation_settings(
                      {"w0": "w"} if rate else {})  # fmt: skip
     fixed = named.known(fix)
     fixed = ({"time": 1.0} if law == "power" else {}) | fixed
-    wanted = ["delta0", *(["w"] if rate else []), *(named.own(name) for name in free if name != "relaxation")]
+    freed = [named.own(name) for name in free if name != "relaxation"]
+    if twice := sorted({*freed} & fixed.keys()):
+        raise InputError(f"fit: {twice[0]} is both free and fixed")
+    wanted = ["delta0", *(["w"] if rate else []), *freed]
     wanted = [name for name in wanted if name not in fixed]
     adhesion = tuple(name for name in ADHESION if name in wanted)
     zeros = tuple(name for name in wanted if name in ZEROS)

@@ -197,7 +197,8 @@ class Cycle:
     def load_is_prescribed(self) -> bool:
         """Whether the load moved in fewer straight pieces than the device, or alone in any."""
         pieces = self.program[0].size if self.straight else MOTION_MOST
-        return corners_of(self.t, self.P)[0].size < pieces
+        most = min(pieces + 1, MOTION_MOST)  # two corners in neighbouring rows are one
+        return corners_of(self.t, self.P, most)[0].size < pieces
 
     def record(self) -> TimedRecord:
         """The same as fits of relaxation report it."""
@@ -221,10 +222,10 @@ def recovers(t: Array, P: Array, pulled: float) -> float:
     return float(t[i] + (-pulled / 2 - P[i]) / (P[i + 1] - P[i]) * (t[i + 1] - t[i]))
 
 
-def corners_of(t: Array, z: Array) -> tuple[Array, Array]:
+def corners_of(t: Array, z: Array, most: int = MOTION_MOST) -> tuple[Array, Array]:
     some = np.unique(np.linspace(0, t.size - 1, min(t.size, 1000)).astype(int))
-    times, _ = corners(t[some], z[some], max(noise_of(z[some]), EVEN * float(np.ptp(z))))
-    if times.size >= MOTION_MOST:
+    times, _ = corners(t[some], z[some], max(noise_of(z[some]), EVEN * float(np.ptp(z))), most)
+    if times.size >= most:
         return times, through(t, z, times)[0]
     # a corner is where the straight lines of both sides meet
     gap, lines = 2 * float(np.median(np.diff(t[some]))), []

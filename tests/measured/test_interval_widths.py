@@ -42,7 +42,7 @@ from jkrcli.measured.least_squares import (
 )
 from jkrcli.measured.parameters import ONE_SIDED, ROOT, FittedValue, Parameter
 from jkrcli.measured.procedure import fit, preferences
-from jkrcli.measured.report import with_errors
+from jkrcli.measured.report import estimate_words, with_errors
 from jkrcli.viscoelastic.rate import PowerRate
 from jkrcli.viscoelastic.rate_fit import LawAlongRecords, law_along_records, rate_fit, rate_settings
 
@@ -89,6 +89,12 @@ def test_systematic_parts_count_as_standard_errors() -> None:
 def test_a_value_has_the_digits_that_its_whole_error_leaves(parts: tuple[float, float], words: str) -> None:
     each = dict(zip(("statistical", "model"), parts, strict=True))
     assert with_errors(FittedValue("w", 55.001e-3, True, "work"), each, named=False) == words
+
+
+def test_a_value_whose_error_is_beyond_it_has_its_interval_alone() -> None:
+    item = FittedValue("stress", 0.9e6, True, "modulus", error=24e6, low=31e3, high=47.3e6)
+    assert with_errors(item, {"statistical": 47e6}, named=False) == "31 kPa to 47 MPa"
+    assert estimate_words(item, 0.95) == "31 kPa to 47 MPa"
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.viscoelastic import adhesive_fit, fits, lockstep_march
 from jkrcli.viscoelastic.adhesive_fit import ElasticLimits
 from jkrcli.viscoelastic.law_posterior import Nearby
-from jkrcli.viscoelastic.lockstep_march import March, Trial, passing
+from jkrcli.viscoelastic.lockstep_march import March, Marched, Trial, passing
 from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
 from jkrcli.viscoelastic.relaxing_adhesion import creep
 from jkrcli.viscoelastic.timed_record import RELAXED, RelaxationFit, relaxation_settings
@@ -97,6 +97,23 @@ def test_a_narrow_zone_is_made_up_for(body: FittedBody) -> None:
     _, narrow = march(body, SOLID, 2.0, 2.0, 0.005)
     assert np.sqrt(np.mean(wide**2)) < 0.012  # found: 9e-3
     assert np.sqrt(np.mean(narrow**2)) < 0.8 * np.sqrt(np.mean(wide**2))
+
+
+def test_loads_between_steps_are_smooth_but_at_corners() -> None:
+    """Twice as many steps err an eighth as much or less; before contact and behind its end loads rest."""
+
+    def error(steps: int) -> float:
+        t = np.concatenate([np.linspace(0, 1, steps), np.linspace(1, 3, steps)[1:]])
+        P = np.where(t < 1, np.exp(t), math.e * np.exp(2 * (1 - t)))  # a corner at 1
+        rows = np.stack([t, t, t, t, P], axis=1)
+        found = Marched(rows, 0.0, math.inf, np.array([0.0, 1.0, 3.0]), False).load(between)
+        return float(np.max(np.abs(found - np.where(between < 1, np.exp(between), math.e * np.exp(2 * (1 - between))))))
+
+    between = np.linspace(0, 3, 997)
+    assert error(21) < 2e-3
+    assert error(41) < error(21) / 7
+    outside = Marched(np.array([[1.0, 0, 0, 0, 2.0], [2.0, 0, 0, 0, 5.0]]), 1.0, math.inf, np.array([0.0, 3.0]), False)
+    assert outside.load(np.array([0.5, 1.5, 2.5])).tolist() == [0.0, 3.5, 5.0]
 
 
 @pytest.mark.slow
@@ -185,6 +202,7 @@ def test_a_lever_is_found_where_the_tip_was_read() -> None:
         ([("onset", "1 s")], [], "power", "onset: what jumps of the contact show: it goes with w"),
         ([("stress", "2 Pa"), ("range", "1 um")], ["w"], "sls", "stress and range are one parameter"),
         ([], ["w", "streess"], "sls", 'unknown parameter "streess", did you mean "stress"'),
+        ([("w", "20 mJ/m^2")], ["w"], "sls", "w is both free and fixed"),
     ],
 )
 def test_what_is_not_asked_so(fix: list, free: list, law: str, line: str) -> None:

@@ -259,7 +259,12 @@ def read_spectrum(path: Path, convention: str | None, units: bool = True) -> Pow
         what = f"holds {counted(q.size, 'row')} with q and C > 0" if q.size < ROUGH_FEWEST else "q must rise: several"
         raise InputError(f"{path}: {what}{' spectra in one table?' if q.size >= ROUGH_FEWEST else ', 4 are needed'}")
     remarks = [f"{counted(int((~used).sum()), 'row')} without q > 0 and C > 0 left out"] * bool((~used).any())
-    scale = {"C": 1.0, "C_iso": (2 * math.pi) ** -2, "q_C_iso_over_pi": math.pi / q / (2 * math.pi) ** 2, "C_1D": 1.0}
+    scale: dict[str, Array | float] = {
+        "C": 1.0,
+        "C_iso": (2 * math.pi) ** -2,
+        "q_C_iso_over_pi": math.pi / q / (2 * math.pi) ** 2,
+        "C_1D": 1.0,
+    }
     return PowerSpectrum(q, C * scale[convention], convention == "C_1D", tuple(remarks))
 
 

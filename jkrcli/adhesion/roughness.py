@@ -49,6 +49,7 @@ ROUGH_RMS = 0.1  # choice: relative, by which the rms of a table and a given one
 ROUGH_WRONG = 2.0  # choice: factor between them from which another convention is looked for
 ROUGH_BEYOND = np.geomspace(1.0, 1e4, 33)[1:]  # choice: times the last q, by which a profile's spectrum is continued
 ROUGH_END = 6  # choice: points by which its power there is found
+ROUGH_MOST = 150  # choice: intervals of ln q, over each of which a profile's spectrum is averaged where it has more
 CONVENTIONS = {"C": 4, "C_iso": 4, "q_C_iso_over_pi": 3, "C_1D": 3}  # powers of length of a spectrum
 SERIES = {"q/π × 2D PSD": "q_C_iso_over_pi", "1D PSD along x": "C_1D"}  # as contact.engineering heads its curves
 Convention = Literal["C", "C_iso", "q_C_iso_over_pi", "C_1D"]
@@ -57,11 +58,12 @@ Convention = Literal["C", "C_iso", "q_C_iso_over_pi", "C_1D"]
 @dataclass(frozen=True, eq=False)
 class PowerSpectrum:
     """Isotropic spectrum C [m^4] at wave numbers ``q`` [1/m], a power law from each to the next; of ``profiles`` C_1D
-    [m^3], whose last power law goes on. ``remarks``: on the table it was read from."""
+    [m^3], whose last power law goes on, ``steeper`` by so much. ``remarks``: on the table it was read from."""
 
     q: Array
     C: Array
     profiles: bool = False
+    steeper: float = 0.0
     remarks: tuple[str, ...] = ()
 
     def at(self, q: Array) -> Array:
@@ -71,7 +73,7 @@ class PowerSpectrum:
             return np.exp(np.interp(np.log(q), x, logs))
 
         # C_iso(q) = 2 int p C_1D(q cosh s)/(q cosh s) ds, where C_1D falls with the power p
-        power = min(np.polyfit(x[-ROUGH_END:], logs[-ROUGH_END:], 1)[0], -1.0)
+        power = min(np.polyfit(x[-ROUGH_END:], logs[-ROUGH_END:], 1)[0], -1.0) - self.steeper
         x = np.concatenate([x, x[-1] + np.log(ROUGH_BEYOND)])
         logs = np.concatenate([logs, logs[-1] + power * np.log(ROUGH_BEYOND)])
         falls, total = -np.diff(logs) / np.diff(x), np.zeros(q.size)
@@ -223,6 +225,8 @@ class Roughness:
         if self.psd is not None:  # what every second point leaves
             half = replace(spectrum, q=spectrum.q[::-2][::-1], C=spectrum.C[::-2][::-1]).within(*spectrum.waves)
             error += abs(half.moment(2, problem, spectrum.q[0]) / spectrum.moment(2, problem, half.q[0]) - 1)
+        if spectrum.profiles:  # and what goes on beyond the last wave of profiles
+            error += abs(replace(spectrum, steeper=1.0).moment(2, problem) / spectrum.moment(2, problem) - 1)
         inner = [spectrum.moment(2, problem, q) * E_star / 4 for q in (2 * spectrum.q[0], spectrum.q[-1] / 2)]
         half_space, gamma = E_star / 4 * spectrum.moment(2), self.surface_energy
         return RoughContact(spectrum, energy, error * energy, half_space, (energy - inner[0], inner[1]), gamma)
@@ -265,7 +269,12 @@ def read_spectrum(path: Path, convention: str | None, units: bool = True) -> Pow
         "q_C_iso_over_pi": math.pi / q / (2 * math.pi) ** 2,
         "C_1D": 1.0,
     }
-    return PowerSpectrum(q, C * scale[convention], convention == "C_1D", tuple(remarks))
+    if convention == "C_1D" and q.size > ROUGH_MOST:
+        interval = np.floor(np.log(q / q[0]) / np.log(q[-1] / q[0]) * ROUGH_MOST)
+        counts = np.unique(interval, return_counts=True)[1]
+        begins = np.cumsum(counts) - counts
+        q, C = np.exp(np.add.reduceat(np.log(q), begins) / counts), np.add.reduceat(C, begins) / counts
+    return PowerSpectrum(q, C * scale[convention], convention == "C_1D", remarks=tuple(remarks))
 
 
 def _factor(path: Path, title: str, power: int | None) -> float:

@@ -213,6 +213,8 @@ def read_series(path: Path) -> Solution:
     solution = read_solution(path)
     if NO_DIGEST in solution.warnings:
         warn(f"{path}: {NO_DIGEST}")
+    if shape := solution.facts.get("contact_shape"):
+        note(f"{path}: contact shape {shape}: only transform and pull-off state what other shapes would change")
     return solution
 
 

@@ -264,3 +264,18 @@ def test_map_of_w_over_rms_and_modulus() -> None:
     assert half[1] == pytest.approx(0.6908354e-3, rel=1e-6)
     assert columns["w_J_per_m2"][:2] == pytest.approx(5e-3 - half[:2], rel=1e-12)
     assert columns["reason"][[2, 4]].tolist() == ["rms slope above 1", "U > w: no adhesion by conformal contact"]
+
+
+def test_a_long_noisy_spectrum_of_profiles_is_averaged(tmp_path: Path) -> None:
+    """Of 2,000 waves with the scatter of one periodogram, exponential; the energy lies within its stated error."""
+    q = np.linspace(1, 2000, 2000) * 2 * math.pi / 20e-6
+    C = 1e-16 * q**-1.2  # of which no few waves hold the energy
+    scatter = np.random.default_rng(3).exponential(size=q.size)
+    energies = []
+    for values in (C, C * scatter):
+        np.savetxt(tmp_path / "t.csv", np.c_[q, values], delimiter=",", header="q (1/m),C (m^3)", comments="")
+        energies.append(python.Roughness(psd=tmp_path / "t.csv", convention="C_1D").on(problem()))
+    smooth, noisy = energies
+    assert noisy.spectrum.q.size < 160
+    assert smooth.error < 0.1 * smooth.energy
+    assert abs(noisy.energy - smooth.energy) < noisy.error

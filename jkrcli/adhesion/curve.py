@@ -32,7 +32,7 @@ from ..base.numerics import (
     zeros_between,
 )
 from ..base.units import show
-from ..formulas import shift
+from ..formulas import Parts, shift
 from ..series import COLUMNS, Series
 from .slopes import Slopes
 
@@ -159,16 +159,6 @@ def energy_consistent_interpolant(rows: Rows) -> Logs:
 
 # Which rows are neighbours.
 NONADHESIVE_APART = 0.5  # choice: of a - a0, from which no error of theirs makes two radii one
-
-
-class Parts(NamedTuple):
-    """Values of the w-free functions at some radii, or their derivatives; ``t``: the shift at w = 1 J/m^2."""
-
-    delta_H: Array
-    P_H: Array
-    S: Array
-    dS: Array
-    t: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -793,18 +783,18 @@ class AdhesiveCurve(EquilibriumCurve):
         return places
 
     @cached_property
-    def _shift(self) -> Array:
-        return shift(self.w, self.a, self.slopes.dS)
+    def _points(self) -> tuple[Array, Array]:
+        return self.nonadhesive.points.lagging(shift(self.w, self.a, self.slopes.dS))
 
-    @cached_property
+    @property
     def delta(self) -> Array:
         """Displacement [m] at the radii of the series."""
-        return self.nonadhesive.points.delta_H - self._shift
+        return self._points[0]
 
-    @cached_property
+    @property
     def P(self) -> Array:
         """Load [N] at the radii of the series."""
-        return self.nonadhesive.points.P_H - self.slopes.S * self._shift
+        return self._points[1]
 
     @cached_property
     def errors(self) -> Mapping[str, Array]:
@@ -829,10 +819,8 @@ class AdhesiveCurve(EquilibriumCurve):
         if shift is None:
             return np.zeros((2, self.a.size))
         here, rates = self.nonadhesive.with_rates(self.a)
-        t, by_bend = math.sqrt(self.w) * here.t, rates.dS / (2 * here.dS)
-        delta = rates.delta_H + t * by_bend
-        P = rates.P_H - rates.S * t + here.S * t * by_bend
-        return np.abs([delta, P]) * shift
+        t = math.sqrt(self.w) * here.t
+        return np.abs(here.lagging_rates(rates, t, -t * (rates.dS / (2 * here.dS)))) * shift
 
     def point(self, place: float) -> Equilibrium:
         """The equilibrium at a contact radius [m] within the series."""
@@ -975,14 +963,12 @@ class AdhesiveCurve(EquilibriumCurve):
         return 2.0**self._order if self.smooth else 1.0
 
     def _at(self, places: Array) -> tuple[Array, Array]:
-        here, root_w = self.nonadhesive.parts(places), math.sqrt(self.w)
-        t = root_w * here.t
-        return here.delta_H - t, here.P_H - here.S * t
+        here = self.nonadhesive.parts(places)
+        return here.lagging(math.sqrt(self.w) * here.t)
 
     def _rates(self, places: Array) -> tuple[Array, Array]:
-        (here, rate), root_w = self.nonadhesive.with_rates(places), math.sqrt(self.w)
-        t, dt = root_w * here.t, root_w * rate.t
-        return rate.delta_H - dt, rate.P_H - here.S * dt - rate.S * t
+        (here, rates), root_w = self.nonadhesive.with_rates(places), math.sqrt(self.w)
+        return here.lagging_rates(rates, root_w * here.t, root_w * rates.t)
 
     @cached_property
     def _samples(self) -> Array:

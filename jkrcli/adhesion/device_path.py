@@ -42,9 +42,8 @@ from .pull_off_error import larger_elements
 # --------------------------------------------------------------------------------------------------
 # The edge of a contact in a device: its energy release rate at every radius and position of the device.
 #
-# A device of stiffness k prescribes its position x = delta + P/k (load control: x = P). With the lag L = delta_H -
-# delta of the displacement behind the nonadhesive one, P = P_H - S L (Eq. 13), so that x = x_H - c L with c = 1 + S/k
-# (load control: c = S) and G = S' L^2/(4 pi a), at once for every radius, in equilibrium or not.
+# A device of stiffness k prescribes its position x = delta + P/k (load control: x = P). With the lag L of Eq. 13
+# (``formulas``) x = x_H - c L with c = 1 + S/k (load control: c = S), at once for every radius, in equilibrium or not.
 
 
 class EdgeState(NamedTuple):
@@ -67,8 +66,9 @@ class Edge:
         """The state at the radii ``a`` [m] and the device's positions ``x``."""
         here = self.body.parts(a)
         lag = (position(here.delta_H, here.P_H, self.stiffness) - x) / self._give(here.S)
-        P = here.P_H - here.S * lag if self.stiffness != LOAD_CONTROL else np.broadcast_to(x, lag.shape)
-        return EdgeState(here.delta_H - lag, P, here.dS * lag**2 / (4 * math.pi * a), lag)
+        delta, P = here.lagging(lag)
+        P = P if self.stiffness != LOAD_CONTROL else np.broadcast_to(x, lag.shape)
+        return EdgeState(delta, P, here.dS * lag**2 / (4 * math.pi * a), lag)
 
     def position_at(self, a: Array, G: float) -> Array:
         """The device's position where the edge at radius ``a`` [m] has the energy release rate ``G``."""
@@ -1029,8 +1029,7 @@ class Cycle:
 
         At w = 0 on approach the unknown piece below the first radius is its chord.
         """
-        missing = self._no_energy()
-        if missing is not None:
+        if (missing := _no_energy(self.retraction)) is not None:
             return missing
         # Work [J] along a straight line from no contact to the first state without adhesion
         k, first = self.stiffness, self.begin
@@ -1042,18 +1041,14 @@ class Cycle:
         """Work of separation [J]: done by the device on retraction, from the last zero load to loss of contact."""
         return separation_work(self.retraction)
 
-    def _no_energy(self) -> Unknown | None:
-        return _no_energy(self.retraction)
-
 
 def separation_work(retraction: Path) -> Estimate:
     """Work of separation [J]: done by the device on a ``retraction`` from the last zero load to loss of contact."""
-    missing = _no_energy(retraction)
-    if missing is not None:
+    if (missing := _no_energy(retraction)) is not None:
         return missing
-    work = retraction.unloaded_work
-    none = Unknown("no state of zero load is passed on retraction: increase [loading] radius")
-    return none if work is None else work
+    if (work := retraction.unloaded_work) is None:
+        return Unknown("no state of zero load is passed on retraction: increase [loading] radius")
+    return work
 
 
 def _no_energy(retraction: Path) -> Unknown | None:

@@ -20,6 +20,7 @@ from ..base.errors import NOTICEABLE, Estimate, InputError, Refusal, Unknown, po
 from ..base.numerics import MOST_STEPS, ROUNDED, SAME, TINY, UNSEEN, Array, composite_gauss, zeros_between
 from ..base.units import show
 from ..bodies.problem import NO_FINITE_RANGE, Problem, alone, without_side_walls
+from ..formulas import Parts
 from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow
 from ..methods.integral.logarithm import LogarithmicAttraction, panels_to
 from ..methods.layered.contact import LayeredContact, checked
@@ -33,7 +34,6 @@ from .curve import (
     Equilibrium,
     EquilibriumCurve,
     Nonadhesive,
-    Parts,
     controlled,
     position,
 )

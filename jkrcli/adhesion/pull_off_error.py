@@ -97,8 +97,8 @@ def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) 
 def from_reference(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
     """How far delta and P of the ``point``, (2,), lie from those of the exact solution of the bodies, where the curve
     is another one and there is such: no smaller error is stated, since it is not known which of the two is wrong."""
-    other = _reference(curve)
-    found = NO_ADHESION if other is None else _pull_off(other, curve, stiffness)
+    body = curve.nonadhesive.reference
+    found = NO_ADHESION if body is None else _pull_off(AdhesiveCurve(body, curve.w), curve, stiffness)
     return np.zeros(2) if isinstance(found, Unknown) else _distance(found, point) * (1 + ROUNDED)
 
 
@@ -120,27 +120,14 @@ def _from_other_rule(curve: AdhesiveCurve, point: CriticalPoint, stiffness: floa
 def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
     """How far delta and P of the ``point`` move with all radii, by what is unknown of them together, (2,)."""
     moved = []
-    for other in _shifted(curve):
-        found = _pull_off(other, curve, stiffness)
+    for body in curve.nonadhesive.shifted:
+        found = _pull_off(AdhesiveCurve(body, curve.w), curve, stiffness)
         if not isinstance(found, Unknown):
             moved.append(_distance(found, point))
     if curve.series.shift is not None and not moved:  # beyond the series: what it is at the radius of the point
         return curve.shift_error_at(np.array(point.a))
     largest: Array = np.max([np.zeros(2), *moved], axis=0)
     return largest
-
-
-@lru_cache(maxsize=2)
-def _reference(curve: AdhesiveCurve) -> AdhesiveCurve | None:
-    """The exact solution's curve of the bodies."""
-    body = curve.nonadhesive.reference
-    return None if body is None else AdhesiveCurve(body, curve.w)
-
-
-@lru_cache(maxsize=2)
-def _shifted(curve: AdhesiveCurve) -> tuple[AdhesiveCurve, ...]:
-    """The same curve with all radii larger, and smaller, by what is unknown of them together."""
-    return tuple(AdhesiveCurve(body, curve.w) for body in curve.nonadhesive.shifted)
 
 
 def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
@@ -162,21 +149,16 @@ def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -
         at_radius = np.stack(list(curve.error_at(np.array(point.a)).values()))
     if isinstance(moved, Unknown) or further is None:
         return moved if isinstance(moved, Unknown) else at_radius + moved
-    if settled:  # from what was solved to the point by a bend that is not known better than on its two sides
-        return at_radius + moved + _beside(curve, point, stiffness, float(further.a[nearest]))
+    if settled:
+        # From the solved radius a to the point by the bend of the curve, which jumps at a by about what it errs
+        a = float(further.a[nearest])
+        sides = np.clip(a * (1 + np.array([-1e-3, 0.0, 1e-3])), curve.a[0], curve.a[-1])
+        rates = np.stack(curve.rates(sides))
+        below, above = np.diff(position(*rates, stiffness)) / np.diff(sides)
+        unsure = abs(above - below) / max(abs(above + below) / 2, TINY) * abs(point.a - a)
+        return at_radius + moved + np.abs(rates[:, 1]) * unsure
     # where the search for a point that is solved has not settled on it, its last steps halve at best
     return at_radius + moved + 2 * _distance(curve.point(float(further.a[nearest])), point)
-
-
-def _beside(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, a: float) -> Array:
-    """How far delta and P, (2,), of a ``point`` next to the solved radius ``a`` [m] lie off by the bend of the curve
-    between the two, which jumps at ``a`` by about what it errs."""
-    sides = np.clip(a * (1 + np.array([-1e-3, 0.0, 1e-3])), curve.a[0], curve.a[-1])
-    rates = np.stack(curve.rates(sides))
-    of_delta, of_P = rates
-    below, above = np.diff(position(of_delta, of_P, stiffness)) / np.diff(sides)
-    unsure = abs(above - below) / max(abs(above + below) / 2, TINY) * abs(point.a - a)
-    return np.abs(rates[:, 1]) * unsure
 
 
 def _distance(other: Equilibrium, point: Equilibrium) -> Array:

@@ -214,17 +214,6 @@ def refuse_wetting(w: float, tension: float) -> None:
         )
 
 
-def end_of_body(problem: Problem, facts: Mapping[str, Any]) -> float | None:
-    """Distance [m] at which the body or its mesh ends sideways, or below where that is a cut through a half-space.
-
-    ``facts``: those of the solution; finite elements give width_m and depth_m. None for an unbounded exact solution.
-    """
-    ends = [problem.specimen.radius, facts.get("width_m")]
-    if isinstance(problem.specimen.base, HalfSpace):
-        ends.append(facts.get("depth_m"))
-    return min((float(end) for end in ends if isinstance(end, int | float) and end > 0), default=None)
-
-
 def judge_solution(
     problem: Problem,
     series: Series,
@@ -237,8 +226,13 @@ def judge_solution(
 ) -> Validity:
     """Judge a solved ``problem`` by the end of its ``series``; ``facts``: those of the solution, the rest as of
     ``judge``."""
-    return judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=w, **sizes(problem), z0=z0,
-                 L=end_of_body(problem, facts), end_is_cut=problem.specimen.radius is None, a_pull_off=a_pull_off,
+    # Where the body or its mesh ends sideways, or below where that is a cut through a half-space
+    ends = [problem.specimen.radius, facts.get("width_m")]
+    if isinstance(problem.specimen.base, HalfSpace):
+        ends.append(facts.get("depth_m"))
+    L = min((float(end) for end in ends if isinstance(end, int | float) and end > 0), default=None)
+    return judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=w, **sizes(problem), z0=z0, L=L,
+                 end_is_cut=problem.specimen.radius is None, a_pull_off=a_pull_off,
                  effect_of_range=effect_of_range)  # fmt: skip
 
 

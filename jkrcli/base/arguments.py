@@ -70,7 +70,7 @@ def reader(kind: Any) -> Read:
             return reader(parts[0])
         note = notes[-1]
         if isinstance(note, OneOf):
-            return partial(_one_of, note)
+            return partial(_choice, (*note.more, *note.names))
         if isinstance(note, PerName):
             return partial(_per_name, note)
         return partial(_whole, note) if parts[0] is int else note.read
@@ -107,10 +107,6 @@ def _choice(allowed: Sequence[Any], value: Any) -> Any:
         if not isinstance(value, str)
         else ValueError(f'must be one of {words}, got "{value}"{did_you_mean(value, allowed)}')
     )
-
-
-def _one_of(note: OneOf, value: Any) -> Any:
-    return _choice((*note.more, *note.names), value)
 
 
 def _either(readers: Sequence[Read], optional: bool, value: Any) -> Any:

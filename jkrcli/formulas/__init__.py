@@ -1,7 +1,7 @@
 """Closed forms: one equation, one function, all parameters required."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -107,7 +107,55 @@ def scales_thin_layer(R: float, K: float, w: float) -> tuple[float, float, float
 
 
 # --------------------------------------------------------------------------------------------------
-# Griffith's balance at the contact edge: energy release rate = work of adhesion.
+# Eq. 13: the symbols of adhesive curves, of an edge in a device, and of fits.
+#
+# Without adhesion a contact of radius a has the displacement delta_H, the load P_H, the stiffness S = dP/d(delta) and
+# its slope S' = dS/da. One that lags by L behind delta_H is that of a flat punch moved back, with the energy release
+# rate G = S' L^2/(4 pi a):
+#
+#     delta = delta_H - L        P = P_H - S L
+#
+# By Griffith's balance G = w in equilibrium, so that L = sqrt(w) t, t = sqrt(4 pi a/S'). Fits tabulate D = delta_H,
+# T = t, H = P_H and V = S t: with all moduli times s, and v = sqrt(w/s),
+#
+#     delta = D - v T        P = s (H - v V)
+
+
+class Parts(NamedTuple):
+    """The functions without w at some contact radii, or their derivatives; ``t``: the shift at w = 1 J/m^2."""
+
+    delta_H: Array
+    P_H: Array
+    S: Array
+    dS: Array
+    t: Array
+
+    def lagging(self, L: Array) -> tuple[Array, Array]:
+        """delta [m] and P [N] of contacts that lag by ``L`` [m]."""
+        return lagging(self.delta_H, self.P_H, self.S, L)
+
+    def lagging_rates(self, rates: "Parts", L: Array, dL: Array) -> tuple[Array, Array]:
+        """Their derivatives, by those of the functions and ``dL`` of the lag."""
+        return rates.delta_H - dL, rates.P_H - self.S * dL - rates.S * L
+
+
+def lagging(delta_H: Array, P_H: Array, S: Array, L: Array) -> tuple[Array, Array]:
+    """delta [m] and P [N] of contacts whose displacement lags by ``L`` [m] behind ``delta_H``."""
+    return delta_H - L, P_H - S * L
+
+
+def adhesive(functions: Array | tuple[Array, ...], s: Any, v: Any) -> tuple[Array, Array]:
+    """delta [m] and P [N] by ``functions`` (D, T, H, V), or derivatives of them, for moduli times ``s`` and ``v`` =
+    sqrt(w/s)."""
+    D, T, H, V = functions
+    return D - v * T, s * (H - v * V)
+
+
+def device_factors(s: Array, v: Array, k: Array) -> Array:
+    """What D, T, H, V count in the position delta + P/k of devices of stiffness ``k`` [N/m], and in P: (n, 2, 4)."""
+    zero = np.zeros_like(s)
+    factors = np.array([[zero + 1, -v, s / k, -s * v / k], [zero, zero, s, -s * v]])
+    return np.ascontiguousarray(factors.transpose(2, 0, 1))
 
 
 def shift(w: float, a: Array | float, dS: Array | float) -> Any:
@@ -254,8 +302,7 @@ def jkr_dimensionless(a_bar: Array) -> tuple[Array, Array]:
 
 def adhesive_half_space(a: Array, delta_H: Array, P_H: Array, E_star: float, w: float) -> tuple[Array, Array]:
     """Adhesion with S = 2 E* a: delta [m] and P [N] of the indenter whose nonadhesive contact is delta_H, P_H."""
-    t = shift(w, a, 2 * E_star)
-    return delta_H - t, P_H - 2 * E_star * a * t
+    return lagging(delta_H, P_H, 2 * E_star * a, shift(w, a, 2 * E_star))
 
 
 def tabor(R: float, w: float, E_star: float, z0: float) -> float:

@@ -514,19 +514,16 @@ def check(path: Path) -> None:
         content = read_bytes(path, INTACT_WHAT, process.TEXT)
         check_text(path, content.decode("latin-1"))
         if ending == ".tab":
-            _export(path, content)
-
-
-def _export(path: Path, content: bytes) -> None:
-    """A table as afmformats exports it: all rows have as many cells, and end."""
-    lines = content.split(b"\n")
-    cells = {n: line.count(b"\t") + 1 for n, line in enumerate(lines, start=1) if line.strip() and line[:1] != b"#"}
-    wanted = next(iter(cells.values()), 1)
-    if short := [n for n, count in cells.items() if count != wanted]:
-        line = f"line {short[0]} holds {cells[short[0]]} cells"
-        raise InputError(f"{path}: {line}, not {wanted} as the first: {INTACT_AGAIN}")
-    if wanted > 1 and lines[-1]:
-        raise InputError(f"{path}: is cut off, its last line does not end: {INTACT_AGAIN}")
+            lines = content.split(b"\n")
+            cells = {
+                n: line.count(b"\t") + 1 for n, line in enumerate(lines, start=1) if line.strip() and line[:1] != b"#"
+            }
+            wanted = next(iter(cells.values()), 1)
+            if short := [n for n, count in cells.items() if count != wanted]:
+                line = f"line {short[0]} holds {cells[short[0]]} cells"
+                raise InputError(f"{path}: {line}, not {wanted} as the first: {INTACT_AGAIN}")
+            if wanted > 1 and lines[-1]:
+                raise InputError(f"{path}: is cut off, its last line does not end: {INTACT_AGAIN}")
 
 
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first

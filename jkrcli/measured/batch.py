@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError, counted
-from ..base.numerics import Array
 from ..tables import split_name
 from .curve import NOT_SUBTRACTED, TURNED, Curve, Reading
 from .files import usable
@@ -51,7 +50,8 @@ def read_batch(paths: Sequence[Path], reading: Reading, grid: tuple[int, int] | 
     notes = list[str]()
     read = [_with_constants(path, *usable([path], reading), reading, notes) for path in paths]
     curves = [curve for found, _ in read for curve in found]
-    signs, odd = ({} if "delta" in reading.flip else _signs(curves, notes)), _odd_units(curves, reading)
+    signs = {} if "delta" in reading.flip else _signs(curves, notes)
+    odd = dict(_odd(curves, "delta", reading)) | dict(_odd(curves, "P", reading))
     settled, places = list[tuple[list[Curve], list[str]]](), list[str]()
     for path, (found, lines) in zip(paths, read, strict=True):
         kept = [_turned(one) if signs.get(id(one)) else one for one in found if id(one) not in odd]
@@ -150,16 +150,11 @@ def _vote(curve: Curve) -> int:
     neither, as noise alone does not."""
     z, P = curve.device, curve.load
     noise = float(np.median(np.abs(np.diff(P)))) / 0.954  # theory: of white noise, of differences
-    if np.ptp(P) <= CLEAR * noise or not _leaves(z, P):
-        return 0
-    return 1 if toward(z, P) else -1
-
-
-def _leaves(z: Array, P: Array) -> bool:
-    """Whether one end of the way is free: its loads vary less than a tenth of all."""
     low, way = float(z.min()), float(np.ptp(z))
     ends = (P[z <= low + way / 10], P[z >= low + 9 * way / 10])
-    return any(end.size > 1 and np.ptp(end) < np.ptp(P) / 10 for end in ends)
+    if np.ptp(P) <= CLEAR * noise or not any(end.size > 1 and np.ptp(end) < np.ptp(P) / 10 for end in ends):
+        return 0
+    return 1 if toward(z, P) else -1
 
 
 def _turned(curve: Curve) -> Curve:
@@ -172,12 +167,6 @@ def _turned(curve: Curve) -> Curve:
 
 
 # ---------------------------------------------------------------------- units
-def _odd_units(curves: Sequence[Curve], reading: Reading) -> dict[int, str]:
-    """A line on each curve, by its id, whose displacement or load is so much larger or smaller than those of the
-    others that its unit is wrong."""
-    return dict(_odd(curves, "delta", reading)) | dict(_odd(curves, "P", reading))
-
-
 def _odd(curves: Sequence[Curve], name: str, reading: Reading) -> Iterator[tuple[int, str]]:
     read = [(one, one.device if name == "delta" and one.P is not None else one.column(name))
             for one in curves if name in one.measured]  # fmt: skip

@@ -1,11 +1,10 @@
 """The path of a contact at a device, of many curves at once: loads over the device's position where the edge moves and
 where it rests.
 
-At position z of a device of stiffness k, delta = z - P/k. With L = delta_H - delta and r = sqrt(w/s) for moduli
-times s an edge that moves has L = r T: delta = D - r T, P = s (H - r V). Where the device turns, at contact radius
-a_m, the edge rests: P = P_m + S(a_m) (delta - delta_m), until the energy release rate has come to the w of the
-other way; then it recedes, down to the fold d(delta + P/k)/da = 0. As w -> 0 the load of a moving edge is linear in
-w, dP/dw = -2 pi a/(d delta_H/da): that goes on below 0.
+At position z of a device of stiffness k, delta = z - P/k. An edge that moves follows Eq. 13 (``formulas``) with r =
+sqrt(w/s) for moduli times s. Where the device turns, at contact radius a_m, the edge rests: P = P_m + S(a_m) (delta -
+delta_m), until the energy release rate has come to the w of the other way; then it recedes, down to the fold d(delta +
+P/k)/da = 0. As w -> 0 the load of a moving edge is linear in w, dP/dw = -2 pi a/(d delta_H/da): that goes on below 0.
 
 Curves are the leading axis of all arrays, rows are flat, each with the number of its curve. No number of a curve
 depends on which others are beside it.
@@ -25,6 +24,7 @@ from ..base.errors import SolveError
 from ..base.numerics import MOST_STEPS, SAME, TINY, Array
 from ..base.process import REMEMBERED
 from ..base.units import show
+from ..formulas import adhesive, device_factors
 from .forward_model import FUNCTIONS, Family, grid, on_grid
 
 # Steps along branches.
@@ -155,9 +155,7 @@ class Branches:
         r, curves = np.sqrt(np.maximum(q, 0.0)), np.arange(len(asked))
         # Positions z = D - r T + s (H - r V)/k and loads s (H - r V), with their derivatives by u, at the nodes from
         # the first fold on: (curves, 2, 2, nodes).
-        of_four = np.zeros((curves.size, 2, FUNCTIONS))
-        of_four[:, 0] = np.stack([np.ones_like(s), -r, s / k, -s * r / k], axis=1)
-        of_four[:, 1, 2], of_four[:, 1, 3] = s, -s * r
+        of_four = device_factors(s, r, k)
         first, start = _folds(bodies, of_four[:, 0])
         begin, turns = min(int(first.min()), bodies.u.shape[1] - 2), first > 0  # a cell, where none is stable, too
         path, n, first = bodies.combined(of_four, slice(2), begin), bodies.u.shape[1] - begin, first - begin
@@ -362,7 +360,7 @@ class Rest:
         s, advanced, receding, k, turn = np.array(columns)
         bodies = Bodies.of(families)
         nodes = bodies.u[bodies.which]
-        of_four = np.stack([np.ones_like(s), -advanced, s / k, -s * advanced / k], axis=1)[:, None]
+        of_four = device_factors(s, advanced, k)[:, :1]
         z = bodies.combined(of_four, slice(1))[:, 0, 0]
         first = np.argmin(z, axis=1)
         u = np.array([np.interp(at, y[i:], x[i:]) for at, x, y, i in zip(turn, nodes, z, first, strict=True)])
@@ -384,7 +382,8 @@ class Rest:
         S = s * v / t
         per = 1 / np.maximum(rise, SAME * d)  # nothing rests on a turn at the fold, where dz/du = 0
         by_u = np.stack([-s * (h - advanced * v) / k * per, (t + s * v / k) * per, per])
-        end, dS = d - receding * t + s * (h - receding * v) / k, S * (dV / v - dT / t)
+        (delta, P), dS = adhesive((d, t, h, v), s, receding), S * (dV / v - dT / t)
+        end = delta + P / k
         return cls(u, end, by_u, d, s * h, S, dS, advanced * t, k)
 
     def some(self, which: Array | int) -> Rest:

@@ -194,7 +194,13 @@ def map_figure(scan: Map) -> Figure:
             _image(figure, panel, scan, name, image)
             if scan.positions:
                 panel.set(xticks=[], yticks=[])
-                _scale_bar(panel, scan)
+                # A bar of a round length, a quarter of the map's width or more, under the image
+                low, high = panel.get_xlim()
+                ten = 10.0 ** math.floor(math.log10((high - low) / 4))
+                bar = next(n * ten for n in (2, 5, 10) if n * ten >= (high - low) / 4)
+                place: dict[str, Any] = {"transform": panel.get_xaxis_transform(), "clip_on": False}
+                panel.plot([low, low + bar], [-0.05, -0.05], color=plots.BLACK, lw=2, solid_capstyle="butt", **place)
+                panel.text(low + bar * 1.05, -0.05, pretty(show(bar, "length", 2)), va="center", size=8, **place)
                 continue
             panel.set_xlabel("column" if i + 3 >= len(scan.images) else "")
             panel.set_ylabel("row" if i % 3 == 0 else "")
@@ -221,16 +227,6 @@ def _profiles(scan: Map) -> list[tuple[str, Array, Array, tuple[Array, Array]]]:
             ends, level = at[[0, -1]], np.full(2, across[line])
             lines.append((f"along {place}", at, values[line], (ends, level) if what == "row" else (level, ends)))
     return lines
-
-
-def _scale_bar(axes: Axes, scan: Map) -> None:
-    """A bar of a round length, a quarter of the map's width or more, under the image."""
-    low, high = axes.get_xlim()
-    ten = 10.0 ** math.floor(math.log10((high - low) / 4))
-    length = next(n * ten for n in (2, 5, 10) if n * ten >= (high - low) / 4)
-    place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
-    axes.plot([low, low + length], [-0.05, -0.05], color=plots.BLACK, lw=2, solid_capstyle="butt", **place)
-    axes.text(low + length * 1.05, -0.05, pretty(show(length, "length", 2)), va="center", size=8, **place)
 
 
 def curves_figure(outcomes: Sequence[Fit | Failure]) -> Figure:

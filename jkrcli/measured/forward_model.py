@@ -1,10 +1,8 @@
-"""The adhesive curves of one body for every modulus factor and every work of adhesion.
+"""The adhesive curves of one body for every modulus factor s and every work of adhesion w: D, T, H, V of Eq. 13 over
+the contact radius (``formulas``), which give delta and P with v = sqrt(w/s) where the edge moves.
 
-With all moduli multiplied by s and work of adhesion w (Eq. 13)
-    delta = D(a) - v T(a)        P = s (H(a) - v V(a))        v = sqrt(w/s)
-D, H: delta_H and P_H of the series; T = sqrt(4 pi a/S'), V = S T: its adhesive parts at w = 1 J/m^2. So where the edge
-moves. While the contact grows it advances with w_a, while it shrinks it recedes with w_r >= w_a; between the two it
-rests at the contact radius a_m of the turn, sqrt(w_a/s) <= v <= sqrt(w_r/s): on (delta, P) a straight line.
+While the contact grows it advances with w_a, while it shrinks it recedes with w_r >= w_a; between the two it rests at
+the contact radius a_m of the turn, sqrt(w_a/s) <= v <= sqrt(w_r/s): on (delta, P) a straight line.
 """
 
 from __future__ import annotations
@@ -39,6 +37,7 @@ from ..bodies.indenters import Indenter
 from ..bodies.problem import RADIUS, Loading, Problem, changed, layer_names, nominal, without_side_walls
 from ..case.models import Case, load_case
 from ..case.store import read_solution, solve
+from ..formulas import adhesive
 from ..methods.integral.finite_range import Attraction, Discs, Rims, refuse_narrow
 from ..methods.layered.solver import Layered
 from ..methods.protocol import Limits
@@ -156,10 +155,9 @@ DRIFTS = {"w": (0.0, 0.5, 0.0, 0.5), "modulus": (0.0, -0.5, 1.0, 0.5)}  # theory
 
 def states(a: Array | float, functions: Array, s: float, v: Array | float) -> Array:
     """(a, delta, P) of functions (D, T, H, V), or derivatives of them: v = sqrt(w/s) where the edge moves."""
-    D, T, H, V = functions
-    delta = D - v * T
+    delta, P = adhesive(functions, s, v)
     all_three = np.empty((3, *delta.shape))
-    all_three[0], all_three[1], all_three[2] = a, delta, s * (H - v * V)
+    all_three[0], all_three[1], all_three[2] = a, delta, P
     return all_three
 
 

@@ -34,7 +34,16 @@ def placed(path: Path, curves: list[Curve], shape: tuple[int, int] | None) -> tu
     ``shape``: columns and rows of a grid on which the files lie row by row, those that cannot be read included.
     """
     if shape is not None:
-        return _by_rank(path, curves, shape), "row by row as specified"
+        names = [str(file) for file in files_in(path)] if path.is_dir() else [one.where for one in curves]
+        if len(names) != shape[0] * shape[1]:
+            raise InputError(
+                f"{path}: holds {len(names)} curves, --grid {shape[0]}x{shape[1]} has {shape[0] * shape[1]} places"
+            )
+        ranks = [names.index(str(one.origin) if path.is_dir() else one.where) for one in curves]
+        return [
+            replace(one, pixel=Pixel(rank % shape[0], rank // shape[0]))
+            for one, rank in zip(curves, ranks, strict=True)
+        ], "row by row as specified"
     pixels = [one.pixel for one in curves if one.pixel is not None]
     if pixels and len({(at.column, at.row) for at in pixels}) == len(curves):
         return curves, "places by the instrument"
@@ -45,17 +54,6 @@ def placed(path: Path, curves: list[Curve], shape: tuple[int, int] | None) -> tu
         return curves, ""
     order = sorted(range(len(curves)), key=lambda i: (places[i].row, places[i].column))
     return [replace(curves[i], pixel=places[i]) for i in order], words
-
-
-def _by_rank(path: Path, curves: list[Curve], shape: tuple[int, int]) -> list[Curve]:
-    names = [str(file) for file in files_in(path)] if path.is_dir() else [one.where for one in curves]
-    if len(names) != shape[0] * shape[1]:
-        raise InputError(
-            f"{path}: holds {len(names)} curves, --grid {shape[0]}x{shape[1]} has {shape[0] * shape[1]} places"
-        )
-    ranks = [names.index(str(one.origin) if path.is_dir() else one.where) for one in curves]
-    return [replace(one, pixel=Pixel(rank % shape[0], rank // shape[0]))
-            for one, rank in zip(curves, ranks, strict=True)]  # fmt: skip
 
 
 def _by_position(pixels: Sequence[Pixel]) -> list[Pixel] | None:

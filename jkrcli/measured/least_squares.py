@@ -572,8 +572,12 @@ class Intervals:
             value = item.outer(y) if item.value is None else item.value
             return FittedValue(item.name, value, False, item.dimension)
         estimate = item.estimate(y, self.errors[item.name], self.t)
-        if self.drawn:
-            return self._of_samples(item, estimate)
+        if self.drawn:  # the scatter of the samples, and the interval of so many of them
+            values = np.array([item.outer(sample[item.name]) for sample in self.drawn])
+            low, high = map(float, np.quantile(values, [(1 - self.level) / 2, (1 + self.level) / 2]))
+            if item.kind in LIMITED and low <= 0:
+                low, high = 0.0, float(np.quantile(values, self.level))
+            return replace(estimate, error=float(np.std(values, ddof=1)), low=low, high=high)
         if not self.profiled:
             return self.with_limit(estimate) if item.kind == "root" and estimate.low == 0 else estimate
         return self._shared(item, estimate, before) if item.follows else self._with_profile(item, estimate)
@@ -587,14 +591,6 @@ class Intervals:
         with np.errstate(all="ignore"):
             errors = np.sqrt(np.maximum(np.sum(by @ self.covariance * by, axis=1), 0.0)).tolist()
         return {name: error if math.isfinite(error) else None for name, error in zip(self.rates, errors, strict=True)}
-
-    def _of_samples(self, item: Parameter, estimate: FittedValue) -> FittedValue:
-        """The estimate with the scatter of the samples, and the interval of so many of them."""
-        values = np.array([item.outer(sample[item.name]) for sample in self.drawn])
-        low, high = map(float, np.quantile(values, [(1 - self.level) / 2, (1 + self.level) / 2]))
-        if item.kind in LIMITED and low <= 0:
-            low, high = 0.0, float(np.quantile(values, self.level))
-        return replace(estimate, error=float(np.std(values, ddof=1)), low=low, high=high)
 
     def with_limit(self, estimate: FittedValue) -> FittedValue:
         """The estimate of a quantity that may be 0, as far as its profile goes: curves bend in its root."""

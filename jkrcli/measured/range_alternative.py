@@ -327,24 +327,19 @@ def alternatives_of(minimum: Minimum, variance: float, dof: int, settings: Setti
             spread = t / math.sqrt(precision + 1 / PRIORS[ALTERNATIVES[name][0]].width ** 2)
             centre = change * (spread / t) ** 2 * precision
             changes = (-ALTERNATIVE_UNIT, ALTERNATIVE_UNIT) if untested else (centre - spread, centre + spread)
-            alternatives.append(AddedTerm(name, change, _shifts(minimum, name, changes, close)))
+            # How far the values of the free parameters move, at most
+            before, radii = minimum.values, minimum.distances.a
+            moves = dict.fromkeys(minimum.objective.unknowns.names, 0.0)
+            for moved in changes:
+                clipped = float(np.clip(moved, *ALTERNATIVE_CHANGES))
+                drift = Drift(name, clipped, ALTERNATIVES[name][1], float(radii.min()), float(radii.max()))
+                after = _followed(minimum, drift, close)
+                moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
+            alternatives.append(AddedTerm(name, change, moves))
     taken = residuals @ alone @ np.linalg.lstsq(alone, residuals, rcond=None)[0]  # of the squares by all together
     k = alone.shape[1]
     chance = float(f_tail(k, max(dof - k, 1), max(taken, 0.0) / k / variance))  # F test
     return TableAlternatives(tuple(alternatives), chance, ranged, untested, values)
-
-
-def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:
-    """How far the values of the free parameters move, at most, where ``name`` changes along the record by any of
-    ``changes``; ``close``: as in ``_followed``."""
-    before, a = minimum.values, minimum.distances.a
-    moves = dict.fromkeys(minimum.objective.unknowns.names, 0.0)
-    for change in changes:
-        clipped = float(np.clip(change, *ALTERNATIVE_CHANGES))
-        drift = Drift(name, clipped, ALTERNATIVES[name][1], float(a.min()), float(a.max()))
-        after = _followed(minimum, drift, close)
-        moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
-    return moves
 
 
 def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:

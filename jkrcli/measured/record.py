@@ -397,7 +397,9 @@ def raw_force_curve(curve: Curve, settings: Settings) -> Flow[ForceCurve | None]
             "unloading: measure below the load at which it begins to"
         )
     if not (required or _raw(record)):
-        if settings.contact != "auto" or not _as_read(record, settings):
+        # Without a base line: that of a device, on which an edge rests where it turns
+        of_device = record.curve.stiffness is not None and record.directions and not beyond_the_record(settings)
+        if settings.contact != "auto" or not of_device:
             return None
         _refuse_wrong_way(record)
         return record
@@ -445,11 +447,6 @@ def _raw(record: ForceCurve) -> bool:
     if len(sides) > 1 or (sides and record.curve.stiffness is not None):
         return True
     return len(record.directions) > 1 and bool({"no contact", "no force curve"} & set(record.flags))
-
-
-def _as_read(record: ForceCurve, settings: Settings) -> bool:
-    """Whether a record without a base line is that of a device, on which an edge rests where it turns."""
-    return record.curve.stiffness is not None and bool(record.directions) and not beyond_the_record(settings)
 
 
 def beyond_the_record(settings: Settings) -> bool:
@@ -987,7 +984,9 @@ def _fitted(
             raise InputError(f"the {part.kind} has no row to fit: contact ends where it begins, or its signs are wrong")
         if np.ptp(part.z) == 0:
             raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one piezo position")
-    body = _deep_enough(body, model)
+    # Up to the contact radius that a record can reach at most, as its tip moves no deeper
+    ways = ((part.z - part.P / model.k)[part.touching if part.jumped else slice(None)] for part in model.stretches)
+    body = body.to_depth(max(float(np.ptp(way)) for way in ways))
     for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
         best = yield from _again(begin, model, settings) if begin else nearest(model, settings.loss)
@@ -1090,9 +1089,3 @@ def _model(body: FittedBody, record: ForceCurve, settings: Settings, kinds: Sequ
     k = math.inf if curve.stiffness is None else curve.stiffness
     moduli = (modulus.low, modulus.high)
     return ForceCurveModel(body.family, k, parts, known, works, moduli, settings.positions)
-
-
-def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
-    """The body solved to the contact radius that a record can reach at most, as its tip moves no deeper."""
-    ways = ((part.z - part.P / model.k)[part.touching if part.jumped else slice(None)] for part in model.stretches)
-    return body.to_depth(max(float(np.ptp(way)) for way in ways))

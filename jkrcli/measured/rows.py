@@ -1061,7 +1061,13 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     fixed = {p.name: known[p.name] for p in settings.parameters if not p.free}
     objective = Objective(body, settings.parameters, points, np.ones(len(points.columns)))
     begins = [objective.scaled({**start.values, **fixed}) for start in tried[:SEARCH_LOOKED_AT]]
-    sizes = _sizes(objective.readings(begins[0], rated=False), points)
+    # The size of a start's curve on each axis: its pull-off, or a part of the data's range where that is larger
+    readings = objective.readings(begins[0], rated=False)
+    offsets = {"delta": readings.values["delta0"], "P": readings.values["P0"]}
+    sizes = {column: float(np.ptp(points.values[column])) for column in points.columns}
+    for column, row in zip(points.columns, readings.along(arc(readings))[0], strict=True):
+        if column in offsets:  # a radius has no zero of its own: its size is its range
+            sizes[column] = max(offsets[column] - float(np.min(row)), SEARCH_LEAST_SIZE * sizes[column])
     scales = noise_estimate(points.values, sizes) | dict(settings.noise)
     objective = replace(objective, scales=np.array([scales[name] for name in points.columns]))
     if len(known) > len(fixed):
@@ -1112,13 +1118,3 @@ def _cost(objective: Objective, x: Mapping[str, float]) -> float:
     with contextlib.suppress(*[JkrError] * objective.ranged):
         return float(np.sum(objective.distances(x, rated=False).residuals ** 2))
     return math.inf
-
-
-def _sizes(readings: Readings, points: Points) -> dict[str, float]:
-    """The size of a start's curve on each axis: its pull-off, or a part of the data's range where that is larger."""
-    offsets = {"delta": readings.values["delta0"], "P": readings.values["P0"]}
-    sizes = {name: float(np.ptp(points.values[name])) for name in points.columns}
-    for name, row in zip(points.columns, readings.along(arc(readings))[0], strict=True):
-        if name in offsets:  # a radius has no zero of its own: its size is its range
-            sizes[name] = max(offsets[name] - float(np.min(row)), SEARCH_LEAST_SIZE * sizes[name])
-    return sizes

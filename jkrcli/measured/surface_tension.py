@@ -19,7 +19,7 @@ from ..base.errors import LEVEL, NOTICEABLE, InputError, SolveError
 from ..base.numerics import SAME, Array
 from ..base.units import Named, Ranged, show, texts_of
 from ..bodies.problem import RADIUS, Loading, Problem, changed, without_side_walls
-from ..formulas import edge_angle, shift
+from ..formulas import edge_angle, lagging, shift
 from ..methods.layered.solver import Layered, largest_radius
 from ..methods.radii import DENSE
 from .curve import Curve
@@ -92,10 +92,9 @@ class TenseFamily:
         D, T, H, S = np.exp([spline(math.log(kappa), u)[0] for spline in self.splines])
 
         def interpolated(w: float) -> Array:
-            back = math.sqrt(w / s) * T
-            depth, load = D - back, s * (H - S * back)
+            depth, load = lagging(D, H, S, math.sqrt(w / s) * T)
             first = int(np.argmin(depth))
-            return np.asarray(np.interp(delta, depth[first:], load[first:]))
+            return np.asarray(np.interp(delta, depth[first:], s * load[first:]))
 
         return interpolated(w) if w >= 0 else 2 * interpolated(0.0) - interpolated(-w)
 

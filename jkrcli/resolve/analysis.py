@@ -800,7 +800,14 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     problem = solution.problem
     refuse_no_disc(solution.facts, "profile")
     if request:
-        return _attracted(solution, a, request.law(w))
+        law = request.law(w)
+        body = FiniteRangeBody.of(solution).body
+        _check_within(solution, a)
+        reach = body.reach(a, 2 * law.stress / body.problem.E_star, law.length)
+        attraction = body.ready(min(3 * reach, body.limit))
+        r = _around(a, attraction.reach)
+        surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
+        return _of_surface(body.problem, r, surface)
     if problem.sticks:
         return _meshed(solution, a, w)
     if problem.specimen.radius is None:
@@ -832,18 +839,6 @@ def _check_within(solution: Solution, a: float) -> None:
     if not 0 < a <= solution.series.a[-1] * (1 + ROUNDED):
         end = show(float(solution.series.a[-1]), "length")
         raise InputError(f"profile: the contact radius must lie between 0 and {end}, got {show(a, 'length')}")
-
-
-def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
-    """Pressure, displacement and gap out to 3 c under a tension of finite range; the tension is a negative pressure."""
-
-    body = FiniteRangeBody.of(solution).body
-    _check_within(solution, a)
-    reach = body.reach(a, 2 * law.stress / body.problem.E_star, law.length)
-    attraction = body.ready(min(3 * reach, body.limit))
-    r = _around(a, attraction.reach)
-    surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
-    return _of_surface(body.problem, r, surface)
 
 
 def _around(a: float, end: float) -> Array:

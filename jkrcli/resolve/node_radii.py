@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion.slopes.nodes import AS_THEY_ARE, Ahead, NodeRadii, Touches, as_nodes, node_radii
+from ..adhesion.slopes.nodes import AS_THEY_ARE, Ahead, NodeRadii, as_nodes, node_radii
 from ..base.numerics import HALF_WIDTH, ROUNDED, Array, cubic_spline, f_tail
 from ..base.units import show
 from ..bodies.indenters import Indenter
@@ -291,20 +291,17 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
             width = 4 * max(sd_s, 3e-4)
             spread = np.linspace(mean_s - width, mean_s + width, 25)
     error = math.hypot(HALF_WIDTH * sd_c, AHEAD_LEAST)
-    of_scatter = _by_scatter(nodes.touches(mean_c), own, offset + mean_s)
+    # By least squares with the stretch, where touches scatter as their errors say
+    touches = nodes.touches(mean_c)
+    within = touches.rows.a > AHEAD_FIRST * touches.element
+    spacing, sure = touches.element[within], touches.errors[within] / touches.element[within] / HALF_WIDTH
+    spline = cubic_spline(np.log(own.delta), np.log(own.a - own.a0))
+    seen_x = np.log(touches.rows.delta[within]) + (offset + mean_s)
+    columns = np.stack([np.ones(spacing.size), np.exp(spline(seen_x)) * spline(seen_x, 1) / spacing]) / sure
+    normal = columns @ columns.T + np.diag([0.0, AHEAD_RADIUS**-2])
+    of_scatter = math.sqrt(float(np.linalg.inv(normal)[0] @ (columns @ columns.T) @ np.linalg.inv(normal)[0]))
     left = math.hypot(HALF_WIDTH * math.sqrt(max(sd_c**2 - of_scatter**2, 0.0)), AHEAD_LEAST)
     return Found(Ahead(mean_c, error, "body", left), offset + mean_s, sd_s, float(logs.max()) / z.size)
-
-
-def _by_scatter(touches: Touches, own: Series, stretch: float) -> float:
-    """Standard deviation of c by least squares with the stretch, where touches scatter as their errors say."""
-    inner = touches.rows.a > AHEAD_FIRST * touches.element
-    e, sure = touches.element[inner], touches.errors[inner] / touches.element[inner] / HALF_WIDTH
-    beyond = cubic_spline(np.log(own.delta), np.log(own.a - own.a0))
-    x = np.log(touches.rows.delta[inner]) + stretch
-    columns = np.stack([np.ones(e.size), np.exp(beyond(x)) * beyond(x, 1) / e]) / sure
-    normal = columns @ columns.T + np.diag([0.0, AHEAD_RADIUS**-2])
-    return math.sqrt(float(np.linalg.inv(normal)[0] @ (columns @ columns.T) @ np.linalg.inv(normal)[0]))
 
 
 def by_tip(nodes: NodeRadii, indenter: Indenter) -> Ahead:
@@ -419,7 +416,15 @@ def check_against_solution(beside: Compared) -> tuple[str, ...]:
     if own is None:
         return ()
     if beside.nodes is not None:
-        return _at_equal_displacement(beside.nodes.rows, own)
+        rows = beside.nodes.rows
+        usable = (rows.delta > max(AHEAD_DEEP * rows.delta.max(), own.delta[0])) & (rows.delta <= own.delta[-1])
+        if np.count_nonzero(usable) < DEPARTURE_FEWEST:
+            return ()
+        x, logs = np.log(own.delta), np.log(np.stack([own.a, own.P]))
+        log_a, expected = cubic_spline(x, logs.T)(np.log(rows.delta[usable])).T
+        gap = np.log(rows.P[usable]) - expected
+        rates = cubic_spline(logs[0], np.stack([x, logs[1]], axis=1))(log_a, 1).T
+        return _judged(np.stack([0 * gap, gap]), rates, log_a, DEPARTURE_OF_NODES, "displacements")
     raw = beside.rows
     usable = (raw.a > own.a[0]) & (raw.a <= own.a[-1]) & (raw.delta > 0) & (raw.P > 0)
     a, delta, P = (values[usable] for values in (raw.a, raw.delta, raw.P))
@@ -441,18 +446,6 @@ def check_against_solution(beside: Compared) -> tuple[str, ...]:
         f"at equal displacement contact radii are off those of these bodies by {worst:+.1%}, where loads agree: are "
         "the radii, or the area that they are from (import --area), right? The stated errors do not include it",
     )
-
-
-def _at_equal_displacement(rows: RawSeries, own: Series) -> tuple[str, ...]:
-    """The sentence on loads beyond the first elements."""
-    usable = (rows.delta > max(AHEAD_DEEP * rows.delta.max(), own.delta[0])) & (rows.delta <= own.delta[-1])
-    if np.count_nonzero(usable) < DEPARTURE_FEWEST:
-        return ()
-    x, logs = np.log(own.delta), np.log(np.stack([own.a, own.P]))
-    log_a, expected = cubic_spline(x, logs.T)(np.log(rows.delta[usable])).T
-    gap = np.log(rows.P[usable]) - expected
-    rates = cubic_spline(logs[0], np.stack([x, logs[1]], axis=1))(log_a, 1).T
-    return _judged(np.stack([0 * gap, gap]), rates, log_a, DEPARTURE_OF_NODES, "displacements")
 
 
 def _judged(gap: Array, rates: Array, x: Array, least: float, equal: str) -> tuple[str, ...]:

@@ -1,7 +1,5 @@
 """Every formula under its own name, against an integral, a derivative or a published value that no formula shares."""
 
-from __future__ import annotations
-
 import ast
 import math
 from collections.abc import Callable
@@ -231,6 +229,33 @@ def test_jkr_dimensionless() -> None:
 def test_adhesive_half_space() -> None:
     hertzian = formulas.hertz(AT, E_STAR, R)
     assert_allclose(formulas.adhesive_half_space(AT, *hertzian, E_STAR, 0.03), formulas.jkr(AT, E_STAR, R, 0.03))
+
+
+def test_lagging() -> None:
+    """A flat punch moved back by the shift of JKR."""
+    delta, P = formulas.lagging(
+        *formulas.hertz(AT, E_STAR, R), 2 * E_STAR * AT, np.sqrt(2 * np.pi * 0.03 * AT / E_STAR)
+    )
+    assert_allclose((delta, P), formulas.jkr(AT, E_STAR, R, 0.03))
+
+
+def test_adhesive() -> None:
+    """D, T, H, V of a paraboloid at unit modulus, with all moduli times E*."""
+    (D, H), T = formulas.hertz(AT, 1.0, R), np.sqrt(2 * np.pi * AT)
+    adhesive = formulas.adhesive((D, T, H, 2 * AT * T), E_STAR, math.sqrt(0.03 / E_STAR))
+    assert_allclose(adhesive, formulas.jkr(AT, E_STAR, R, 0.03))
+
+
+def test_device_factors() -> None:
+    """The sums of D, T, H, V with them are delta + P/k and P."""
+    four, s, v, k = (
+        np.array([3e-6, 2e-6, 4e-3, 5e-3]),
+        np.array([2.0, 3.0]),
+        np.array([0.1, 0.0]),
+        np.array([40.0, 7.0]),
+    )
+    delta, P = formulas.adhesive(four[:, None], s, v)
+    assert_allclose(formulas.device_factors(s, v, k) @ four, np.stack([delta + P / k, P], 1))
 
 
 def test_tabor() -> None:

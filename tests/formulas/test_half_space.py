@@ -1,8 +1,5 @@
 """Closed forms: energy and derivative identities, published values, limits, change of units."""
 
-from __future__ import annotations
-
-import math
 from decimal import Decimal, localcontext
 
 import numpy as np
@@ -75,15 +72,6 @@ def test_rounded_flat_is_exact_near_first_touch(beyond: float) -> None:
     a = b * (1 + beyond)
     delta, P = formulas.rounded_flat(np.array(a), 1.0, b, 1.0)
     assert (float(delta), float(P)) == pytest.approx(exact_rounded_flat(a, b), rel=CLOSED_FORM_ROUND_OFF / 2, abs=0)
-
-
-def test_dimensionless_jkr_is_eq_7_in_the_units_of_eq_15() -> None:
-    w, a = 0.05, np.linspace(0.01, 0.2, 9) * R
-    delta, P = formulas.jkr(a, E_STAR, R, w)
-    a_bar = a * (4 * E_STAR / (3 * math.pi * w * R**2)) ** (1 / 3)
-    delta_bar, P_bar = formulas.jkr_dimensionless(a_bar)
-    np.testing.assert_allclose(P / (math.pi * w * R), P_bar, rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(delta * (16 * E_STAR**2 / (9 * math.pi**2 * w**2 * R)) ** (1 / 3), delta_bar, rtol=1e-12)
 
 
 def test_classical_pull_off_values() -> None:

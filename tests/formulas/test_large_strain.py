@@ -1,7 +1,5 @@
 """Pull-off at large strains: the first order by its energy, the ranges where elements measured them, who is told."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

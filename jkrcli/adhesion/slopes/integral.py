@@ -480,15 +480,6 @@ def posterior(fit: PenalisedFit, noise: bool, correlated: bool) -> Posterior:
     return Posterior(full, inner, float(rhos[np.argmax(masses)]), float(heights.max() - heights[0]))
 
 
-def likeliest_correlation(fit: PenalisedFit) -> float:
-    """The correlation of neighbours, among every other up to 0.9, with the greatest likelihood: a fit that leaves more
-    to it follows what drifts."""
-    rhos = _possible(fit, PENALTY_CORRELATIONS[1:8:2])
-    heights = [_at_best(fit, rho)[0] for rho in rhos]
-    heights[0] += PENALTY_WORTH
-    return rhos[int(np.argmax(heights))]
-
-
 def _possible(fit: PenalisedFit, rhos: Sequence[float]) -> tuple[float, ...]:
     """0 and those of ``rhos`` that the residuals' own correlation allows, and what the fit has taken from it: beyond,
     a likelihood is that of a linearised fit far from where it holds."""
@@ -647,11 +638,6 @@ SCATTER_OUTLIER = 3.0  # standard deviations where points begin to count less; t
 SCATTER_FREE = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
 SCATTER_FALSE = 5e-3  # probability of an outlier reported in a series without any; choice: rare
 SCATTER_CHANCE = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
-
-
-def floored(variances: Array, share: float, floor: float) -> Array:
-    """Variances (3, n), each at least ``share`` of the largest of its point, and ``floor``."""
-    return np.maximum(variances, np.maximum(share * variances.max(axis=0), floor))
 
 
 def whitener(variances: Array, k: Array, m: Array) -> Array:
@@ -1075,7 +1061,7 @@ def _fit(task: _Task) -> _Settled:
     outliers = np.zeros(data.x.size, dtype=bool)
     rho, noisy, many = 0.0, False, data.x.size >= INTEGRAL_TELL_CORRELATION
     for share in (1.0, INTEGRAL_SHARE, INTEGRAL_SHARE):
-        variances = floored(variances, share, INTEGRAL_FLOOR**2)
+        variances = np.maximum(variances, np.maximum(share * variances.max(axis=0), INTEGRAL_FLOOR**2))
         floor = 1.0 if of_nodes else INTEGRAL_FLOOR**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
         start = best or task.minimise(_start(task), variances, stiff, floor, 0)
@@ -1093,7 +1079,13 @@ def _fit(task: _Task) -> _Settled:
             variances, outliers = task.scatter(best or start)
         else:
             variances = stated
-        rho = likeliest_correlation(best) if best is not None and noisy and many else 0.0
+        rho = 0.0
+        if best is not None and noisy and many:
+            # The likeliest correlation of every other up to 0.9: a fit that leaves more to it follows what drifts
+            rhos = _possible(best, PENALTY_CORRELATIONS[1:8:2])
+            heights = [_at_best(best, rho)[0] for rho in rhos]
+            heights[0] += PENALTY_WORTH
+            rho = rhos[int(np.argmax(heights))]
     fit = best or fit
     known = posterior(fit, noisy, noisy and many)
     if of_nodes:

@@ -175,7 +175,15 @@ def node_radii(raw: RawSeries) -> NodeRadii | None:
         return nodes
     # whether some radii repeat while displacement and load go on
     repeat = bool(np.any(repeated & (np.diff(rows.delta) > 0) & (np.diff(rows.P) > 0)))
-    return nodes if _regular(nodes) and (repeat or _scatters(nodes)) else None
+    # Whether sizes of elements go on growing as they do, but at few places; counts can be made to fit any other radii
+    # to a part of an element only
+    number, first = np.unique(nodes.number, return_index=True)
+    passed = np.diff(number)
+    sizes = np.log(np.diff(nodes.rows.a[first]) / passed)
+    between = (passed[1:] + passed[:-1]) / 2
+    growth = np.diff(sizes) / between  # from node to node
+    off = np.diff(growth) * passed[1:-1] * (between[1:] + between[:-1]) / 2  # elements
+    return nodes if np.median(np.abs(off)) < NODE_REGULAR and (repeat or _scatters(nodes)) else None
 
 
 def as_nodes(raw: RawSeries) -> NodeRadii | None:
@@ -223,18 +231,6 @@ def _passed(steps: Array, single: Array) -> Array:
     for j in range(steps.size - 1, 0, -1):
         path.append(int(came[j, path[-1]]))
     return counts[path[::-1]]
-
-
-def _regular(nodes: NodeRadii) -> bool:
-    """Whether the radii that are seen are those of elements whose sizes go on growing as they do, but at few places;
-    counts can be made to fit any others to a part of an element only."""
-    number, first = np.unique(nodes.number, return_index=True)
-    passed = np.diff(number)
-    sizes = np.log(np.diff(nodes.rows.a[first]) / passed)
-    between = (passed[1:] + passed[:-1]) / 2
-    growth = np.diff(sizes) / between  # from node to node
-    off = np.diff(growth) * passed[1:-1] * (between[1:] + between[:-1]) / 2  # elements
-    return bool(np.median(np.abs(off)) < NODE_REGULAR)
 
 
 def _scatters(nodes: NodeRadii) -> bool:

@@ -223,11 +223,6 @@ class Increment:
     active: Array
     violation: float
 
-    @property
-    def is_disc(self) -> bool:
-        """Whether the nodes in contact are the innermost ones."""
-        return bool(self.active[: int(self.active.sum())].all())
-
 
 def solve_depths(contact: SurfaceContact, depths: Sequence[float] | Array) -> list[Increment]:
     """Increments at prescribed depths [m], each started from the contact nodes of the one before."""
@@ -509,12 +504,6 @@ class Model:
             return SurfaceContact(self.surface, heights)
         rows = edge_rows(self.half_space, mesh.surface_material(self.body.materials[0]))
         return StuckContact(self.surface, heights, rows, indenter.a0)
-
-    def with_roller(self) -> Model:
-        """The same body with its side fixed in radial direction; the mesh and the stiffness stay."""
-        rim = self.system.basis.get_dofs("side").all()
-        system = replace(self.system, free=np.setdiff1d(self.system.free, rim))
-        return self.discretisation.condensed(system, StageClock())
 
     @property
     def half_space(self) -> Surface:
@@ -1015,7 +1004,10 @@ def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:
     if not body.cut_beside:
         return 0.0
     free = coarse.contact
-    roller = replace(free, surface=coarse.model.with_roller().surface)
+    # The same body with its side fixed in radial direction; mesh and stiffness stay
+    rim = coarse.model.system.basis.get_dofs("side").all()
+    system = replace(coarse.model.system, free=np.setdiff1d(coarse.model.system.free, rim))
+    roller = replace(free, surface=coarse.model.discretisation.condensed(system, StageClock()).surface)
     depth = np.array([run.deepest])
     if events.valid:
         return float(abs(load_at(roller, depth)[0] / load_at(free, depth)[0] - 1))
@@ -1133,7 +1125,7 @@ def _warnings(options: FEMOptions, run: Run) -> Iterator[str]:
             "nested contact does not hold here (a force or gap is negative by "
             f"{events.violation:.1e}, relative): increments were solved instead"
         )
-    broken = sum(not step.is_disc for step in increments)
+    broken = sum(not step.active[: int(step.active.sum())].all() for step in increments)  # nodes, the innermost ones
     if broken:
         yield (
             f"in {broken} of {len(increments)} increments the contact is no full disc: its middle lifts off, or the "

@@ -30,7 +30,7 @@ from ...base.errors import Refusal, SolveError
 from ...base.numerics import MOST_STEPS, ROUNDED, SAME, SETTLED, Array
 from ...base.units import show
 from ...bodies.indenters import Indenter
-from ...formulas import shift
+from ...formulas import lagging, shift
 from .density import DENSITY_PIECE, Density, DentedProfile, panel_pieces
 from .fredholm import AbelMoments, LegendrePanels, Panels, Quadrature, angle, gauss, rule, tension_moments, to_legendre
 
@@ -354,13 +354,6 @@ class Attraction:
             complements.append(M - half.T @ half)
         return complements
 
-    @cached_property
-    def _blocks(self) -> Array:
-        """M of the disc below each panel, on this panel."""
-        starts = range(0, self.basis.size, self.basis.order)
-        ends = [slice(start, start + self.basis.order) for start in starts]
-        return np.array([M[end, end] for M, end in zip(self._schur, ends, strict=True)])
-
     def discs(self, a: Array, profile: DentedProfile | None = None) -> Discs:
         """Contact discs of the radii ``a`` >= 0 [m] below ``reach``, under the indenter or another ``profile``."""
         basis, panel = self.basis, self.basis.panel_of(a)
@@ -369,7 +362,9 @@ class Attraction:
         values = basis.local(x.reshape(a.size, -1), np.broadcast_to(panel[:, None], (a.size, basis.order)))
         w = w.reshape(a.size, -1)
         inside = (w[:, :, None] * values).transpose(0, 2, 1) @ values
-        blocks = self._blocks[panel]
+        starts = range(0, self.basis.size, self.basis.order)
+        ends = [slice(start, start + self.basis.order) for start in starts]
+        blocks = np.array([M[end, end] for M, end in zip(self._schur, ends, strict=True)])[panel]
         partial = np.linalg.solve(np.eye(basis.order) + inside @ blocks, inside)
         width = np.sqrt(np.diff(basis.panels.edges))
         beta = np.zeros((a.size, basis.count, basis.order))
@@ -464,8 +459,7 @@ def adhesive_surface(attraction: ReadyBody, a: float, w: float, r: Array, scale:
     on a body whose kernel varies over ``scale`` [m]."""
     discs = attraction.discs(np.array([a]))
     delta, P, S, dS = discs.nonadhesive
-    back = shift(w, a, dS)
-    rims = Rims(discs.a, discs.a, delta - back, P - S * back, np.zeros(1))
+    rims = Rims(discs.a, discs.a, *lagging(delta, P, S, shift(w, a, dS)), np.zeros(1))
     return _surface(attraction, discs, rims, 0.0, r, scale)
 
 

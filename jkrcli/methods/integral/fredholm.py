@@ -664,16 +664,13 @@ def response(contact: Contact, to: Quantity, accuracy: float) -> Response:
     return at
 
 
-def first_stiffness(contact: Contact, tolerance: float) -> float:
-    """S at first touch [N/m]: that of a flat punch of the radius a0, 0 for round and pointed indenters."""
-    radii = np.array([contact.indenter.a0])
-    return float(contact.solved(radii, contact.plan(radii, tolerance)).S[0]) if radii[0] > 0 else 0.0
-
-
 def series_of(result: ContactResult, errors: Array, contact: Contact, tolerance: float) -> Series:
     """The series of a ``result`` of a ``contact`` with relative ``errors`` (radii,) or, one row for each of
     ``COLUMNS``, (4, radii); S at first touch is solved to the ``tolerance``."""
-    radii, a0, S0 = result.panels.radii, contact.indenter.a0, first_stiffness(contact, tolerance)
+    radii, a0, S0 = result.panels.radii, contact.indenter.a0, 0.0
+    if a0 > 0:  # that of a flat punch
+        first = np.array([a0])
+        S0 = float(contact.solved(first, contact.plan(first, tolerance)).S[0])
     columns = dict(zip(COLUMNS, result.columns, strict=True))
     absolute = dict(zip(COLUMNS, errors * result.columns, strict=True))
     return Series(radii, **columns, errors=absolute | {"a": 0 * radii}, a0=a0, S0=S0)

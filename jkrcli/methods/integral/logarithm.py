@@ -102,7 +102,13 @@ def _collocated(tau: Transform, a: Array, edges: Array, z: Array, w: Array, orde
     # Close panels: their polynomials at points that crowd at t = x, or at the end that faces it
     u, v = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
     away, facing = v[:, None] * lagrange(order, u), v[:, None] * lagrange(order, 1 - u)
-    inside, both = _split(order)
+    # Distances from each Gauss node of points on both sides that crowd at it, and weights times polynomials there
+    nodes = (rule(order)[0] + 1) / 2
+    close, weight = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
+    below, above = nodes[:, None] * close, (1 - nodes)[:, None] * close
+    weights = np.concatenate([nodes[:, None] * weight, (1 - nodes)[:, None] * weight], axis=1)
+    points = np.concatenate([nodes[:, None] - below, nodes[:, None] + above], axis=1)
+    inside, both = np.concatenate([below, above], axis=1), weights[..., None] * lagrange(order, points)
     each = np.arange(panels)
     d = width[:, :, None, None]
     blocks[:, each, :, each, :] = np.einsum("mpiq,iqj->pmij", tau(d * inside) * d, both)
@@ -120,17 +126,6 @@ def _collocated(tau: Transform, a: Array, edges: Array, z: Array, w: Array, orde
     first = width[:, :1]
     at_edge[:, :order] = (tau(first * u) * first) @ away
     return (K + mirrored) / 2, (at_edge + tau(2 * a[:, None] - z) * w) / 2
-
-
-def _split(order: int) -> tuple[Array, Array]:
-    """Distances from each Gauss node on (0, 1) of points on both sides that crowd at it, (order, points), and weights
-    times polynomials there (order, points, order)."""
-    nodes = (rule(order)[0] + 1) / 2
-    u, v = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
-    below, above = nodes[:, None] * u, (1 - nodes)[:, None] * u
-    weights = np.concatenate([nodes[:, None] * v, (1 - nodes)[:, None] * v], axis=1)
-    points = np.concatenate([nodes[:, None] - below, nodes[:, None] + above], axis=1)
-    return np.concatenate([below, above], axis=1), weights[..., None] * lagrange(order, points)
 
 
 @dataclass(frozen=True, eq=False)

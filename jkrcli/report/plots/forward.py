@@ -241,7 +241,7 @@ def _within(points: Array, a: float) -> Array:
 
 def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, factor: float, length: float) -> None:
     """Filled contours layer by layer: stresses jump at interfaces."""
-    values = component_of(state, component)
+    values = state.mises if component == "mises" else state.stress[("rr", "tt", "zz", "rz").index(component)]
     # Stresses that bound 98 % of each layer in the window, so that a thin one is seen beside the others; those at the
     # edge of an adhesive contact are infinite
     grid = state.grid
@@ -268,11 +268,6 @@ def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, fac
     beside = axes.inset_axes((1.02, 0, 0.03, 1))  # as high as the body is drawn
     bar = figure.colorbar(drawn, cax=beside, ticks=levels[zero % every :: every])
     bar.set_label(f"{SYMBOLS[component]} ({pretty(unit)})")
-
-
-def component_of(state: ContactState, component: str) -> Array:
-    """One stress at every vertex [Pa]."""
-    return state.mises if component == "mises" else state.stress[("rr", "tt", "zz", "rz").index(component)]
 
 
 def _bounds(corners: Array, values: Array, inside: Array) -> tuple[float, float]:

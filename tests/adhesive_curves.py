@@ -9,8 +9,6 @@ Where w = w0 (1 + (v/v0)^n) at the speed v of an edge c that recedes, a step is 
 all is smooth: c = c_0 - v0 q^(1/n) dt.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -192,7 +190,6 @@ class Contact:
     def open_at_axis(self, x: float, dt: float) -> tuple[float, float] | None:
         """A zone alone, the surfaces being apart at its centre too, a time ``dt`` later."""
         assert self.rate is not None
-        assert self.at is not None
         (v0, n), c0 = self.rate, self.at[1]
 
         def off(c: float) -> float:

@@ -7,8 +7,6 @@ number of touching rings has its displacement, between two of which the wanted o
 (1 - ratio) exp(-t): the surface u under p of the rings obeys C p = u - (1 - ratio) xi, xi' = u - xi.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ conditions of contact, q >= 0, gap >= 0, q gap = 0, so that the node at the edge
 range.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

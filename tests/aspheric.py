@@ -1,7 +1,5 @@
 """An indenter of one's own, all of it in this module: an aspheric lens f = r^2/(2 R) + k r^4."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 

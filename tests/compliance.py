@@ -1,7 +1,5 @@
 """Compliance ratio g(k) of a stack, straight from its minors."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from jkrcli import Elastic, Specimen

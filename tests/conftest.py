@@ -1,7 +1,5 @@
 """Shared by all tests: the command line in process, and other constants for the length of one test."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import signal

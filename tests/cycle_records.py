@@ -2,8 +2,6 @@
 on the way in, springs of 0.03 to 100 times the contact's stiffness, white noise, and at times one kind of other noise:
 1/f, a thermal peak, or the steps of a converter. Shares no code with what reads them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

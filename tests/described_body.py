@@ -1,7 +1,5 @@
 """Half-spaces that records are fitted as, as case files."""
 
-from __future__ import annotations
-
 # Its E is not that of raw records.
 CASE = """
 [indenter]

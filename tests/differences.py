@@ -1,7 +1,5 @@
 """A slopes rule of one's own, all of it in this module: differences of neighbouring points, in logarithms."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from jkrcli.adhesion.rules import Rule, register

@@ -2,8 +2,6 @@
 c2 y^2)/sqrt(1 - rho^2) on ellipses of half-axes a, b: nonadhesive (Hertz), and the minimum of the energy over all
 ellipses (Giudici, Vella and Griffiths, arXiv 2407.00378)."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Ten cylinders, free, roller and clamped, on which methods for finite bodies are compared; contact radii up to 1."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Side, Specimen

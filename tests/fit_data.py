@@ -1,7 +1,5 @@
 """Synthetic measurements for the tests of the fit: exact curves and noise, not from the fitted series."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -2,8 +2,6 @@
 layer, with the edge at rest after the turn, and the dirt of real records: spring, offset, tilt, drag, drift, pause,
 noise. Shares no code with what reads them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

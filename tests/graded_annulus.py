@@ -9,8 +9,6 @@ In Hankel space, z downwards, u_r = U J1, u_z = W J0, sigma_rz = T J1, sigma_zz 
 so that the compliance C of what lies below, (U, W) = C (T, Z), obeys C' = A11 C + A12 - C A21 C - C A22.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ With p_hat(k) = E*/2 int_0^a phi(t) cos kt dt and the layer's surface compliance
     phi(x) + 2/pi int_0^a K(x, t) phi(t) dt = 2/pi (delta - x^2/R),    K = int_0^inf (L(kh) - 1) cos kx cos kt dk.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 

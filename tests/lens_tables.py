@@ -1,8 +1,6 @@
 """Tables of an apparatus that presses a lens on a layer and pulls it off: contact radius, displacement and load on both
 branches, from the equations of the cycle over ``layer_contact``. Shares no code with what reads them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A law of the work of adhesion over speed of one's own, all of it in this module: w grows with the speed itself."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -4,8 +4,6 @@ In his units, K = 4 E*/3: lengths a0 = (pi w R^2/K)^(1/3) for a, a0^2/R for delt
 lambda = 2 sigma (R/(pi w K^2))^(1/3), m = c/a.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

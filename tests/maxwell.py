@@ -1,7 +1,5 @@
 """A law of relaxation of one's own, all of it in this module: Maxwell's, which relaxes to nothing."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

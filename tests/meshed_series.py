@@ -7,8 +7,6 @@ in the depth. What is written is the outermost node that touches. Exact columns 
 splines through the logs; nothing is taken from what reads such series.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 """Good and bad records of another kind than ``force_curves`` makes: sampled over time on a rounded ramp, digitised,
 with coloured noise and creep at the turning point; and what a microscope writes when something is wrong."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ compliance of a stack comes from one linear system per wave number, of Love's fu
 with what reads such series.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -261,7 +259,6 @@ def node_series(
         radius = np.floor(a / e - ahead + lowest)
     delta, P = body.columns(a)[:2]
     if noise:
-        assert rng is not None
         delta, P = (values * (1 + noise * rng.standard_normal(a.size)) for values in (delta, P))
     touching = radius > 0
     columns = np.stack([radius * e * LENGTH, delta * LENGTH, P * MODULUS * LENGTH**2])[:, touching]

@@ -1,7 +1,5 @@
 """How node-based contact radii reach the pull-off force: Hertz with the radius of the outermost node in contact."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

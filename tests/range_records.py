@@ -2,8 +2,6 @@
 Interface Sci. 150 (1992) 243) and, before contact, attraction over a disc: both directions with their jumps, a base
 line, a lever, noise. Shares no code with what reads them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 """Records of retractions at speed, made by an integrator of their own: Runge-Kutta of order 8 in time, event at loss,
 with the body's functions alone."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

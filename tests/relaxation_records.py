@@ -1,7 +1,5 @@
 """Records of bodies that relax, made by rings stepped through time, with noise on what is held and what that makes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -5,8 +5,6 @@ share of the depth while it touches, and follows from no load where it does not;
 variables. Nothing here knows when the contact turns or which time it remembers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Retractions of a gel and a coating at speed, as an instrument reads them, and the bodies that they are of."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

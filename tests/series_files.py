@@ -1,7 +1,5 @@
 """Series files changed from outside: by a program that seals them again, or by one that does not."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -2,8 +2,6 @@
 pull-off force at levers of 0.03 to 30 times the contact's stiffness: the edge advances, rests at the turn and recedes.
 Shares no code with what reads them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache, cached_property

@@ -1,7 +1,5 @@
 """The package's files as trees of syntax, each parsed once for all checks of the house."""
 
-from __future__ import annotations
-
 import ast
 from functools import cache
 from pathlib import Path

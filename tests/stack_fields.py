@@ -5,8 +5,6 @@ In a layer, u_r = sum f J1(kr), u_z = sum g J0(kr), of modes (f, g) = (1, 1), (y
 from its top, and the same with u_z reversed from its bottom; they solve Navier's equations for any nu, 1/2 included.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.special import j0, j1
 

@@ -1,7 +1,5 @@
 """CPU seconds of what is tested; bounds are those of an idle core, with room for a machine that others use too."""
 
-from __future__ import annotations
-
 import contextlib
 import time
 from collections.abc import Callable, Iterator

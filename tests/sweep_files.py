@@ -1,7 +1,5 @@
 """Sweep files that tests of sweeps share, and what they read of their tables."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

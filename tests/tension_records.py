@@ -1,8 +1,6 @@
 """Bodies with surface tension solved in another way than the program's, and records of them: retractions from a press
 under displacement control, with noise."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 

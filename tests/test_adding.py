@@ -1,7 +1,5 @@
 """Adding an indenter, a method, a slopes rule or a law is one file: each is used in a process of its own."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import json

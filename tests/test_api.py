@@ -1,7 +1,5 @@
 """The Python interface gives the command line's numbers."""
 
-from __future__ import annotations
-
 import doctest
 import json
 import runpy

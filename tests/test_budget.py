@@ -1,7 +1,5 @@
 """The code stays within its budget: lines and tokens of the core, of each wing and of the tests (``budget.toml``)."""
 
-from __future__ import annotations
-
 import ast
 import io
 import tokenize

@@ -5,8 +5,6 @@ Algorithms keep their numbers as constants of their module. The comment of each,
 any comment does.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import re

@@ -1,7 +1,5 @@
 """CONTRIBUTING.md describes the house as it stands: its rooms, its doors, and one place for each thing looked for."""
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

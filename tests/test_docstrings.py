@@ -1,7 +1,5 @@
 """Docstrings of the Python interface and of what a contributor registers: numpydoc sections that name what there is."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The field's words: phrases that a reader of the field would read twice stand in no message and on no user's page."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

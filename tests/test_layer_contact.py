@@ -1,7 +1,5 @@
 """The tests' own layer against limits that need no program: a half-space, and flat ends on a layer of nu = 1/2."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from layer_contact import BondedLayer, contact, half_space

@@ -1,7 +1,5 @@
 """The notebooks of docs run from their first cell to their last and print what is kept in them; the site shows them."""
 
-from __future__ import annotations
-
 import base64
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A command's JSON is what Python's ``summary()`` gives, and what it prints is what ``print`` does."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

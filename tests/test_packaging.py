@@ -1,7 +1,5 @@
 """What is installed is pinned and checked; what is published holds all that is read; every system is tried."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import shutil

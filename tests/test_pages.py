@@ -5,8 +5,6 @@ block after an ``sh`` block is what that prints: each of its lines must be there
 is not here is marked by the line before it: ``<!-- not run: why -->``.
 """
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

@@ -1,8 +1,6 @@
 """The road of a run and of a transformation: from file to file as their functions are called first, as a reader meets
 them. CONTRIBUTING.md tells it; how often it changes from one file to another has a ceiling."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

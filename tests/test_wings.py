@@ -1,7 +1,5 @@
 """A wing registers what it adds; without its folder the rest works, and what was its own is refused by its name."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

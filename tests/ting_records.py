@@ -1,7 +1,5 @@
 """Records of a paraboloid on a body of power-law relaxation, in closed form (Ting 1966): no code of the package."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from relaxing_rings import stepped

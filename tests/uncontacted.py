@@ -8,8 +8,6 @@ With the layer's surface compliance 2 L(kh)/(E* k) the surface at the rim of a d
 the separation there is the range, so that delta = c^2/(2 R) - u(c) - w/sigma, and P = -pi sigma c^2.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

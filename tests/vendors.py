@@ -1,7 +1,5 @@
 """Small files as the programs of force microscopes write them: the same record of approach and retraction in each."""
 
-from __future__ import annotations
-
 import struct
 import zipfile
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """Stated widths against the scatter that they are stated for."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """A method of one's own, all of it in this module: a layer as a bed of springs (Winkler) under any indenter."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated

@@ -1,7 +1,5 @@
 """Between its rows a series belongs to one energy: dP_H = S d(delta_H), S' the slope of S, the work of a cycle."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

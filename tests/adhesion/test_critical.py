@@ -1,7 +1,5 @@
 """The error of pull-off points: that of the curve at their radius, and that of the radius itself."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
@@ -39,8 +37,6 @@ def exact() -> Series:
 def perturbed(series: Series, size: float) -> AdhesiveCurve:
     """The curve after a smooth change of all four columns that keep S = dP/d(delta) and S' = dS/da."""
     x = series.a / series.a[-1]
-    assert series.S is not None
-    assert series.dS is not None
     f, df = 1 + size * (x**2 - x / 3), size * (2 * x - 1 / 3) / series.a[-1]
     S, dS = series.S * f, series.dS * f + series.S * df
     delta = series.delta * (1 + size * (x - x**2 / 2))
@@ -56,7 +52,6 @@ def test_a_known_change_of_the_columns_moves_the_point_as_predicted(exact: Serie
     size, stiffness = 1e-5, CONTROLS[control]
     before, after = perturbed(exact, 0.0), perturbed(exact, size)
     start, end = before.pull_off(stiffness), after.pull_off(stiffness)
-    assert isinstance(start, CriticalPoint)
     assert isinstance(end, CriticalPoint)
 
     def columns(found: AdhesiveCurve) -> np.ndarray:
@@ -69,9 +64,7 @@ def test_a_known_change_of_the_columns_moves_the_point_as_predicted(exact: Serie
     joint = mode[:, :, None] * mode[:, None, :]
     known = replace(before.slopes, joint=joint, covariance=joint[:, :4, :4], quantile=1.0)
     found = pull_off_error(transform(before.series, known, W), start, stiffness)
-    assert not isinstance(found, Unknown)
     between = before.interpolation_at(np.array(start.a))
-    assert not isinstance(between, Unknown)
     for name in ("delta", "P"):
         moved, room = abs(getattr(end, name) - getattr(start, name)), float(between[name])
         assert found[name] - room == pytest.approx(moved, rel=0.02, abs=1e-3 * size * abs(getattr(start, name)))
@@ -85,13 +78,10 @@ def test_noisy_points_lie_within_what_is_stated(exact: Series, noise: float) -> 
     for control in ("load", "displacement"):
         stiffness = CONTROLS[control]
         truth = transform(exact, slopes(exact, "exact"), W).pull_off(stiffness)
-        assert isinstance(truth, CriticalPoint)
         ratios, at_radius = [], []
         for ours in curves:
             point = ours.pull_off(stiffness)
-            assert isinstance(point, CriticalPoint)
             found = pull_off_error(ours, point, stiffness)
-            assert not isinstance(found, Unknown)
             ratios.append(abs(point.P - truth.P) / found["P"])
             at_radius.append(abs(point.P - truth.P) / float(ours.error_at(np.array(point.a))["P"]))
         assert np.mean(np.array(ratios) <= 1) >= 0.75
@@ -103,10 +93,7 @@ def test_noisy_points_lie_within_what_is_stated(exact: Series, noise: float) -> 
 def missed(ours: AdhesiveCurve, truth: CriticalPoint | Unknown) -> tuple[CriticalPoint, float, float]:
     """The pull-off under displacement control, the error of its load, and the stated one."""
     point = ours.pull_off(math.inf)
-    assert isinstance(truth, CriticalPoint)
-    assert isinstance(point, CriticalPoint)
     found = pull_off_error(ours, point, math.inf)
-    assert not isinstance(found, Unknown)
     return point, abs(point.P - truth.P), found["P"]
 
 
@@ -162,7 +149,6 @@ def beyond_stated(problem: Problem, behind: Problem) -> list[float]:
             point, truth = ours.pull_off(stiffness), theirs.pull_off(stiffness)
             if isinstance(point, CriticalPoint) and isinstance(truth, CriticalPoint):
                 stated = pull_off_error(ours, point, stiffness)
-                assert not isinstance(stated, Unknown)
                 for name in ("delta", "P"):
                     ratios.append(abs(getattr(point, name) - getattr(truth, name)) / stated[name])
     assert len(ratios) > 30
@@ -177,9 +163,7 @@ def test_meshes_that_agree_by_accident_leave_the_error_that_the_larger_shows() -
     other = replace(series, coarser=CoarseSeries(largest, 2.0))
     ours = AdhesiveCurve(Nonadhesive.of(replace(series, coarser=CoarseSeries(other, 2.0))), 10.0)
     point = ours.pull_off(0.0)
-    assert isinstance(point, CriticalPoint)
     stated = pull_off_error(ours, point, 0.0)
-    assert not isinstance(stated, Unknown)
     assert 1e-3 * abs(point.P) < stated["P"] < 1e-2 * abs(point.P)
 
 

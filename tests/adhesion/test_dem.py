@@ -1,7 +1,5 @@
 """The contact law for particle codes: its points, its table, and the C that reads it."""
 
-from __future__ import annotations
-
 import json
 import math
 import shutil

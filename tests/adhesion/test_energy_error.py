@@ -1,7 +1,5 @@
 """Stated errors of the energies of pull-off and cycles against those of finer series."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -71,9 +69,7 @@ STACK = jkr.Specimen(
 
 @pytest.mark.parametrize("rows", [5, 8, 14, 25])
 @pytest.mark.parametrize("spacing", ["radius", "log", "depth"])
-def test_energies_of_stacks_are_within_what_is_stated_by_splines_through_many_radii(
-    rows: int, spacing: jkr.Spacing
-) -> None:
+def test_energies_of_stacks_are_within_what_is_stated_by_splines_through_many_radii(rows: int, spacing: str) -> None:
     """Of few rows they were up to 26 times beyond: gaps beside solved points were not seen, and work was integrated
     over the ends of pieces."""
     solution = jkr.solve(jkr.Problem(SPHERE, STACK, jkr.Loading("radius", 20e-6, rows, spacing)), "layered")
@@ -96,8 +92,6 @@ def splined(w: float, stiffness: float) -> dict[str, float]:
     load 0: int P dD."""
     a = np.geomspace(5e-8, 20e-6, 300)
     series = Layered(1e-11)(jkr.Problem(SPHERE, STACK, jkr.Loading.given("radius", tuple(a.tolist())))).series
-    assert series.S is not None
-    assert series.dS is not None
     t = np.sqrt(4 * math.pi * w * a / series.dS)
     P = make_interp_spline(np.log(a), series.P - series.S * t, 5)
     D = make_interp_spline(np.log(a), series.delta - t + (series.P - series.S * t) / stiffness, 5)
@@ -114,9 +108,7 @@ FILM = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.5), 1e-6),), jkr.HalfSpace(jkr
 
 
 @pytest.mark.parametrize(("rows", "spacing"), [(14, "radius"), (25, "radius"), (25, "depth")])
-def test_energies_across_a_jump_to_smaller_contact_count_what_its_place_errs_by(
-    rows: int, spacing: jkr.Spacing
-) -> None:
+def test_energies_across_a_jump_to_smaller_contact_count_what_its_place_errs_by(rows: int, spacing: str) -> None:
     """A stiff film on a soft half-space has two folds: up to 16 times beyond, as the upper one's place had no error."""
     w, loading = 1.8e-4, jkr.Loading("radius", 13e-6, rows, spacing)
     result = with_solved_points(jkr.transform(jkr.solve(jkr.Problem(SPHERE, FILM, loading), "layered"), w))
@@ -125,8 +117,6 @@ def test_energies_across_a_jump_to_smaller_contact_count_what_its_place_errs_by(
 
     a = np.geomspace(4e-7, 13e-6, 150)
     series = Layered(1e-11)(jkr.Problem(SPHERE, FILM, jkr.Loading.given("radius", tuple(a.tolist())))).series
-    assert series.S is not None
-    assert series.dS is not None
     t, x = np.sqrt(4 * math.pi * w * a / series.dS), np.log(a)
     P, D = (make_interp_spline(x, y, 5) for y in (series.P - series.S * t, series.delta - t))
     lower, crest, upper = PPoly.from_spline(D.derivative()).roots(extrapolate=False)

@@ -1,19 +1,16 @@
 """Widths by which slopes and curves are stated to err: neither doubled nor halved."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from widths import assert_neither_doubled_nor_halved, mean_squares
 
-from jkrcli.adhesion.curve import CriticalPoint, transform
+from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.pull_off_error import pull_off_error
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.slopes.integral import smoothed
 from jkrcli.adhesion.slopes.loocv import loocv
-from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
@@ -33,7 +30,6 @@ def half_space(points: int) -> Series:
 def test_a_wrong_radius_moves_the_curve_by_what_is_stated() -> None:
     """All radii 1 % too large: S' = dS/da is 1 % too small, t = sqrt(4 pi w a/S') 1 % too large."""
     exact, share = half_space(20), 0.01
-    assert exact.dS is not None
     wrong = replace(exact, a=exact.a * (1 + share), dS=exact.dS / (1 + share), errors={"a": share * exact.a})
     moved, right = (transform(series, slopes(series, "exact"), W) for series in (wrong, exact))
     for name in ("delta", "P"):
@@ -63,16 +59,13 @@ def test_little_noise_on_a_thin_layer_by_the_papers_slopes() -> None:
     """1e-9 and 1e-7 on all columns, where S(a) is interpolated: held, 5.6 and 6.3 times too large measured."""
     exact = Layered()(Problem(Paraboloid(R), THIN, Loading("radius", 1e-5, 100))).series
     true = transform(exact, slopes(exact, "exact"), 2e-4).pull_off(0.0)
-    assert isinstance(true, CriticalPoint)
     for noise in (1e-9, 1e-7):
         ratios = []
         for seed in range(8):
             raw = noisy(exact, noise, seed)
             curve = transform(series := Series(raw.a, raw.delta, raw.P), loocv(series), 2e-4)
             point = curve.pull_off(0.0)
-            assert isinstance(point, CriticalPoint)
             error = pull_off_error(curve, point, 0.0)
-            assert not isinstance(error, Unknown)
             ratios.append(error["P"] / abs(point.P - true.P))
         assert np.median(ratios) > 1
         assert np.median(ratios) < 15

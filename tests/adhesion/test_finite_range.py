@@ -1,7 +1,5 @@
 """Adhesion of finite range: Maugis' closed form, values of layers, identities, limits, refusals."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache
@@ -20,6 +18,7 @@ from jkrcli.base.units import show
 from jkrcli.methods.integral.finite_range import AttractedSurface, Rims, attracted_surface
 from jkrcli.methods.integral.fredholm import DiscreteEquation, Panels
 from jkrcli.methods.layered.contact import LayeredContact
+from jkrcli.series import Solution
 
 HALF_SPACE = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1 - 0.3**2, 0.3)))  # E* = 1
 LOAD, DISPLACEMENT = 0.0, math.inf
@@ -42,7 +41,7 @@ COATING = jkr.Specimen((jkr.Layer(jkr.Elastic(1 - 0.4**2, 0.4), 1.0),), jkr.Half
 
 
 @cache
-def solved(specimen: jkr.Specimen, R: float, a: float, points: int = 100) -> jkr.Solution:
+def solved(specimen: jkr.Specimen, R: float, a: float, points: int = 100) -> Solution:
     return jkr.solve(jkr.Problem(jkr.Paraboloid(R), specimen, jkr.Loading("radius", a, points)), "layered")
 
 
@@ -253,7 +252,6 @@ def test_load_and_displacement_change_together_as_a_flat_end_and_its_annulus_say
     for a in (0.4, 1.1, 2.3):
         place, step = place_of(curve, a), 1e-4 * a
         c, (ddelta, dP) = curve.point(place).c, curve.rates(np.array(place))
-        assert c is not None
         dc = float(np.diff(curve.attracted_radii(place + step * np.array([-1.0, 1.0])))[0]) / (2 * step)
         S, outside = flat_end(specimen, R, a, c)
         bulk, rim = S * ddelta, 2 * math.pi * c * curve.law.stress * outside * dc
@@ -456,7 +454,6 @@ def test_a_flat_end_has_its_kinks_where_contact_or_attraction_reach_its_edge(len
         return exact.discs(a).equilibria(s, length, exact.reach)
 
     lost = curve.pull_off(math.inf)
-    assert isinstance(lost, CriticalPoint)
     assert [point.kind for point in curve.critical(math.inf)] == ["minimum"]
     beside = lost.a * (1 + 1e-4 * np.array([-1.0, 0.0, 1.0]))
     states, stated = at(beside), curve.point_error(lost, math.inf)
@@ -465,7 +462,6 @@ def test_a_flat_end_has_its_kinks_where_contact_or_attraction_reach_its_edge(len
     assert abs(states.P[1] - lost.P) <= stated["P"] + 1e-9 * abs(lost.P)
     assert stated["P"] < 1e-6 * abs(lost.P)
     pulled = curve.pull_off(0.0)
-    assert isinstance(pulled, CriticalPoint)
     x = 1e-3 * np.cos(np.pi * np.arange(7) / 6)
     fit = np.polynomial.Chebyshev.fit(x, at(np.sort(pulled.a * (1 + x))).P[::-1], 6)
     least = float(fit(np.real(fit.deriv().roots()[np.argmin(np.abs(fit.deriv().roots()))])))
@@ -550,16 +546,11 @@ def test_a_jump_to_no_contact_is_pull_off_although_the_surfaces_then_part_smooth
     law, k = Range.of(0.0085802509, length=3.8301361e-7), 0.40626957
     solution = jkr.solve(jkr.Problem(cone, body, jkr.Loading("radius", 1.2e-6, 60)), "layered")
     means = stability_under(FiniteRangeBody.of(solution).curve(law, k), k)
-    assert isinstance(means.pull_off, CriticalPoint)
     assert means.pull_off.P == pytest.approx(-174.77e-9, rel=1e-4)
     assert means.pull_off.a == pytest.approx(154.4e-9, rel=1e-3)
     lost = means.partial[-1]
-    assert lost.end is not None
     assert lost.end.a == 0
-    assert isinstance(means.jump_in, Equilibrium)  # nor do they come together in a jump
     assert means.jump_in.delta == pytest.approx(-law.length, rel=1e-5)
-    assert isinstance(means.energy_lost, float)
-    assert isinstance(means.separation, float)
     assert 0 < means.energy_lost < means.separation
 
 
@@ -572,7 +563,6 @@ def test_a_device_s_pull_off_is_solved_at_its_own_radius() -> None:
         law, k = Range.of(0.05, length=5e-8), float(np.asarray(solution.series.S)[4])
         curve = ranged.curve(law).with_solved_points(k)
         point, exact = curve.pull_off(k), ranged.body.check(2e-5)
-        assert isinstance(point, CriticalPoint)
         states = exact.discs(point.a * (1 + 1e-4 * np.arange(-1, 2))).equilibria(
             2 * law.stress / solution.problem.E_star, law.length, exact.reach
         )

@@ -1,7 +1,5 @@
 """Pulled at once from rest: closed forms on half-spaces, elastic solves of the profile that is left."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math
@@ -22,19 +20,20 @@ from jkrcli.adhesion.from_rest import AT_MOST, FAST, FROM_REST, SLOW, Rest
 from jkrcli.many.explorer import payload
 from jkrcli.resolve.analysis import analyse
 from jkrcli.resolve.histories import LostByHistory, lost_by_history
+from jkrcli.series import Solution
 
 R, E_INF, W, RHO = 1.0, 1.0, 0.05, 0.1
 A0 = (W * R**2 / E_INF) ** (1 / 3)  # w/(Einf R) = 0.05
 
 
-def half_space(scale: float = 1.0, force: float = 1.0) -> jkr.Solution:
+def half_space(scale: float = 1.0, force: float = 1.0) -> Solution:
     """The half-space of the published values, its lengths and forces in other units."""
     E = force / scale**2 * E_INF / RHO
     specimen = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(E, 0.0)), relaxation=jkr.StandardSolid(RHO, 1.0))
     return jkr.solve(jkr.Problem(jkr.Paraboloid(R * scale), specimen, jkr.Loading("radius", 3.0 * scale, 120, "log")))
 
 
-def lost(solved: jkr.Solution, w: float, rest: Rest | None = None, *stiffnesses: float) -> dict[str, LostByHistory]:
+def lost(solved: Solution, w: float, rest: Rest | None = None, *stiffnesses: float) -> dict[str, LostByHistory]:
     """What is lost after each history, by its name."""
     found = lost_by_history(analyse(solved, [w])[0], stiffnesses or (LOAD_CONTROL,), rest)
     assert isinstance(found, list)
@@ -93,7 +92,7 @@ def test_from_rest_on_a_layer_is_an_elastic_contact_under_the_profile_that_is_le
     curve = jkr.transform(relaxed, w)
     solved = jkr.solve(gel(1.0, 1.0, jkr.StandardSolid(rho, 1.0)), method)
 
-    def shifted(solution: jkr.Solution, i: int) -> tuple[float, float]:
+    def shifted(solution: Solution, i: int) -> tuple[float, float]:
         series = solution.series
         t = math.sqrt(4 * math.pi * w * series.a[i] / series.dS[i])
         return series.delta[i] - t, series.P[i] - series.S[i] * t
@@ -118,7 +117,7 @@ def test_from_rest_on_a_layer_is_an_elastic_contact_under_the_profile_that_is_le
 
 
 @pytest.fixture(name="relaxing_gel", scope="module")
-def _relaxing_gel() -> jkr.Solution:
+def _relaxing_gel() -> Solution:
     """The shipped case, loaded to 300 um."""
     return jkr.solve(jkr.parse_case((CASES / "relaxing-gel.toml").read_text().replace('"100 um"', '"300 um"')))
 
@@ -127,7 +126,7 @@ def _relaxing_gel() -> jkr.Solution:
     ("rest", "expected"),
     [(None, 545.4), (Rest(depth=1e-4), 545.4), (Rest(depth=2e-4), 545.4), (Rest(depth=0.0), 499.8)],
 )
-def test_the_relaxing_gel(relaxing_gel: jkr.Solution, rest: Rest | None, expected: float) -> None:
+def test_the_relaxing_gel(relaxing_gel: Solution, rest: Rest | None, expected: float) -> None:
     found = lost(relaxing_gel, 0.02, rest)
     assert force(found[FROM_REST]) * 1e6 == pytest.approx(expected, abs=0.06)
     assert force(found[FAST]) * 1e6 == pytest.approx(188.8, abs=0.06)
@@ -135,7 +134,7 @@ def test_the_relaxing_gel(relaxing_gel: jkr.Solution, rest: Rest | None, expecte
     assert force(found[AT_MOST]) >= force(found[FROM_REST]) * (1 - 1e-9)
 
 
-def test_a_series_that_ends_before_the_rest_is_solved_on_or_said(relaxing_gel: jkr.Solution) -> None:
+def test_a_series_that_ends_before_the_rest_is_solved_on_or_said(relaxing_gel: Solution) -> None:
     """Relaxed at a depth of 300 um the contact is larger than that of 300 um without adhesion."""
     further = lost(relaxing_gel, 0.02, Rest(depth=3e-4))[FROM_REST]
     assert further.solved_to > relaxing_gel.series.a[-1]
@@ -158,7 +157,7 @@ def test_the_error_at_the_radius_of_rest_is_stated() -> None:
     assert abs(point.delta - exact.delta) <= error["delta"]
 
 
-def test_a_force_means_a_range_of_w(jkr_: Callable, relaxing_gel: jkr.Solution) -> None:
+def test_a_force_means_a_range_of_w(jkr_: Callable, relaxing_gel: Solution) -> None:
     """500 uN on the gel: 18.35 mJ/m^2 from rest at P = 0, once 52.8 "below 1e-11"; each gives that force back."""
     jkr.save(relaxing_gel, "gel.h5")
     found = json.loads(jkr_("pull-off", "gel.h5", "--load", "500 uN", "--json").out)["results"][0]
@@ -180,7 +179,7 @@ def _jkr(jkr: Callable) -> Callable:
     return jkr
 
 
-def test_pull_off_names_each_history(jkr_: Callable, relaxing_gel: jkr.Solution) -> None:
+def test_pull_off_names_each_history(jkr_: Callable, relaxing_gel: Solution) -> None:
     jkr.save(relaxing_gel, "gel.h5")
     done = jkr_("pull-off", "gel.h5", "--w", "20 mJ/m^2", "-v")
     assert (done.code, done.err) == (0, "")
@@ -195,7 +194,7 @@ def test_pull_off_names_each_history(jkr_: Callable, relaxing_gel: jkr.Solution)
     assert jkr_("pull-off", "gel.h5", "--w", 0.02, "--rest-depth", 0, "--rest-load", 0).code == 2
 
 
-def test_no_message_says_that_the_truth_lies_between_limits(jkr_: Callable, relaxing_gel: jkr.Solution) -> None:
+def test_no_message_says_that_the_truth_lies_between_limits(jkr_: Callable, relaxing_gel: Solution) -> None:
     jkr.save(relaxing_gel, "gel.h5")
     (warning,) = (text for text in jkr.transform(relaxing_gel, 0.02).warnings if "relaxes" in text)
     assert "between" not in warning
@@ -224,7 +223,7 @@ def test_no_rest_without_a_relaxed_modulus() -> None:
 
 
 @pytest.mark.parametrize("stiffness", [math.inf, 50.0])
-def test_the_cycle_from_rest(relaxing_gel: jkr.Solution, stiffness: float) -> None:
+def test_the_cycle_from_rest(relaxing_gel: Solution, stiffness: float) -> None:
     """Rests at P = 0, goes back on a straight line of slope S, lets go where pull-off says; the loop is its energy."""
     traced = jkr.cycle(relaxing_gel, 0.02, stiffness=stiffness)
     _, cycle = traced.limits[FROM_REST]
@@ -248,7 +247,7 @@ def test_the_cycle_from_rest(relaxing_gel: jkr.Solution, stiffness: float) -> No
 
 @pytest.mark.skipif(which("node") is None, reason="needs node")
 @pytest.mark.parametrize("stiffness", [LOAD_CONTROL, math.inf, 20.0])
-def test_the_page_of_explore_has_the_same_numbers(relaxing_gel: jkr.Solution, stiffness: float) -> None:
+def test_the_page_of_explore_has_the_same_numbers(relaxing_gel: Solution, stiffness: float) -> None:
     held = payload(analyse(relaxing_gel, [0.02])[0], [])
     assert held["relaxed"] == 0.35
     script = (Path(jkr.__file__).parent / "many" / "explorer" / "curve.js").read_text()

@@ -1,7 +1,5 @@
 """``--modulus-factor``: bodies whose moduli are all that many times the case's, without a new solve."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The w-free functions: their derivatives, linear in the root of w, and w = 0 as the limit of small w."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -3,8 +3,6 @@
 Persson and Tosatti, J. Chem. Phys. 115 (2001) 5597; Dalvi et al., PNAS 116 (2019) 25484.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

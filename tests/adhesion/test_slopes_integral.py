@@ -1,7 +1,5 @@
 """Slopes by integration: exact laws, layered bodies, noise, few and many points, quantised radii, flat ends."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from quantised import node_based, quantised_study
@@ -255,7 +253,6 @@ def quantised(offset: float) -> RawSeries:
 
 def test_touch_events_lie_between_their_increments() -> None:
     nodes = node_radii(quantised(0.3))
-    assert nodes is not None
     assert nodes.spacing == pytest.approx(1.73e-5 / 20)
     assert node_radii(noisy(half_space(30), 1e-2, 0)) is None
     touches = nodes.touches()
@@ -271,8 +268,6 @@ def test_increments_before_contact_and_too_few_nodes() -> None:
     before = RawSeries(*(np.concatenate([[0.0, 0.0], values]) for values in (raw.a, raw.delta, raw.P)))
     assert node_radii(RawSeries(raw.a[:1], raw.delta[:1], raw.P[:1])) is None
     with_nothing, without = node_radii(before), node_radii(raw)
-    assert with_nothing is not None
-    assert without is not None
     assert np.array_equal(with_nothing.touches().rows.delta, without.touches().rows.delta)
     with pytest.raises(Refusal, match=r"needs at least 5 points .* got 3"):
         smoothed(RawSeries(raw.a[-20:], raw.delta[-20:], raw.P[-20:]))

@@ -1,7 +1,5 @@
 """The paper's slopes: what they give on exact series, what they refuse, and the choice between methods."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline

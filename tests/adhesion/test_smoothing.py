@@ -1,7 +1,5 @@
 """The banded smoothing spline against brute force, SciPy and its own definition."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

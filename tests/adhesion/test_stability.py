@@ -1,7 +1,5 @@
 """Pull-off, stability and energies under every control, against closed forms and exact slopes."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 from functools import cache

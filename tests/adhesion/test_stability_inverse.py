@@ -1,7 +1,5 @@
 """The work of adhesion behind a measured pull-off force."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

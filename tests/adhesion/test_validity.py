@@ -1,7 +1,5 @@
 """Judging a result by its numbers: published Tabor numbers, limits and reasons."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

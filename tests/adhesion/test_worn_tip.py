@@ -1,7 +1,5 @@
 """A worn tip by points: pull-off against the closed form of a truncated paraboloid."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

@@ -1,7 +1,5 @@
 """The dissipating zone at the edge: its size, what is said of it, and where nothing is known of it."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

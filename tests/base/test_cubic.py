@@ -1,7 +1,5 @@
 """Piecewise cubics and bracketed zeros against SciPy's."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Fisher's and Student's distributions against SciPy's."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

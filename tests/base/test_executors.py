@@ -1,7 +1,5 @@
 """Work on many items: every item once, failures as results, no process left behind."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
@@ -135,7 +133,6 @@ def test_no_process_outlives_the_command(tmp_path: Path, how: signal.Signals) ->
     with subprocess.Popen(
         [sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     ) as parent:
-        assert parent.stdout is not None
         watchdog = threading.Timer(DEADLINE, parent.kill)
         watchdog.start()
         workers = [int(parent.stdout.readline()) for _ in range(2)]

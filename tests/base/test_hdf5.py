@@ -1,7 +1,5 @@
 """Values of HDF5 files whose types are of other widths than NumPy's: the library converts them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

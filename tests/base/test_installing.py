@@ -1,7 +1,5 @@
 """What an answer tells to type must work where it is typed."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """The one writer of CSV: what is written is read back, to the last bit and the last comma."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Indenters: f, f' and the Abel image of each shape agree with quadrature; tables keep convexity."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

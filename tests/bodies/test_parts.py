@@ -1,7 +1,5 @@
 """Layers of a body by name."""
 
-from __future__ import annotations
-
 import pytest
 
 from jkrcli.base.errors import InputError

@@ -1,7 +1,5 @@
 """Profiles as measured: the smooth convex one within their noise, and what that leaves open."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from statistics import NormalDist
@@ -209,7 +207,6 @@ def test_noise_is_found_from_the_scatter_and_told() -> None:
     assert "found from their scatter" in found.words
     assert "(stated)" in stated.words
     assert "at most, at r = " in stated.remark
-    assert found.smooth is not None
     assert found.smooth.noise == pytest.approx(NOISE, rel=0.4)
     x = np.linspace(80e-9, 300e-9, 50)
     assert (np.abs(found.abel(x) - x * np.sqrt(x**2 - FLAT**2) / R) < 2 * found.resolution(x)[0]).all()

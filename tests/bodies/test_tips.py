@@ -1,7 +1,5 @@
 """Blunt cones and pyramids against loads that know nothing of them: quadrature and boundary elements."""
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Good case files: units, defaults, the resolved case, and the problem that comes out."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Wrong case files: every mistake is one whole line with file, key, value and what is allowed."""
 
-from __future__ import annotations
-
 import pytest
 
 from jkrcli.base.errors import InputError

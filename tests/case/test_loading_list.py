@@ -1,7 +1,5 @@
 """A list of one value is that value alone."""
 
-from __future__ import annotations
-
 import pytest
 
 from jkrcli.case.models import parse_case

@@ -1,7 +1,5 @@
 """Series files: what is written comes back, and everything else is refused in one line."""
 
-from __future__ import annotations
-
 import builtins
 import io
 import os
@@ -266,7 +264,6 @@ def test_foreign_truncated_missing(path: Path) -> None:
 def test_a_file_that_another_program_writes_is_not_called_damaged(path: Path) -> None:
     words = "import h5py, sys; f = h5py.File(sys.argv[1], 'r+'); f.attrs['x'] = 1; f.flush(); print('open'); input()"
     with subprocess.Popen([sys.executable, "-c", words, path], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
-        assert other.stdout is not None
         assert other.stdout.readline() == b"open\n"
         with pytest.raises(InputError) as caught:
             store.read_solution(path)
@@ -335,7 +332,6 @@ def test_errors_without_a_level_are_half_widths_at_90_percent(path: Path) -> Non
     edit(path, lambda file: file["errors"].attrs.pop("level"))
     found = store.read_solution(path)
     np.testing.assert_allclose(found.series.errors["P"], WIDER * solution.series.errors["P"], rtol=1e-6)
-    assert found.touches is not None
     np.testing.assert_allclose(found.touches.errors["P"], WIDER * touches.errors["P"], rtol=1e-6)
     assert found.budget.discretisation == pytest.approx(WIDER * 1e-3, rel=1e-6)
     store.write_solution(path, found)  # which states its own
@@ -391,7 +387,6 @@ def test_format_1_with_increments_is_filtered(tmp_path: Path) -> None:
         file["series/a"][...] = a
         del file["series/S"], file["series/dS_da"], file["errors/a"], file["facts"]
     found = store.read_solution(path)
-    assert found.raw is not None
     np.testing.assert_array_equal(found.raw.a, a)
     np.testing.assert_array_equal(found.series.a, np.delete(a, 2))
     assert (found.series.errors, found.facts) == ({}, {})

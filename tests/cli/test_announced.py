@@ -1,7 +1,5 @@
 """What takes long is announced, about as long as it takes; a forecast is that of all that is computed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The command line in process: what is written, what is printed, what is refused and with which exit code."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path
@@ -29,13 +27,6 @@ def test_help_names_every_verb(jkr) -> None:
         outcome = jkr(*words)
         assert outcome.code == 0
         assert all(f"  {verb}" in outcome.out for verb in VERBS)
-
-
-@pytest.mark.parametrize("verb", VERBS)
-def test_every_verb_has_help_with_an_example(jkr, verb: str) -> None:
-    outcome = jkr(verb, "--help")
-    assert outcome.code == 0
-    assert f"jkr {verb}" in outcome.out
 
 
 def test_version(jkr) -> None:

@@ -1,7 +1,5 @@
 """``jkr pull-off``, ``jkr cycle``, ``jkr study``, and what they add to the transform's table and summary."""
 
-from __future__ import annotations
-
 import json
 import math
 import shutil
@@ -272,12 +270,6 @@ def test_refusals_are_one_line_with_exit_code_2(jkr, body: Path, words: tuple[st
     outcome = jkr(*words)
     assert (outcome.code, outcome.out, outcome.err) == (2, "", f"jkr: error: {line}\n")
     assert sorted(path.name for path in body.iterdir()) == before
-
-
-def test_unknown_study(jkr) -> None:
-    outcome = jkr("study", "map")
-    assert (outcome.code, outcome.out) == (2, "")
-    assert outcome.err.startswith('jkr: error: unknown study "map" (studies: pull-off-map, ')
 
 
 def test_nothing_foreign_is_overwritten(jkr, body: Path) -> None:

@@ -1,7 +1,5 @@
 """Approach-retract cycles with one and with two works of adhesion, against closed forms and energy balances."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

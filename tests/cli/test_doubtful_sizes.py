@@ -1,7 +1,5 @@
 """Numbers that are hardly meant, and names that options do not have, are answered with what is probably meant."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``jkr fields`` and the state behind it, against the closed-form field of the half-space and against ``layered``."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Adhesion of finite range on the command line: files, names, refusals, and what JKR says of itself."""
 
-from __future__ import annotations
-
 import json
 import runpy
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The first minutes: a case where a series is meant, mistakes told at once, doubtful numbers remarked."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """An option that takes one value, or one of each key, is refused when it is given twice, whatever the verb."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import click

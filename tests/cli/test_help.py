@@ -1,7 +1,5 @@
 """Help, the doctor and shell completion: what a user meets before anything is solved."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import json
@@ -54,7 +52,6 @@ def test_every_option_says_what_it_does() -> None:
     context = click.Context(root)
     for verb in VERBS:
         command = root.get_command(context, verb)
-        assert command is not None
         for parameter in command.params:
             if isinstance(parameter, click.Option):
                 assert parameter.help, f"jkr {verb} {parameter.opts[0]}"
@@ -66,7 +63,6 @@ MAIN = GROUPS["Commands"]
 @pytest.mark.parametrize("verb", DESCRIBED)
 def test_what_a_help_describes_are_options_of_its_verb(verb: str) -> None:
     command = root.get_command(click.Context(root), verb)
-    assert command is not None
     names = {option.removeprefix("--") for parameter in command.params for option in parameter.opts}
     assert set(DESCRIBED[verb].split()) - {"help"} <= names
 

@@ -1,7 +1,5 @@
 """``jkr import`` and every verb after it; the finite-element runs of another program to the pull-off."""
 
-from __future__ import annotations
-
 import importlib
 import itertools
 import json

@@ -1,7 +1,5 @@
 """Every half-width that is printed or written is one at 95 %, and says so."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

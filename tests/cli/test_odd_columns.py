@@ -1,8 +1,6 @@
 """Tables with dates, words that begin with a digit, numbers that stand for none, and rows that stand alone; options
 that would have no effect."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

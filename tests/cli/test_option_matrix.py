@@ -1,8 +1,6 @@
 """Every option of every verb alone and random pairs, on shipped inputs: none ends in a message of arithmetic, lasts
 unannounced, or is taken without an effect; the same words through Python meet the same refusals."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import random

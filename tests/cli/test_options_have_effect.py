@@ -1,7 +1,5 @@
 """No option is accepted without effect: of a verb it reaches what the verb does, of a method it changes the method."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import math

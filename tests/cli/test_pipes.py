@@ -1,7 +1,5 @@
 """Files that come through a pipe: read once, as often as need be, under a name of their own."""
 
-from __future__ import annotations
-
 import gzip
 import subprocess
 import sys
@@ -78,7 +76,6 @@ def test_a_pipe_that_holds_nonsense_is_named(measured: Path) -> None:
 def test_a_pipe_without_end_is_refused(measured: Path, tuned: Callable[[str, object], None]) -> None:
     tuned("jkrcli.base.process.SIZE", 1 << 22)
     with subprocess.Popen(["cat", "/dev/zero"], stdout=subprocess.PIPE) as endless:
-        assert endless.stdout is not None
         path = Path(f"/dev/fd/{endless.stdout.fileno()}")
         with pytest.raises(InputError, match=r"/dev/fd/\d+: takes .* bytes or more to read, at most 4,194,304"):
             received(path)

@@ -1,7 +1,5 @@
 """``jkr pull-off`` of a body by flags: no case file, no series file, as far as the question needs."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Mapping

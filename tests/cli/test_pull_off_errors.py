@@ -1,7 +1,5 @@
 """``jkr pull-off`` states errors: of the points, and of w from a measured force and uncertain inputs."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Comparison with closed forms, differences of results, states on a curve, tables."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -214,18 +212,14 @@ def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
     choice = choose_method(LAYER, "auto", build)
     missed = InaccurateError("missed 1e-8", "missed", 1e-6)
     coarser = choice.after_failure(missed, build)
-    assert coarser is not None
     assert (coarser.name, coarser.method) == ("layered", Layered(2e-6))
     for first, reason in ((coarser, "layered failed (missed 1e-8)"), (choice, "layered failed (dull)")):
         hybrid = first.after_failure(missed if first is coarser else SolveError("dull"), build)
-        assert hybrid is not None
         assert hybrid.name == "hybrid"
         fem = hybrid.after_failure(SolveError("large"), build)
-        assert fem is not None
         assert (fem.name, fem.reason) == ("fem", f"because {reason} and hybrid failed (large)")
         assert fem.after_failure(SolveError("coarse"), build) is None
     noticed = choice.after_failure(InaccurateError("missed", "missed", 1e-3), build)
-    assert noticed is not None
     assert noticed.name == "hybrid"
 
 

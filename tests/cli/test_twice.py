@@ -1,7 +1,5 @@
 """Every verb that writes recognises its own files: run again with the same words, it replaces them."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

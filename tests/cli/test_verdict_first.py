@@ -3,8 +3,6 @@
 Of text that is printed as it is, a script or a case, that does not hold: ``completion``, ``show --case``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a verb says while it works: what it will take where that is long, a bar on terminals."""
 
-from __future__ import annotations
-
 import io
 import math
 

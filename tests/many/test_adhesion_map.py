@@ -1,7 +1,5 @@
 """The adhesion map: zones of a thick layer by Maugis' closed form, and the command."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

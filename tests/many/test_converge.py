@@ -1,7 +1,5 @@
 """Mesh convergence and the paper's figures: observed orders, what is written, what is refused."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math
@@ -27,7 +25,6 @@ W = 1e-5  # pull-off at a = 0.68
 def test_richardson_finds_order_and_limit_of_a_power(order: float, limit: float, factor: float) -> None:
     values = [limit + factor * h**order for h in (1.0, 0.5, 0.25, 0.125)]
     found = richardson(values)
-    assert not isinstance(found, Unknown)
     assert found[0] == pytest.approx(order, abs=1e-9)  # rounding of 10 against differences above 1e-4 of it
     assert found[1] == pytest.approx(limit, abs=1e-9)
 

@@ -1,7 +1,5 @@
 """Draws of a sweep's samples: limits and distributions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

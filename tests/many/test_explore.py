@@ -1,7 +1,5 @@
 """``jkr explore``: the page holds the curve's own rule, loads nothing, and is refused where it cannot be made."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
@@ -47,7 +45,6 @@ def _gel(solved: Path, tmp_path: Path) -> Path:
 def content(path: Path) -> dict[str, Any]:
     """What the page at ``path`` was given."""
     found = re.search(r'<script id="content" type="application/json">(.*?)</script>', path.read_text())
-    assert found is not None
     return json.loads(found[1])
 
 

@@ -1,7 +1,5 @@
 """The explorer in a real browser: its numbers are the command line's, it works by keyboard and on a narrow window."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import shutil

@@ -1,7 +1,5 @@
 """Which value of a number of a case gives a wanted pull-off force."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

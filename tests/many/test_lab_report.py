@@ -1,7 +1,5 @@
 """The report of a fit: whole in one file, with the reason of each curve that is left out, to be repeated."""
 
-from __future__ import annotations
-
 import hashlib
 import html
 import json
@@ -61,7 +59,6 @@ def test_a_report_is_whole_and_names_what_was_left_out_and_why(report: str) -> N
     values = re.search(
         r'fit-curves\.html#1">c0</a></td><td>([\w ]+)</td><td>([\d.]+)</td><td>([\d.]+) to ([\d.]+)<', report
     )
-    assert values is not None
     assert float(values[3]) < float(values[2]) < float(values[4])  # E* of the first curve, with its interval
     assert is_ours(Path("out/report.html"))
     assert is_ours(Path("out/report.md"))

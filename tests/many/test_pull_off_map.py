@@ -1,7 +1,5 @@
 """The pull-off map of bonded and frictionless layers: its published values, limits and refusals."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

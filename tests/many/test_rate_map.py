@@ -1,7 +1,5 @@
 """``jkr study rate-map``: the table of the half-space, and a layer beside it."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

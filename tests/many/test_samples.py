@@ -1,7 +1,5 @@
 """Samples of a fit: means and differences by classical formulas, files that are named after none of several inputs."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,21 +1,12 @@
 """The studies, as verbs and as make runs them: small ones, from start to file."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 from pathlib import Path
 
 import pytest
 
-from jkrcli.many.verbs import MAKE, STUDIES
-
-
-def test_every_study_has_help_with_an_example(jkr) -> None:
-    for name in STUDIES:
-        outcome = jkr("study", name, "--help")
-        assert outcome.code == 0
-        assert f"jkr study {name}" in outcome.out
+from jkrcli.many.verbs import MAKE
 
 
 def test_unknown_study_is_named(jkr) -> None:

@@ -1,7 +1,5 @@
 """Sweeps: which cases a file makes, and what is told of each."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

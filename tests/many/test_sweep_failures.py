@@ -1,7 +1,5 @@
 """Cases of a sweep that fail: a row with the reason, and the rest goes on."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from pathlib import Path

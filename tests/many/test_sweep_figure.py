@@ -1,7 +1,5 @@
 """The picture of a sweep: which results are drawn over which axis, in whose units."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 
@@ -31,7 +29,6 @@ def planned(tmp_path: Path, *axes: str) -> tuple[Plan, dict[str, list]]:
 
 def test_one_axis_makes_one_line_in_people_s_units(tmp_path: Path) -> None:
     figure = sweep_figure(*planned(tmp_path, THICKNESS))
-    assert figure is not None
     left, right = figure.axes
     (line,) = (held for held in left.lines if len(held.get_xdata()) == 3)
     np.testing.assert_allclose(line.get_xdata(), [300, 500, 800])
@@ -45,7 +42,6 @@ def test_two_axes_make_a_line_for_each_value_of_the_shorter(tmp_path: Path) -> N
     plan, table = planned(tmp_path, NU, THICKNESS)
     table["pull_off.load.P_N"][4] = None  # a case that failed leaves a gap
     figure = sweep_figure(plan, table)
-    assert figure is not None
     named = {str(line.get_label()): line for line in figure.axes[0].lines}
     np.testing.assert_allclose(named["nu = 0.3"].get_ydata(), [0, 1, 2])
     np.testing.assert_allclose(named["nu = 0.4"].get_ydata(), [3, np.nan, 5])

@@ -1,7 +1,5 @@
 """The journal of a sweep: where it goes on, what it believes, what it replaces."""
 
-from __future__ import annotations
-
 import json
 import os
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Sweeps by many processes: killed and restarted, and by a Dask scheduler with workers of its own on loopback."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Sweep files that are refused, each in one line, before any solve."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What cases of a sweep share: a solve at unit modulus, kept solves, rows that depend on their case alone."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

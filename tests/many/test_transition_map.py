@@ -1,7 +1,5 @@
 """The transition map on the values that three computations share, from the command to its table."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Files that are read together settle sign, constants and units together: right, or refused as a whole."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Callable, Mapping
@@ -76,7 +74,6 @@ def test_a_folder_of_mixed_files_is_read_right_or_refused_as_a_whole(number: int
                 for line in unread
             )
             continue
-        assert curve is not None
         assert curve.stiffness == K
         truth = MADE["z"] if file.sign == most else -MADE["z"]  # with the sign of the others
         np.testing.assert_allclose(curve.device, truth[: len(curve)], atol=1e-12)

@@ -1,7 +1,5 @@
 """Segments and curves whose columns stand beside each other in one table."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +43,6 @@ HEADS = {
 @pytest.mark.parametrize("name", HEADS)
 def test_directions_beside_each_other_are_two_segments_of_one_record(tmp_path: Path, name: str) -> None:
     (curve,) = read(tmp_path, sheet(HEADS[name], *pairs()))
-    assert curve.segment is not None
     assert curve.segment.tolist() == ["approach"] * 4 + ["retract"] * 4
     np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)

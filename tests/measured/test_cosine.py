@@ -1,7 +1,5 @@
 """The cosine transform against SciPy's."""
 
-from __future__ import annotations
-
 from bisect import bisect_left
 
 import numpy as np

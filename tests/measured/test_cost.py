@@ -1,7 +1,5 @@
 """What fits of disturbed records cost: evaluations of the model, the same on every machine."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -43,13 +41,11 @@ def pressed(seed: int) -> Curve:
 
 def bent(curve: Curve) -> Curve:
     """The same with interference: a sine of three periods over the way, ten times the noise."""
-    assert curve.P is not None
     return replace(curve, P=curve.P + 2e-10 * np.sin(6 * np.pi * np.arange(len(curve)) / len(curve)))
 
 
 def relaxed(curve: Curve) -> Curve:
     """The same with loads of the retraction a tenth lower in contact, as of a specimen that relaxes."""
-    assert curve.P is not None
     assert curve.segment is not None
     back = (curve.segment == "retract") & (curve.P > 2e-9)
     return replace(curve, P=np.where(back, 0.9 * curve.P, curve.P))

@@ -1,7 +1,5 @@
 """The page to click through curves: what it holds, and in a real browser."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

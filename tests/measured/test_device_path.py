@@ -1,7 +1,5 @@
 """The path of a contact at a device, against closed forms of a paraboloid on a half-space, E* = R = 1."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

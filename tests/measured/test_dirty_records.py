@@ -1,7 +1,5 @@
 """What is no fault of a record raises no flag, and what is one raises its own: by records of 24 kinds of dirt."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

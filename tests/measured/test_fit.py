@@ -1,7 +1,5 @@
 """Fits of exact and of noisy synthetic curves: what goes in comes out, with honest intervals."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -451,7 +449,6 @@ radius = 0.2
 def test_moduli_far_from_the_case_ask_for_the_units() -> None:
     """Loads a thousand times too large fit perfectly: everything but the units is right."""
     curve = sphere(noise=0.0)
-    assert curve.P is not None
     found = fit(half_space(), replace(curve, P=1000 * curve.P), usual())
     assert any("check the units of the data" in text for text in found.warnings)
     assert not any("check the units" in text for text in fit(half_space(), curve, usual()).warnings)

@@ -1,7 +1,5 @@
 """``jkr fit``: what is written, what is printed, what is refused in one line."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Tables with both branches: one E*, a work of adhesion for each, rows at rest between them."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from pathlib import Path

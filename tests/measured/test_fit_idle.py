@@ -1,7 +1,5 @@
 """Options without an effect on a kind of fit are refused by name, before anything is read or written."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

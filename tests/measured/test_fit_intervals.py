@@ -1,7 +1,5 @@
 """Intervals of fits: right at 95 % whatever is measured, and whatever the noise of the columns."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """No option of ``jkr fit`` is without effect: on each kind of record it changes what is found, or is refused."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

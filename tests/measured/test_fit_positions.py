@@ -1,7 +1,5 @@
 """Hysteresis and creep of a piezo that are fitted with the rest: records by formulae of their own."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -58,7 +56,6 @@ def test_an_error_of_positions_is_fitted_where_it_is_asked_for(
     found, plain = (fit(BODY, curve, usual(free=free)) for free in ([name], []))
     for key, true in {**TRUE, name: amount}.items():
         item = found.estimate(key)
-        assert item.error is not None
         assert abs(item.value - true) < 4 * item.error
     assert found.estimate(name).error < 0.1 * max(abs(amount), 0.002)
     assert not found.flags
@@ -68,7 +65,6 @@ def test_an_error_of_positions_is_fitted_where_it_is_asked_for(
     known = fit(BODY, curve, usual(fix=[(name, str(amount))]))
     assert not known.estimate(name).free
     item = known.estimate("E_star")
-    assert item.error is not None
     assert abs(item.value - E_STAR) < 4 * item.error
     assert item.error < found.estimate("E_star").error
 
@@ -84,7 +80,6 @@ def test_a_device_creeps_while_it_waits() -> None:
     found = fit(BODY, made(error, pause=wait), usual(free=["creep"]))
     for key, true in {**TRUE, "creep": 0.01}.items():
         item = found.estimate(key)
-        assert item.error is not None
         assert abs(item.value - true) < 4 * item.error
     assert not found.flags
 
@@ -93,11 +88,9 @@ def test_a_device_creeps_while_it_waits() -> None:
 def test_the_alternative_in_full_is_what_is_fitted_on_request() -> None:
     curve = made(bowed(0.01))
     by_alternative, asked = fit(BODY, curve, usual(model="auto")), fit(BODY, curve, usual(free=["hysteresis"]))
-    assert by_alternative.verdict is not None
     assert by_alternative.verdict.tied[0].name == "hysteresis of the position"
     for name in ("hysteresis", "E_star", "w"):
         assert by_alternative.value(name) == pytest.approx(asked.value(name), rel=1e-3)
-    assert asked.verdict is not None
     assert "hysteresis of the position" not in {one.name for one in asked.verdict.alternatives.scores}
 
 
@@ -117,8 +110,6 @@ def test_a_profile_holds_it(
     """Through 0 and below it too; the level leaves no room for one noise in twenty."""
     curve = made(error(amount))
     item = fit(BODY, curve, usual(free=[name], confidence="profile", level=0.999)).estimate(name)
-    assert item.low is not None
-    assert item.high is not None
     assert item.low < amount < item.high
 
 
@@ -129,8 +120,6 @@ def test_records_of_one_device_share_it() -> None:
     together = joint_fit([BODY] * 3, curves, settings, ("modulus", "hysteresis"))
     alone = fit(BODY, curves[0], settings).estimate("hysteresis")
     item = together.estimate("hysteresis")
-    assert item.error is not None
-    assert alone.error is not None
     assert abs(item.value - 0.01) < 4 * item.error
     assert item.error == pytest.approx(alone.error / math.sqrt(3), rel=0.3)
     assert together.chance > 1e-3

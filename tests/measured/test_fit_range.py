@@ -1,7 +1,5 @@
 """Fits of E*, w and the range of adhesion: to curves of Maugis' closed form, with noise, and where there is none."""
 
-from __future__ import annotations
-
 import json
 import math
 from functools import cache

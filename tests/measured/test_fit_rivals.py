@@ -1,7 +1,5 @@
 """What the nearest other models leave of a fit: misfits are warned of or held by the second part of the uncertainty."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A format of files of one's own registers itself, from outside, and is read wherever measured curves are."""
 
-from __future__ import annotations
-
 import json
 import struct
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """What free rows hold is found, taken off and told: levels, attraction; saturated rows count for nothing."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -70,19 +68,16 @@ def test_a_tether_is_a_level_with_its_place_and_size(share: float, length: float
     curve, size = with_tether(share, length)
     found = segment_force_curve(curve)
     assert found.flags == {}
-    assert found.held is not None
     (level,) = found.held.levels
     assert -level.size == pytest.approx(size, abs=4 * level.error)
     assert level.error < 0.1 * size
     retract = found.direction("retract")
-    assert retract is not None
     assert retract.adhesion == pytest.approx(segment_adhesion(1), abs=6 * DEVICE.noise)
 
 
 def segment_adhesion(seed: int) -> float:
     parts = made(seed)
     side = segment_force_curve(curve_of(parts, parts["P"])).direction("retract")
-    assert side is not None
     assert isinstance(side.adhesion, float)
     return side.adhesion
 
@@ -106,7 +101,6 @@ def test_an_attraction_is_told_with_size_and_range(share: float) -> None:
         gap = np.maximum(touch - parts["z"][free] + size * (1 - np.exp(-gap / reach)) / DEVICE.k, 0.0)
     drawn[free] = -size * np.exp(-gap / reach)
     found = (whole := segment_force_curve(curve_of(parts, P + drawn))).held
-    assert found is not None
     (bend,) = found.bends
     assert -bend.size == pytest.approx(size, rel=0.3)
     assert bend.range == pytest.approx(reach, rel=0.5)
@@ -146,7 +140,6 @@ def test_terms_of_a_direction_that_is_not_fitted_are_no_unknowns() -> None:
     found = fit(BODY, with_tether(0.1, 0.5)[0], usual(segment="approach"))
     assert not found.held
     item = found.estimate("w_approach")
-    assert item.error is not None
     assert item.value == pytest.approx(W / 2, abs=4 * item.error)
 
 
@@ -161,7 +154,6 @@ def test_an_average_keeps_limits_and_signs(by: float) -> None:
     (item,) = with_nuisance(fitted, nuisance).estimates
     assert item.value >= 0
     assert item.low == 0
-    assert item.high is not None
     assert item.high >= item.value
 
 
@@ -186,8 +178,6 @@ def test_an_offset_is_known_to_a_share_of_a_level_where_noise_moves_none(levels:
 def within(found: Fit, name: str, true: float) -> bool:
     """Whether an estimate lies as near to the truth as its interval and its model part say."""
     item = found.estimate(name)
-    assert item.low is not None
-    assert item.high is not None
     part = sum((item.model or {}).values())
     return item.low - part <= true <= item.high + part and item.high - item.low + part < 0.2 * true
 
@@ -316,7 +306,6 @@ def test_a_contact_much_stiffer_than_its_device_has_a_least_modulus() -> None:
     item = found.estimate("E_star")
     assert item.error is None
     assert item.high is None
-    assert item.low is not None
     assert item.low < E_STAR
     assert any("times stiffer than the cantilever" in line for line in found.warnings)
     assert estimate_words(item, 0.95).startswith("more than ")
@@ -339,7 +328,6 @@ def test_an_attraction_is_found_where_the_retraction_ends_beside_its_pull_off() 
         rows = np.arange(x.size) + 1000 * len(sides)
         sides.append(Side(kind, rows, x, y, rows[:0], 0.0, 0.0, x[:0], x[:0]))
     held = alone(free_rows(sides, 1060, np.inf))
-    assert held is not None
     (bend,) = held.bends
     assert bend.size == pytest.approx(-size, abs=4 * bend.error)
     assert bend.error < 0.02 * size

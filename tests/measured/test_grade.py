@@ -1,7 +1,5 @@
 """Grades of fitted force curves by sizes: what has none makes no doubt, what has one is said with it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -30,7 +28,6 @@ def way_back(curve: Curve) -> Curve:
 def test_one_direction_alone_is_no_doubt() -> None:
     found = fitted(way_back(cycled(1)))
     assert "no approach" in found.flags
-    assert found.grade is not None
     assert found.grade.word in (GOOD, USABLE)
     assert status_of(found) == FITTED
     assert abs(found.value("E_star") / TRUE["E_star"] - 1) < found.grade.sizes["E_star_error"]
@@ -44,7 +41,6 @@ def noiseless() -> Fit:
 
 def test_readings_without_noise_are_no_misfit(noiseless: Fit) -> None:
     assert not {"misfit", "model rejected"} & set(noiseless.flags)
-    assert noiseless.grade is not None
     assert noiseless.grade.word == GOOD
     assert noiseless.value("E_star") == pytest.approx(TRUE["E_star"], rel=1e-3)
 
@@ -61,11 +57,9 @@ def test_grade_and_sizes_are_written(noiseless: Fit) -> None:
 def test_a_direction_that_says_otherwise_is_in_the_error() -> None:
     """Loads of the retraction 1.1 times as large: E* has what leaving a direction out changes."""
     curve = cycled(1)
-    assert curve.P is not None
     back = np.arange(len(curve)) > np.argmax(curve.P)
     found = fitted(replace(curve, P=np.where(back, 1.1 * curve.P, curve.P)))
     item = found.estimate("E_star")
-    assert found.grade is not None
     assert found.grade.sizes["E_star_by_direction"] > 0.05
     assert (item.model or {})[LEFT_OUT] > 0.05 * item.value
     assert abs(item.value / TRUE["E_star"] - 1.05) < 2 * found.grade.sizes["E_star_error"]
@@ -73,10 +67,8 @@ def test_a_direction_that_says_otherwise_is_in_the_error() -> None:
 
 def test_a_misfit_that_matters_is_to_be_looked_at() -> None:
     curve = cycled(1)
-    assert curve.P is not None
     back = np.arange(len(curve)) > np.argmax(curve.P)
     found = fitted(replace(curve, P=np.where(back, 1.6 * curve.P, curve.P)))
-    assert found.grade is not None
     assert found.grade.word == LOOK
     assert status_of(found) == DOUBTFUL
     first, *rest = fit_words(found)
@@ -86,7 +78,6 @@ def test_a_misfit_that_matters_is_to_be_looked_at() -> None:
 
 def test_noise_is_no_wave() -> None:
     curve = cycled(1)
-    assert curve.P is not None
     noise = 0.2 * np.ptp(curve.P) * np.random.default_rng(3).normal(size=len(curve))
     assert "wavy base line" not in segment_force_curve(replace(curve, P=curve.P + noise)).flags
 
@@ -94,14 +85,10 @@ def test_noise_is_no_wave() -> None:
 def test_a_device_whose_stiffness_errs_has_loads_that_err() -> None:
     """A deflection sensitivity 15 % too large: w is as much too large, E* and w are known no better."""
     curve = cycled(1)
-    assert curve.P is not None
-    assert curve.stiffness is not None
     P = 1.15 * curve.P
     found = fitted(replace(curve, P=P, delta=curve.device - P / curve.stiffness))
     w = found.estimate("w")
-    assert found.grade is not None
     assert "model rejected" in found.flags
-    assert w.model is not None
     assert w.model["scale of the loads"] == pytest.approx(0.13 * w.value, rel=0.3)  # 1 - 1/1.15
     assert abs(w.value - TRUE["w"]) < 2 * found.grade.sizes["w_error"] * w.value
 
@@ -109,7 +96,6 @@ def test_a_device_whose_stiffness_errs_has_loads_that_err() -> None:
 def lobed(seed: int) -> Curve:
     """A cycle with lobes of 1 % of the load along both ways in contact, which no body, tip or device makes."""
     curve = cycled(seed)
-    assert curve.P is not None
     touching = np.maximum(curve.P, 0.0) / float(curve.P.max())
     return replace(curve, P=curve.P + 0.01 * float(curve.P.max()) * np.sin(9 * math.pi * np.sqrt(touching)))
 
@@ -121,8 +107,6 @@ def test_a_misfit_that_nothing_explains_names_no_alternative_and_widens_the_erro
     assert "misfit" in found.flags
     assert "model rejected" not in found.flags
     item = found.estimate("E_star")
-    assert item.low is not None
-    assert item.high is not None
     part = (item.model or {})["misfit"]
     assert part > 4 * (item.high - item.low) / 2
     assert abs(item.value / TRUE["E_star"] - 1) < part / item.value
@@ -139,7 +123,6 @@ def test_a_retraction_that_is_not_fitted_lacks_no_base_line() -> None:
 def test_free_rows_off_their_line_are_misfit_too() -> None:
     """A tooth of 5 % of the load on the free rows: 1 % of it in their root mean square."""
     curve = cycled(1)
-    assert curve.P is not None
     place = np.arange(len(curve)) / int(np.argmax(curve.P))
     tooth = 0.05 * float(curve.P.max()) * np.maximum(1 - np.abs(place - 0.25) / 0.05, 0.0)
     sizes = [fitted(one, segment="approach").sizes or {} for one in (curve, replace(curve, P=curve.P + tooth))]

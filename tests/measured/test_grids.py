@@ -1,7 +1,5 @@
 """Where curves of a folder were taken: by headers, names, or a grid as specified; else they are in their order."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -43,7 +41,6 @@ def places(found: Sequence[Curve]) -> list[tuple[str, int, int]]:
 )
 def test_positions_in_headers(head: tuple[str, ...], x: float, y: float) -> None:
     found = position_in(head)
-    assert found is not None
     assert (found.x, found.y) == pytest.approx((x, y), rel=1e-12)
 
 
@@ -131,7 +128,6 @@ def test_a_sparse_map_has_its_cells_at_their_places() -> None:
     pixels = [Pixel(i, 2 * j, 1e-5 * i, 1e-5 * j) for j in range(3) for i in (0, 1, 4)]
     unread = Failure(None, ("scan/notes.txt: is no table",))
     scan = map_of([*(Failure(one, ("no contact",)) for one in curves([str(at) for at in pixels], pixels)), unread])
-    assert scan is not None
     np.testing.assert_allclose(scan.x, 1e-5 * np.arange(5))
     np.testing.assert_allclose(scan.y, 1e-5 * np.arange(3))
     np.testing.assert_array_equal(np.isnan(scan.images["status"]), [[False, False, True, True, False]] * 3)

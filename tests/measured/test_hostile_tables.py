@@ -1,7 +1,5 @@
 """Tables that contradict themselves, overflow, or come packed and damaged; ten of each kind."""
 
-from __future__ import annotations
-
 import gzip
 import struct
 import zipfile

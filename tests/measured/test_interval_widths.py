@@ -3,8 +3,6 @@
 Seeds are such that the means of a few z^2 lie well within their limits, whatever processor draws the last digits.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Records by tips of two radii on one specimen, raw ones and tables, made by formulae of their own: what they share."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

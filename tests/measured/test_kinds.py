@@ -1,7 +1,5 @@
 """The records of ``make kinds``: their mechanics hold known identities, and fits of clean ones hold the truth."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Nothing after a fit costs the fit: each later step is drawn and broken, and the result comes out with its name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The one search: what it does where its model has no state."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

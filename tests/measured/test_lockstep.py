@@ -1,7 +1,5 @@
 """Flows that go on together: one call of a kernel for all that wait, results in order, failures of their own only."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """``jkr look``: any measured file drawn and told, before any body is thought of."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Files as the makers of microscopes, indenters and testing machines write them: the same record comes back."""
 
-from __future__ import annotations
-
 import contextlib
 import re
 from collections.abc import Callable
@@ -50,7 +48,6 @@ def test_a_nanoscope_map_in_four_bytes_over_its_ramp(tmp_path: Path) -> None:
     curves = measured.read(vendors.nanoscope(tmp_path / "map.spm", 4))
     assert [curve.name for curve in curves] == ["0", "1", "2", "3"]
     assert [(at.column, at.row) for curve in curves if (at := curve.pixel)] == [(0, 0), (1, 0), (0, 1), (1, 1)]
-    assert curves[3].pixel is not None
     assert (curves[3].pixel.x, curves[3].pixel.y) == (pytest.approx(5e-7), pytest.approx(5e-7))
     for curve in curves:
         np.testing.assert_allclose(curve.P, FORCE, atol=0.51 * COUNT * K, rtol=0)
@@ -321,6 +318,5 @@ def test_a_wave_marks_its_dwells_which_its_motion_does_not_tell(tmp_path: Path) 
 def test_waves_of_a_map_know_their_pixel(tmp_path: Path) -> None:
     pytest.importorskip("afmformats")
     curve = read_one(vendors.ibw(tmp_path / "x.ibw", (3, 5)))
-    assert curve.pixel is not None
     assert (curve.pixel.column, curve.pixel.row, curve.pixel.x, curve.pixel.y) == (3, 5, 3e-6, 5e-6)
     assert read_one(vendors.ibw(tmp_path / "y.ibw")).pixel is None

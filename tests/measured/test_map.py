@@ -1,7 +1,5 @@
 """Maps of fitted curves: images by pixel, as numbers in a file and as a picture."""
 
-from __future__ import annotations
-
 import csv
 import json
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Measured curves: the same curve in many guises, conventions, zero points, and whole lines for what is wrong."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -120,8 +118,6 @@ def test_numbers_come_back_to_the_last_bit(
     text = "".join(";".join(map(repr, row)) + "\n" for row in table).replace(".", decimal)
     path.write_text("delta_m;P_N;other\n" + text)
     (curve,) = measured.read(path, Reading(separator="semicolon", decimal=decimal))
-    assert curve.delta is not None
-    assert curve.P is not None
     assert curve.delta.tolist() == [row[0] for row in table]
     assert curve.P.tolist() == [row[1] for row in table]
 
@@ -277,9 +273,6 @@ def recorded(noise: float = 0.0, seed: int = 0) -> Curve:
 def test_baseline_tilt_and_first_touch_are_found(noise: float) -> None:
     raw = recorded(noise)
     found = with_zero_points(raw)
-    assert found.delta is not None
-    assert found.P is not None
-    assert raw.delta is not None
     # Steps are 5 nm wide: half of one where noise is below the jump.
     np.testing.assert_allclose(raw.delta - found.delta, 5e-6, atol=2.6e-9)  # m
     # The line's error at its far end, of 1000 rows of noise: 2 sigma/sqrt(1000)

@@ -1,7 +1,5 @@
 """Files of force microscopes through the optional package afmformats: real files, written and read back."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable

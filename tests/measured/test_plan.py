@@ -1,7 +1,5 @@
 """Which further measurement would narrow E* and w, against the errors of the records that it proposes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is known of hypotheses before the data hardly moves a result."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Raw force curves with adhesion of finite range, known or fitted, by a generator of Maugis' closed form."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Dirty tables as instruments write them: encodings, archives, foreign names with signs, pairs of columns, volts."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 import zipfile
@@ -191,7 +189,6 @@ def test_pairs_of_columns_are_one_curve_of_two_segments(tmp_path: Path) -> None:
     names = ("Extend Z-Sense(nm)", "Extend Force(nN)", "Retract Z-Sense(nm)", "Retract Force(nN)")
     values = (Z[there] * 1e9, LOAD[there] * 1e9, Z[back] * 1e9, LOAD[back] * 1e9)
     curve = one(written(tmp_path, table(*zip(names, values, strict=True), head="Force-Distance Curve\nPoint:\t1\n")))
-    assert curve.segment is not None
     assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
     np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
@@ -239,7 +236,6 @@ def test_segments_of_comment_heads(tmp_path: Path) -> None:
     rows = [f"{-z} {P} {i * 0.5} {i % 3 * 0.5}" for i, (z, P) in enumerate(zip(Z, LOAD, strict=True))]
     path = written(tmp_path, JPK.format("\n".join(rows[:3]), "\n".join(rows[3:])), "exported.txt")
     curve = one(path)
-    assert curve.segment is not None
     assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
     assert curve.stiffness == 0.05
     np.testing.assert_allclose(curve.delta, Z - LOAD / 0.05, rtol=1e-12, atol=1e-20)
@@ -269,9 +265,7 @@ def test_pairs_of_columns_of_unequal_length(tmp_path: Path, separator: str, shor
     ]
     names = ["Extend Z-Sense(nm)", "Extend Force(nN)", "Retract Z-Sense(nm)", "Retract Force(nN)"]
     curve = one(written(tmp_path, "\n".join(separator.join(row) for row in [names, *rows, ["", "", "", ""]]) + "\n"))
-    assert curve.segment is not None
     assert curve.segment.tolist() == ["approach"] * len(pairs[0]) + ["retract"] * len(pairs[1])
-    assert curve.P is not None
     np.testing.assert_allclose(curve.P * 1e9, [float(P) for pair in pairs for _, P in pair], rtol=1e-12)
 
 
@@ -414,7 +408,6 @@ def test_rows_that_end_in_an_empty_cell(tmp_path: Path, kind: str) -> None:
 def test_a_hold_between_the_segments(tmp_path: Path) -> None:
     head, *rows = table(("delta_m", Z), ("P_N", LOAD)).splitlines()
     curve = one(written(tmp_path, "\n".join([head, "Loading", *rows[:2], "Hold", *rows[2:4], "Unloading", *rows[4:]])))
-    assert curve.segment is not None
     assert curve.segment.tolist() == ["approach"] * 2 + ["hold"] * 2 + ["retract"] * 2
 
 
@@ -435,7 +428,6 @@ def test_segments_named_on_lines_of_their_own(tmp_path: Path, kind: str, again: 
     first, second = LINES[kind].split("|")
     lines = [first, head, *rows[:3], "", second, *([head] if again else []), *rows[3:]]
     curve = one(written(tmp_path, "\n".join(lines)))
-    assert curve.segment is not None
     assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
 
@@ -575,7 +567,6 @@ def test_an_exit_behind_a_hold_is_retraction(tmp_path: Path) -> None:
     words = ["load"] * 3 + ["hold", "unload", "exit"]
     rows = "\n".join(f"{z * 1e9},{P * 1e9},{word}" for z, P, word in zip(Z, LOAD, words, strict=True))
     curve = one(written(tmp_path, f"depth (nm),load (nN),segment\n{rows}\n"))
-    assert curve.segment is not None
     assert curve.segment.tolist() == ["approach"] * 3 + ["hold", "retract", "retract"]
 
 

@@ -1,7 +1,5 @@
 """Remedies that a misread force curve is refused or warned with, each followed on the record that brought it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Records are taken apart as they were made: directions, base line, touch, jumps, adhesion; what is wrong is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -61,14 +59,11 @@ def test_base_line_noise_and_adhesion_are_those_that_were_made(seed: int) -> Non
     assert found.flags == {}
     for kind, drag in (("approach", DEVICE.drag), ("retract", -DEVICE.drag)):
         side = found.direction(kind)
-        assert side is not None
         assert side.base.noise == pytest.approx(DEVICE.noise, rel=0.15)
         assert side.base.tilt == pytest.approx(DEVICE.tilt, rel=0.03)
         assert float(side.base(np.array(0.0))) == pytest.approx(DEVICE.offset + drag, abs=0.01 * PULL_OFF)
         assert side.base.waviness < 0.01 * PULL_OFF
     approach, retract = found.direction("approach"), found.direction("retract")
-    assert approach is not None
-    assert retract is not None
     assert isinstance(approach.adhesion, Unknown)
     assert not approach.jumps
     position, _, load = equilibrium(E_STAR, R, W, DEVICE.k, DEVICE.largest)
@@ -82,7 +77,6 @@ def test_base_line_noise_and_adhesion_are_those_that_were_made(seed: int) -> Non
 
 def test_a_jump_into_contact_is_told_with_its_place() -> None:
     found = examined(w_approach=W).direction("approach")
-    assert found is not None
     assert len(found.jumps) == 1
     assert found.jumps[0].position == pytest.approx(0.0, abs=1e-8)
     assert found.touch == pytest.approx(0.0, abs=3 * found.touch_err)
@@ -91,8 +85,6 @@ def test_a_jump_into_contact_is_told_with_its_place() -> None:
 
 def test_a_change_of_units_changes_nothing() -> None:
     curve = curve_of(DEVICE)
-    assert curve.delta is not None
-    assert curve.P is not None
     one = segment_force_curve(curve)
     other = segment_force_curve(Curve("scaled", delta=curve.delta * 1e3 + 0.0007, P=curve.P * 1e-4 - 1e-13))
     for a, b in zip(one.directions, other.directions, strict=True):
@@ -127,8 +119,6 @@ def test_what_is_wrong_is_named() -> None:
         assert set(segment_force_curve(replace(whole, P=np.full(len(whole), load))).flags) == {"no contact"}
     assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows))).flags) == {"no retract"}
     assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows + 200, len(whole)))).flags) == {"no approach"}
-    assert whole.P is not None
-    assert whole.delta is not None
     limited = replace(whole, P=np.minimum(whole.P, np.quantile(whole.P, 0.9)))
     assert "saturated" in segment_force_curve(limited).flags
     waves = sum(np.sin(whole.delta / length) for length in (0.8e-7, 1.5e-7, 3.1e-7))
@@ -142,7 +132,6 @@ def test_what_is_wrong_is_named() -> None:
 
 def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
     curve = curve_of(DEVICE)
-    assert curve.delta is not None
     flags = segment_force_curve(replace(curve, delta=-curve.delta)).flags
     assert flags["wrong way"] == ("the displacement has the opposite sign: indentation must be positive (--flip delta)")
 
@@ -186,9 +175,7 @@ def test_a_second_pull_off_is_found_however_straight_the_load_before_it(string: 
     held = np.where(back & (z < fold) & (z > far), (fold - z) / (fold - far) if string else 1.0, 0.0)
     found = segment_force_curve(Curve("tether", delta=z, P=P - 0.4 * PULL_OFF * held))
     side = found.direction("retract")
-    assert side is not None
     assert "several contacts" in found.flags
-    assert found.held is not None
     ends = [*(level.far for level in found.held.levels), *(jump.position for jump in side.jumps)]
     assert ends == pytest.approx([far, fold], abs=0.02e-6)
 
@@ -242,15 +229,12 @@ def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
     clean = curve_of(DEVICE)
     plain = segment_force_curve(clean)
     assert plain.spikes.size == 0
-    assert clean.P is not None
     rows, P = np.array([300, 1700, 2600, 3900]), clean.P.copy()
     P[rows] += PULL_OFF * np.array([-2.0, 1.0, -1.0, 3.0])
     found = segment_force_curve(replace(clean, P=P))
     assert found.spikes.tolist() == rows.tolist()
     assert found.flags == plain.flags
     sides = [one.direction("retract") for one in (found, plain)]
-    assert sides[0] is not None
-    assert sides[1] is not None
     assert sides[0].adhesion == pytest.approx(sides[1].adhesion)
 
 
@@ -270,7 +254,6 @@ def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
     assert curve.P is not None
     slow = np.convolve(np.pad(curve.P, 150, mode="edge"), np.ones(301) / 301, "valid")
     side = segment_force_curve(replace(curve, P=slow)).direction("retract")
-    assert side is not None
     assert not side.jumps
     first, last = side.border
     inwards = slow[side.segment.rows][::-1]
@@ -303,7 +286,6 @@ def test_suction_right_after_the_turn_is_no_wrong_sign() -> None:
     P = P + 1e-3 * np.random.default_rng(5).normal(size=P.size)
     curve = Curve("made", delta=1e-6 * np.concatenate([z, z[::-1]]), P=1e-6 * P)
     side = segment_force_curve(curve).direction("retract")
-    assert side is not None
     assert isinstance(side.adhesion, float)
     assert side.adhesion_at > 1.9e-6
     assert "wrong sign" not in segment_force_curve(curve).flags
@@ -316,7 +298,6 @@ def test_a_base_line_ends_at_a_jump_far_smaller_than_the_largest_load(noise: flo
     z = np.linspace(-1.0, 2.0, 6001)
     P = np.where(z > 0, 0.25 * z**2 - 1 / 300, 0.0) + noise * np.random.default_rng(4).normal(size=z.size)
     side = segment_force_curve(Curve("made", delta=1e-6 * z, P=1e-6 * (P + 0.01 * z))).direction(APPROACH)
-    assert side is not None
     assert 1900 <= side.base.rows <= 2030
 
 

@@ -1,7 +1,5 @@
 """The shipped raw record by every way to fit it: E* 200 kPa, w 1 mJ/m^2 on the way out and 0.2 mJ/m^2 on the way in."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -39,8 +37,6 @@ def holds(found: Fit, narrow: Widths) -> None:
     """Each interval holds the truth, and is narrower than so much of it: 1.1 to 1.4 times what it had."""
     for (name, value), width in zip(TRUTH.items(), narrow, strict=True):
         item = found.estimate(name)
-        assert item.low is not None
-        assert item.high is not None
         assert item.low <= value <= item.high, name
         assert item.high - item.low < width * value, name
 

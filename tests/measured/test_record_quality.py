@@ -1,7 +1,5 @@
 """Good records against bad ones of a generator that nothing was tuned on: what quality and grade make of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Alternatives of raw records: columns against loads made by formulae of their own, and what is made of their
 scores."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable
@@ -223,7 +221,6 @@ def test_the_formula_of_the_half_space() -> None:
 
 def test_a_right_record_asks_for_nothing() -> None:
     found = answer("right")
-    assert found.verdict is not None
     assert not found.verdict.alternatives.named
     assert found.flags == ()
     assert found.verdict.alternatives.misfit / found.verdict.alternatives.dof == pytest.approx(1, abs=0.1)
@@ -234,7 +231,6 @@ def test_a_right_record_asks_for_nothing() -> None:
 @pytest.mark.parametrize(("kind", "family"), [("cone", "shape of the tip"), ("plastic", "relaxation or flow")])
 def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
     found = answer(kind)
-    assert found.verdict is not None
     assert family in found.verdict.alternatives.families
     assert "model rejected" in found.flags
     assert ("directions differ" in found.flags) == (kind == "plastic")
@@ -324,13 +320,11 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
     """A piezo's readings are steps of a converter: on a microscope's own file the speed of the edge was 0/0."""
     at = still_record()
     part = at.retraction
-    assert part is not None
     stepped = replace(part, z=np.round(part.z / (4 * part.spacing)) * 4 * part.spacing)
     stretches = tuple(stepped if one is part else one for one in at.model.stretches)
     coarse = FittedRecord(at.body, replace(at.fit, model=replace(at.model, stretches=stretches)))
     with np.errstate(all="raise"):
         effect = work_over_speed(coarse)
-    assert effect is not None
     assert effect.column is not None
     assert np.isfinite(effect.column).all()
 
@@ -346,12 +340,10 @@ def test_the_right_alternative_in_full_gives_the_truth(kind: str, told: dict[str
     """E* within four standard errors."""
     made = ALL[kind](AT)
     plain, found = answer(kind), fit(BODY, curve(made), usual(model="auto"))
-    assert found.verdict is not None
     assert found.verdict.tied[0].family in made.families
     assert "model rejected" not in found.flags
     assert "model rejected" in plain.flags
     item = found.estimate("E_star")
-    assert item.error is not None
     assert abs(item.value - AT.E) < 4 * item.error
     assert abs(plain.value("E_star") - AT.E) > 10 * item.error
     for name, value in told.items():
@@ -374,11 +366,9 @@ def test_misfit_that_passes_for_slow_noise_makes_no_model_better() -> None:
     of chi^2 than the layer, which leaves 32 less by one noise for both: w was a third too high, alone and unflagged."""
     drawn = Drawn.of(np.random.default_rng((167, 15, 1)), 1.0)
     found = fit(BODY, curve(wrong_records.layer(drawn)), usual(model="auto"))
-    assert found.verdict is not None
     assert [one.name for one in found.verdict.tied] == ["a rigid substrate below"]
     for name, true in drawn.truth.items():
         item = found.estimate(name)
-        assert item.error is not None
         assert item.value == pytest.approx(true, abs=3 * item.error)
 
 
@@ -389,7 +379,6 @@ def test_a_range_with_two_valleys_is_found_in_full(i: int, noise: float) -> None
     every processor (63)."""
     drawn = Drawn.of(np.random.default_rng((97, i, 1)), noise)
     found = fit(BODY, curve(wrong_records.maugis(drawn)), usual(model="auto"))
-    assert found.verdict is not None
     assert "adhesion" in found.verdict.families
     for name, true in (("E_star", drawn.E), ("w", drawn.w)):
         item = found.estimate(name)
@@ -402,12 +391,9 @@ def test_a_long_range_that_is_possible_widens_w() -> None:
     data that lean to it outweigh its odds, unless the user rules it out."""
     made = wrong_records.maugis(replace(AT, noise=10 * AT.noise))
     known = fit(BODY, curve(made), usual(bound=[("range", "..1 um")])).estimate("w")
-    assert known.low is not None
-    assert known.model is not None
     assert known.low > 1.1 * AT.w
     assert known.low - known.model["adhesion of finite range"] < AT.w
     by_default = fit(BODY, curve(made), usual()).estimate("w")
-    assert by_default.low is not None
     assert by_default.low - sum((by_default.model or {}).values()) < AT.w
     ruled_out = fit(BODY, curve(made), usual(uncertain=[("range", "3 nm")])).estimate("w")
     part = (ruled_out.model or {}).get("adhesion of finite range", 0.0)
@@ -429,14 +415,12 @@ def test_the_other_profile_is_no_answer_where_a_range_explains_as_much() -> None
     found = fit(BODY, curve(WRONG["DMT"](replace(AT, noise=5 * AT.noise))), usual())
     w = found.estimate("w")
     assert "model rejected" in found.flags
-    assert w.low is not None
     assert w.low - sum((w.model or {}).values()) < AT.w
 
 
 def test_adhesion_of_long_range_is_named() -> None:
     """DMT, the limit of long ranges: its column from JKR explains what is left, by an amount towards it."""
     told = answer("DMT").verdict
-    assert told is not None
     score = next(one for one in told.alternatives.named if one.name == "adhesion of long range (DMT)")
     assert 0.2 < score.amount < 1
     assert score.w < 0
@@ -449,11 +433,9 @@ def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str,
     """No column of one step tells it, which trusts no row next to a fold; fits at one range after the other do."""
     made = curve(WRONG[kind](replace(AT, noise=louder * AT.noise)))
     found = fit(BODY, made, usual(uncertain=[("range", "10 um")]))
-    assert found.verdict is not None
     assert ("adhesion of finite range" in [one.name for one in found.verdict.alternatives.named]) == asked
     for name, true in (("E_star", AT.E), ("w", AT.w)):
         item = found.estimate(name)
-        assert item.error is not None
         off, part = abs(item.value - true), sum((item.model or {}).values())
         assert off > 3 * item.error
         assert off < 1.96 * item.error + part
@@ -503,7 +485,6 @@ def test_a_look_ahead_tells_where_steps_lead() -> None:
     assert rises[0] < 0 < rises[1]
     for amount, rise, move in zip(amounts, rises, moves, strict=True):
         found = alone(tried.at(amount))
-        assert found is not None
         assert rise == pytest.approx(found[0], rel=0.05)
         assert near.size(tried.ends[amount] - near.x - move) < 0.5
 
@@ -514,7 +495,6 @@ def test_the_angle_of_a_cone_is_an_error_of_its_modulus() -> None:
     errors off."""
     made = WRONG["cone"](Drawn.of(np.random.default_rng((32, 19, 1)), 1.0))
     item = fit(BODY, curve(made), usual(model="auto")).estimate("E_star")
-    assert item.error is not None
     assert item.error < 4e-3 * item.value
     assert item.value == pytest.approx(made.truth["E_star"], abs=3 * item.error)
 

@@ -1,7 +1,5 @@
 """Calibration: the sensitivity from a rigid specimen, and errors of constants that headers name."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -42,7 +40,6 @@ def test_the_slope_on_glass_is_the_sensitivity_whatever_was_assumed(tmp_path: Pa
     path = glass(tmp_path / "glass.csv", 1)
     for known in ({}, {"sensitivity": "40 nm/V"}, {"sensitivity": 60e-9, "stiffness": 1.0}):
         found = look(path, rigid=True, **known).rigid
-        assert found is not None
         assert found.value == pytest.approx(S, rel=2e-3)
         assert abs(found.value / S - 1) < 4 * found.error / found.factor
         assert found.straight
@@ -50,7 +47,6 @@ def test_the_slope_on_glass_is_the_sensitivity_whatever_was_assumed(tmp_path: Pa
 
 def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path: Path) -> None:
     found = look(glass(tmp_path / "glass.csv", 1, 0.01), rigid=True).rigid
-    assert found is not None
     assert found.error / found.factor == pytest.approx(0.01, rel=0.1)
     assert look(glass(tmp_path / "glass.csv", 1, 0.03), rigid=True).rigid.straight is False
 

@@ -1,7 +1,5 @@
 """Clean records whose largest load is about the pull-off force, or less: the edge is pinned in nearly all rows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -45,7 +43,6 @@ def pressed(largest: float, w_approach: float = 0.0, seed: int = 3, kind: str = 
 
 def inside(found: Fit, name: str, true: float) -> bool:
     item = found.estimate(name)
-    assert item.low is not None
     return item.low <= true <= (np.inf if item.high is None else item.high)
 
 
@@ -86,7 +83,6 @@ def test_a_base_line_is_level_beside_what_the_load_changes_in_contact() -> None:
     load is a third of that force: such retractions were left out for having no base line."""
     curve = pressed(8e-9, W / 2, tilt=8e-3)
     retraction = segment_force_curve(curve).direction(RETRACT)
-    assert retraction is not None
     assert abs(retraction.base.tilt) * retraction.depth > 0.2 * retraction.largest
     found = fit(BODY, curve, settings_of(BODY))
     assert found.flags == ()

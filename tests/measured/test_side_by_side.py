@@ -1,7 +1,5 @@
 """Curves of a map know nothing of each other."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

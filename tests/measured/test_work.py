@@ -1,7 +1,5 @@
 """The work of adhesion along measured data: exact on synthetic curves, one root or none, errors, the edge's speed."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import replace
 
@@ -65,8 +63,6 @@ def test_between_the_points_of_the_series_w_errs_by_its_interpolation_alone(name
     """Radii of another exact solve, that of 457 points: the rule's 4th-order error, 4e-6 at worst with 100 points."""
     specimen, a_max = BODIES[name]
     series = Layered()(Problem(Paraboloid(R), specimen, Loading("radius", a_max, 457))).series
-    assert series.dS is not None
-    assert series.S is not None
     lag = np.sqrt(4 * np.pi * W * series.a / series.dS)
     curve = Curve("c", a=series.a, delta=series.delta - lag, P=series.P - series.S * lag).rows(series.a > a_max / 20)
     np.testing.assert_allclose(
@@ -267,7 +263,6 @@ def test_rate_dependent_adhesion_is_read_back() -> None:
     found = work_along(held, Curve("c", delta=delta, P=P, t=t, segment=segment))
     np.testing.assert_allclose(found.w, w, rtol=2e-11)  # 1e-12 measured
     assert found.speed is not None
-    assert found.timed is not None
     assert found.timed.all()
     np.testing.assert_allclose(found.speed, v, rtol=1e-4)  # cubics over 11 rows of e^(-t/8)
     backwards = Curve("c", delta=delta[::-1], P=P[::-1], t=t)

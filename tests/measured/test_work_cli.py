@@ -1,7 +1,5 @@
 """``jkr work`` from files to files: table, summary, plots, several curves, and whole lines for what is wrong."""
 
-from __future__ import annotations
-
 import csv
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What would cost too much is refused before it begins, with its estimate; what costs much is announced."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -220,7 +218,6 @@ def test_free_memory_is_known_without_a_file_of_the_system(tmp_path: Path, monke
     monkeypatch.setattr(process, "_available", fails)  # not even by calls of the system: it is said
     assert process.free_memory() == math.inf
     told = check_cost("x", Forecast(1.0, 4096.0, 0.0), Limits())
-    assert told is not None
     assert told.endswith("how much memory is free is not known")
 
 

@@ -1,7 +1,5 @@
 """Stacks of many layers and tables of many points: what they cost is known at once, by counts that are right."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

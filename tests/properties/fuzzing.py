@@ -1,7 +1,5 @@
 """What every input must come to, and how wrong inputs are made from valid ones."""
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import datetime

@@ -1,7 +1,5 @@
 """Archives and HDF5 files made to harm those who read them, from a source of chance each."""
 
-from __future__ import annotations
-
 import random
 import struct
 import zipfile

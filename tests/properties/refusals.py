@@ -1,7 +1,5 @@
 """Cases that are refused, what is said, and what to do about it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

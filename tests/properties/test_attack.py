@@ -1,7 +1,5 @@
 """What an attacker found, each kept as a test: foreign names, numbers beyond sense, interrupts, words for terminals."""
 
-from __future__ import annotations
-
 import csv
 import os
 import re
@@ -324,7 +322,6 @@ def test_a_long_series_is_announced_or_refused_before_it_is_begun(jkr, series: P
         f"jkr: error: {verb[0]}{' --load' * (verb[:2] == ('pull-off', '--load'))} of 100,000 rows"
     )
     needs = re.search(r" would need about ([\d.]+) GiB of memory and ", done.err)
-    assert needs is not None
     assert 0.39 < float(needs[1]) < 1.5  # by the verb's rows and curves
 
 

@@ -1,8 +1,6 @@
 """Inputs to the three readers that an hour of fuzzing by coverage (Atheris) found to go different ways, the smallest of
 each: read, or refused in printable lines."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

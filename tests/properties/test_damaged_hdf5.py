@@ -1,7 +1,5 @@
 """HDF5 files with flipped bits: the right record or one line, never a crash of the library, nor for ever."""
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The same case gives the same numbers to the last bit, whatever surrounds the process."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """On systems that lack what Linux has: nothing that solves, reads or fits needs it."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Killed, interrupted, disk full, two at once: every file is as it was or whole, nothing between."""
 
-from __future__ import annotations
-
 import contextlib
 import contextvars
 import os

@@ -4,8 +4,6 @@ The fast tests try some hundred inputs of each kind, the slow ones 10,000, from 
 tries others.
 """
 
-from __future__ import annotations
-
 import contextlib
 import random
 import tomllib

@@ -1,7 +1,5 @@
 """What fuzzing found, each kept as a test of its own: the whole line that the user is told now."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import shutil

@@ -1,8 +1,6 @@
 """Any options of any verb, and raw records changed: a result, or exit code 2 with one line per mistake, as in
 ``test_fuzz``; among them adhesion of finite range, programs of speed and laws of rate."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 
@@ -74,7 +72,6 @@ def options_of(words: tuple[str, ...]) -> list[click.Option]:
     command = cli.jkr.get_command(click.Context(cli.jkr), words[0])
     if isinstance(command, click.Group):
         command = command.get_command(click.Context(command), words[1])
-    assert command is not None
     return [item for item in command.params if isinstance(item, click.Option) and item.opts[-1] not in LEFT_OUT]
 
 

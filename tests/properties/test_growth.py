@@ -1,7 +1,5 @@
 """What grows with an input that others wrote: announced or refused before it is begun, and read in linear time."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from dataclasses import replace
@@ -382,8 +380,6 @@ def test_a_column_that_passes_a_thousand_is_not_read_as_falling_to_one(tmp_path:
     with pytest.raises(InputError, match=rf'line 12: "1\{mark}000" stands beside "900": say by --decimal whether'):
         measured.read(path)
     grouped, plain = (measured.read(path, measured.Reading(decimal=one))[0].delta for one in (other, mark))
-    assert grouped is not None
-    assert plain is not None
     assert grouped[[0, -1]] == pytest.approx([900e-9, 1390e-9])
     assert plain[[0, -1]] == pytest.approx([900e-9, 1.39e-9])
 

@@ -1,8 +1,6 @@
 """Files of others, damaged or made to do harm: the same numbers as the sound ones or one line, soon and in little
 memory. The fast tests try some of each kind, the slow ones thousands."""
 
-from __future__ import annotations
-
 import contextlib
 import random
 import zipfile

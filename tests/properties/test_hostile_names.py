@@ -1,8 +1,6 @@
 """Titles, names of files, layers, columns, curves and segments that steer a terminal, or are TeX: printed as escapes by
 every verb, drawn as they stand."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """Ctrl-C at any moment, of any verb: one line and exit code 130, or the result."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
@@ -98,7 +96,6 @@ def interrupted(folder: Path, words: tuple[str, ...], seconds: float) -> tuple[i
     does it, so many ``seconds`` after jkrcli began to be imported."""
     command, pipe = [sys.executable, "-c", READY, *words], subprocess.PIPE
     process = subprocess.Popen(command, cwd=folder, stdout=pipe, stderr=pipe, text=True, start_new_session=True)
-    assert process.stdout is not None
     process.stdout.read(1)
     try:
         _, err = process.communicate(timeout=seconds)

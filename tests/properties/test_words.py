@@ -1,7 +1,5 @@
 """What is printed says it in the field's words: phrases that stand for a term of the field are found and named."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Curves of real force microscopes against what another program finds in them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One cycle with a resting edge at the turn, against closed forms (half-space) and an independent program (layer)."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Stated errors near the end of a profile or a body, at few radii, at kinks and flat ends, against another method."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -101,11 +99,9 @@ def test_the_curve_of_a_mesh_where_a_profile_bends() -> None:
     assert curve.slopes.method == "exact"
     a = b * (1 + np.array([-0.05, -0.02, -0.01, -0.001, 0.001, 0.01, 0.02, 0.05]))
     exact = Layered(1e-10)(replace(problem, loading=Loading.given("radius", tuple(a.tolist())))).series
-    assert exact.S is not None
     assert exact.dS is not None
     t = shift(0.01, a, exact.dS)
     stated, between = curve.error_at(a), curve.interpolation_at(a)
-    assert not isinstance(between, Unknown)
     for name, found, true in zip(("delta", "P"), curve.at(a), (exact.delta - t, exact.P - exact.S * t), strict=True):
         error = np.abs(found - true)
         assert np.all(error <= stated[name] + between[name])  # measured: at most 0.56 times
@@ -125,9 +121,6 @@ def test_points_of_meshes_are_not_stated_far_too_large(name: str, factor: float)
         errors, stated = [], []
         for one, other in zip(found, exact, strict=True):
             point, truth, half = one.pull_off[control], other.pull_off[control], one.pull_off_errors[control]
-            assert not isinstance(point, Unknown)
-            assert not isinstance(truth, Unknown)
-            assert not isinstance(half, Unknown)
             errors.append(abs(point.P / truth.P - 1))
             stated.append(half["P"] / abs(truth.P))
         assert np.all(np.array(errors) <= stated)
@@ -148,7 +141,6 @@ def test_pull_off_of_a_mesh_by_a_table() -> None:
         truth, stated = exact.pull_off[control], found.pull_off_errors[control]
         assert not isinstance(point, Unknown)
         assert not isinstance(truth, Unknown)
-        assert not isinstance(stated, Unknown)
         for name in ("P", "delta"):
             assert abs(getattr(point, name) - getattr(truth, name)) <= stated[name]
             assert stated[name] < 0.05 * abs(getattr(truth, name))
@@ -165,7 +157,6 @@ def test_a_flat_end_says_how_far_scatter_leaves_its_pull_off() -> None:
         truth, stated = exact.pull_off[control], found.pull_off_errors[control]
         assert not isinstance(point, Unknown)
         assert not isinstance(truth, Unknown)
-        assert not isinstance(stated, Unknown)
         for name in ("P", "delta"):
             assert abs(getattr(point, name) - getattr(truth, name)) <= stated[name]
             assert stated[name] < 0.05 * abs(getattr(truth, name))

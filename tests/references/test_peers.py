@@ -26,8 +26,6 @@ Chen et al. 2009.
 | PyFMRheo: map curve 0, elastic and viscous | 2 | none: its notebooks keep the map, not ours to copy |
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

@@ -1,11 +1,9 @@
 """The pull-off force over meshes whose spacing is stretched by 1.00 to 1.05: no single lucky mesh (Sec. 4.1)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.curve import CriticalPoint, transform
+from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
@@ -19,7 +17,6 @@ PROBLEM = Problem(Sphere(R), Specimen((), HalfSpace(Elastic(5e9, 0.4))), Loading
 def pull_off_errors(contact: str, meshes: int) -> np.ndarray:
     """Relative errors of the pull-off force by loocv on the paper's zones and truncation, surface spacing 0.0005 R."""
     exact = exact_curve(PROBLEM, W, 0.18 * R).pull_off(0.0)
-    assert isinstance(exact, CriticalPoint)
     errors = []
     for stretch in np.linspace(1.0, 1.05, meshes):
         method = FEM(
@@ -32,7 +29,6 @@ def pull_off_errors(contact: str, meshes: int) -> np.ndarray:
         )
         series = method(PROBLEM).series
         found = transform(series, slopes(series, "loocv"), W).pull_off(0.0)
-        assert isinstance(found, CriticalPoint)
         errors.append(abs(found.P / exact.P - 1))
     return np.array(errors)
 

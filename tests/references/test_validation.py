@@ -1,7 +1,5 @@
 """The tables of the documentation's validation: every row within its tolerance, the page as it stands up to date."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

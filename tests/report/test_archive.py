@@ -1,7 +1,5 @@
 """Archives of fits, tables of sweeps and kept solves: damage is refused, or every number and string is the same."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,8 +1,6 @@
 """``jkr export --nanite``: the model file as it runs, and in an installed nanite where ``make study NAME=test-nanite``
 has made its environment."""
 
-from __future__ import annotations
-
 import importlib.util
 import inspect
 import json

@@ -3,8 +3,6 @@
 The figures are those that the verbs draw: ``plots.save`` is replaced by a collector.
 """
 
-from __future__ import annotations
-
 import itertools
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The one function that solves a body again: which method it takes, what it changes, what it refuses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Contacts that are no discs, imported: ellipses against the least energy over all ellipses, other shapes not known."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

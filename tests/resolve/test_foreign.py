@@ -1,7 +1,5 @@
 """Tables of other programs: the same Hertz series in many guises, contact areas, and whole lines for what is wrong."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path
@@ -127,7 +125,6 @@ def test_states_before_contact_leave_the_pull_off_force_that_of_jkr(tmp_path: Pa
     (tmp_path / "t.csv").write_text("a_m,delta_m,P_N\n" + first + rows(a, a**2 / R, hertz(a, E_STAR, R)[1]))
     (found,) = analyse(read_series(tmp_path / "t.csv", on_a_half_space(BALL), SeriesReading()), [w])
     point = found.pull_off["load"]
-    assert not isinstance(point, Unknown)
     assert point.P == pytest.approx(-1.5 * math.pi * w * R, rel=1e-8)  # measured: 1e-11
 
 

@@ -1,7 +1,5 @@
 """The kernel that a series by ``hybrid`` keeps: what is solved further on the same bodies needs no finite elements."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +10,7 @@ import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.finite_range import RangeRequest
-from jkrcli.base.errors import InputError, Unknown
+from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, Graded, Layer, Linear, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
@@ -73,8 +71,6 @@ def test_points_with_the_kept_kernel_agree_with_those_of_their_own(
         assert systems
         assert isinstance(point, CriticalPoint)
         assert isinstance(other, CriticalPoint)
-        assert not isinstance(stated, Unknown)
-        assert not isinstance(of_other, Unknown)
         for quantity in ("P", "delta"):
             assert abs(getattr(point, quantity) - getattr(other, quantity)) <= stated[quantity] + of_other[quantity]
             assert stated[quantity] <= 4 * of_other[quantity]  # measured: 0.5 to 3.0

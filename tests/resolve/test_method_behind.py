@@ -1,7 +1,5 @@
 """A solution knows the method that made it, as it was configured: of cases, of problems in objects, of files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

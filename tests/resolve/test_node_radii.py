@@ -1,7 +1,5 @@
 """Series with the contact radii of nodes: where the edge is, what the loads are, and bands that hold."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,7 +61,6 @@ def test_spacing_of_nodes_with_and_without_repeats() -> None:
     for elements, increments in ((20, 200), (90, 50)):
         given = node_series(LAYER, elements, increments, 0.2)
         nodes = node_radii(RawSeries(*given.columns))
-        assert nodes is not None
         assert nodes.spacing == pytest.approx(given.spacing)
 
 
@@ -80,7 +77,6 @@ def test_radii_that_were_asked_for_are_none_of_nodes() -> None:
 def test_touches_hold_the_radius(increments: int) -> None:
     given = node_series(HALF_SPACE, 30, increments, 0.2)
     nodes = node_radii(RawSeries(*given.columns))
-    assert nodes is not None
     touches = nodes.touches(0.2)
     exact = np.sqrt(touches.rows.delta * HALF_SPACE.R * LENGTH)
     assert np.all(np.abs(touches.rows.a - exact)[1:] <= 1.3 * touches.errors[1:] / 0.9)
@@ -229,7 +225,6 @@ def test_loads_at_touches_are_those_of_the_contact_and_not_of_the_chords_between
     """A load that is straight from touch to touch lies above that of the contact; 0.2 % were left."""
     raw, R, E_star = zones(400)
     nodes = node_radii(raw)
-    assert nodes is not None
     rows = nodes.touches(0.15).rows.only(nodes.touches(0.15).rows.a > 15e-6)
     exact = 4 / 3 * E_star * np.sqrt(R) * rows.delta**1.5
     np.testing.assert_allclose(rows.P, exact, rtol=5e-4)
@@ -241,8 +236,6 @@ def test_an_error_that_radii_share_is_what_other_radii_make_of_the_fit() -> None
     at = 0.15, 0.0, "tip"
     alone, shared = (smoothed(raw, ahead=Ahead(*at, left))[1] for left in (0.0, 0.1))
     (series, more), (_, less) = (smoothed(raw, ahead=Ahead(0.15 + step, 0.0, "tip", 0.0)) for step in (0.05, -0.05))
-    assert alone.joint is not None
-    assert shared.joint is not None
     moved = np.sqrt(shared.joint[:, 3, 3] - alone.joint[:, 3, 3]) * HALF_WIDTH
     refitted = np.abs(more.dS - np.interp(series.a, smoothed(raw, ahead=Ahead(0.1, 0.0, "tip", 0.0))[0].a, less.dS))
     inner = slice(5, -5)
@@ -260,8 +253,6 @@ def test_zones_raise_no_error_under_control_of_the_displacement(tmp_path: Path) 
         w = 8 * E_star * a**3 / (np.pi * R**2)
         result = analyse(solution, [w])[0]
         point, half = result.pull_off["displacement"], result.pull_off_errors["displacement"]
-        assert not isinstance(point, Unknown)
-        assert not isinstance(half, Unknown)
         assert point.a == pytest.approx(a, rel=0.1)
         true = 5 / 6 * np.pi * w * R
         assert abs(point.P + true) < half["P"] < 0.03 * true
@@ -337,8 +328,6 @@ def test_bands_of_calculix_tables_hold(nodes: int) -> None:
     works = 8 * E / (1 - nu**2) * (np.array([0.2, 0.3, 0.4, 0.5, 0.6]) * a_max) ** 3 / (9 * np.pi * R**2)
     for w, result in zip(works, analyse(solution, works.tolist()), strict=True):
         point, half = result.pull_off["load"], result.pull_off_errors["load"]
-        assert not isinstance(point, Unknown)
-        assert not isinstance(half, Unknown)
         true = 1.5 * np.pi * w * R
         assert abs(point.P + true) < half["P"] < 0.014 * true
 

@@ -1,7 +1,5 @@
 """Tables with noise become series by the fit: nothing is refused, outliers and drift are named."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The bodies' own solution as what a smooth fit of read columns departs from."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,7 +44,6 @@ def test_columns_of_the_bodies_give_their_slopes(name: str, points: int) -> None
 
 def test_moduli_all_larger_make_no_difference() -> None:
     _, read = _read(COATING, 15)
-    assert read.own is not None
     one, two = integral(read), integral(replace(read, own=read.own.scaled(3.0)))
     assert np.allclose(one.dS, two.dS, rtol=1e-8, atol=0)
 

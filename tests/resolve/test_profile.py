@@ -1,7 +1,5 @@
 """Pressure and surface around a contact of the body itself."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pull-off points of exact methods: solved at their own radii, with an error near the true one."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +8,6 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint
-from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Spacing, Specimen
 from jkrcli.case.models import load_case
@@ -33,8 +30,6 @@ def stationary(
     x, a0 = 0.02 * np.cos(np.pi * np.arange(9) / 8)[::-1], problem.indenter.a0
     radii = tuple((a0 + (a - a0) * (1 + x)).tolist())
     series = (method or Layered(1e-11))(replace(problem, loading=Loading.given("radius", radii))).series
-    assert series.S is not None
-    assert series.dS is not None
     t = np.sqrt(4 * math.pi * w * series.a / series.dS)
     fits = {"P": series.P - series.S * t, "delta": series.delta - t}
     P, delta = (np.polynomial.Chebyshev.fit(x, fits[name], 8) for name in ("P", "delta"))
@@ -58,13 +53,10 @@ def test_points_are_solved_and_their_errors_are_near_the_truth(name: str, points
     model = load_case(CASES / f"{name}.toml").model
     problem = replace(model.problem(), loading=replace(model.problem().loading, points=points))
     result = analyse(solve(problem, "layered")[1], [model.adhesion.w[0]])[0]
-    assert isinstance(result.budget.total, float)
     assert result.budget.total < 1e-8
     for control, point in result.pull_off.items():
-        assert isinstance(point, CriticalPoint)
         P, delta = stationary(problem, result.w, point.a, control)
         stated = result.pull_off_errors[control]
-        assert not isinstance(stated, Unknown)
         held, other = ("P", "delta") if control == "load" else ("delta", "P")
         truth = {"P": P, "delta": delta}
         room = {held: 1e-11, other: 1e-7}  # how well the polynomial knows it: what is not held follows the radius
@@ -88,16 +80,12 @@ def test_the_place_of_pull_off_is_known_less_well_near_the_rim_of_a_sphere(share
     """The profile is singular there, which polynomials through seven radii find at a rate that slows down: delta under
     load lay up to 3 times beyond what was stated."""
     series = Layered()(NEAR_ITS_RIM).series
-    assert series.S is not None
-    assert series.dS is not None
     rate = np.gradient(series.P, series.a) / np.gradient(
         series.S * np.sqrt(4 * math.pi * series.a / series.dS), series.a
     )
     result = analyse(solve(NEAR_ITS_RIM, "layered")[1], [float(np.interp(share * 0.95, series.a, rate) ** 2)])[0]
     for control, stated in result.pull_off_errors.items():
         point = result.pull_off[control]
-        assert isinstance(point, CriticalPoint)
-        assert not isinstance(stated, Unknown)
         P, delta = stationary(NEAR_ITS_RIM, result.w, point.a, control)
         assert abs(point.P - P) <= stated["P"] + 1e-11 * abs(P)
         assert abs(point.delta - delta) <= stated["delta"] + 1e-11 * abs(delta)
@@ -111,8 +99,6 @@ def test_points_are_solved_beyond_the_last_row(method: Method, share: float) -> 
     problem = Problem(Paraboloid(1e-5), body, Loading("radius", share * 1.025412e-6, 40))
     result = analyse(method(problem), [4e-3])[0]
     point, stated = result.pull_off["load"], result.pull_off_errors["load"]
-    assert isinstance(point, CriticalPoint)
-    assert not isinstance(stated, Unknown)
     assert abs(point.P - stationary(problem, result.w, point.a, "load")[0]) <= stated["P"] < 1e-5 * abs(point.P)
     assert isinstance(result.curve.interpolation_error, float)
     assert result.summary
@@ -126,8 +112,6 @@ def test_a_row_beside_a_solved_radius_does_not_disturb_it() -> None:
     problem = Problem(PowerLaw(0.134605, 1.3366042), body, Loading("radius", 5.183125e-4, 40))
     result = analyse(Hybrid()(problem), [80.35715])[0]
     point, stated = result.pull_off["load"], result.pull_off_errors["load"]
-    assert isinstance(point, CriticalPoint)
-    assert not isinstance(stated, Unknown)
     assert abs(point.P - stationary(problem, result.w, point.a, "load")[0]) <= stated["P"]
 
 
@@ -142,9 +126,7 @@ def test_a_point_beside_its_solved_radius_errs_by_the_bend_between(
     problem = Problem(Paraboloid(1e-4), body, Loading("radius", 4e-5, rows, spacing))
     curve = with_solved_points(analyse(Layered()(problem), [w])[0], stiffness).curve
     point = curve.pull_off(stiffness)
-    assert isinstance(point, CriticalPoint)
     stated = error_of_point(curve, point, stiffness)
-    assert not isinstance(stated, Unknown)
     P, delta = stationary(problem, w, point.a, stiffness)
     assert abs(point.P - P) <= stated["P"] + 1e-11 * abs(P) <= 1e-8 * abs(P)
     assert abs(point.delta - delta) <= stated["delta"] + 1e-11 * abs(delta)
@@ -174,8 +156,6 @@ def test_short_waves_of_a_kernel_of_polynomials_count_for_the_place(problem: Pro
     9e-7: delta at load pull-off was 6.3 and 3.0 times as far off as was stated."""
     result = analyse(Hybrid()(problem), [w])[0]
     point, stated = result.pull_off["load"], result.pull_off_errors["load"]
-    assert isinstance(point, CriticalPoint)
-    assert not isinstance(stated, Unknown)
     P, delta = stationary(problem, result.w, point.a, "load", exact)
     assert abs(point.P - P) <= stated["P"]
     assert abs(point.delta - delta) <= stated["delta"] < 1e-4 * abs(delta)
@@ -187,11 +167,8 @@ def test_what_is_read_between_the_rows_has_its_own_error() -> None:
     curve, a = result.curve, result.curve.a
     middle = np.sqrt(a[1:8] * a[:7])
     exact = Layered(1e-11)(replace(model.problem(), loading=Loading.given("radius", tuple(middle)))).series
-    assert exact.S is not None
-    assert exact.dS is not None
     t = np.sqrt(4 * math.pi * result.w * middle / exact.dS)
     between = curve.interpolation_at(middle)
-    assert not isinstance(between, Unknown)
     for name, truth, found in zip(
         ("delta", "P"), (exact.delta - t, exact.P - exact.S * t), curve.at(middle), strict=True
     ):
@@ -216,7 +193,6 @@ def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: Met
         exact, stated = true.pull_off[control], result.pull_off_errors[control]
         assert isinstance(point, CriticalPoint)
         assert isinstance(exact, CriticalPoint)
-        assert not isinstance(stated, Unknown)
         for quantity in ("P", "delta"):
             error = abs(getattr(point, quantity) - getattr(exact, quantity))
             assert error <= stated[quantity] < 2e-3 * abs(getattr(exact, quantity))
@@ -238,7 +214,6 @@ def test_a_table_of_three_points_says_how_little_they_tell(method: Method) -> No
         exact, stated = true.pull_off[control], result.pull_off_errors[control]
         assert isinstance(point, CriticalPoint)
         assert isinstance(exact, CriticalPoint)
-        assert not isinstance(stated, Unknown)
         for quantity in ("P", "delta"):
             error = abs(getattr(point, quantity) - getattr(exact, quantity))
             assert error <= stated[quantity] < 0.5 * abs(getattr(exact, quantity))
@@ -267,7 +242,6 @@ def test_points_are_solved_where_that_takes_seconds(
         exact, stated = true.pull_off[control], result.pull_off_errors[control]
         assert isinstance(point, CriticalPoint)
         assert isinstance(exact, CriticalPoint)
-        assert not isinstance(stated, Unknown)
         assert is_refined(result.curve, point)
         held, other = ("P", "delta") if control == "load" else ("delta", "P")
         errors = {name: abs(getattr(point, name) - getattr(exact, name)) for name in stated}
@@ -285,8 +259,6 @@ def test_rows_stay_beside_solved_radii_whatever_a_table_leaves_open() -> None:
     solution = Layered()(problem)
     rows = AdhesiveCurve(nonadhesive(solution), 0.0258).pull_off(0.0)
     found = analyse(solution, [0.0258])[0].pull_off["load"]
-    assert isinstance(rows, CriticalPoint)
-    assert isinstance(found, CriticalPoint)
     assert found.a == pytest.approx(rows.a, rel=1e-3)
     assert found.P == pytest.approx(rows.P, rel=1e-6)
 
@@ -298,7 +270,5 @@ def test_what_the_profile_leaves_of_the_depth_is_no_spring_in_series(indenter: I
     specimen = Specimen((Layer(Elastic(3e4, nu), 5.8e-6),), Rigid())
     result = analyse(Layered()(Problem(indenter, specimen, Loading("radius", 3.4e-6, 32, "log"))), [2e-9])[0]
     point, stated = result.pull_off["displacement"], result.pull_off_errors["displacement"]
-    assert isinstance(point, CriticalPoint)
-    assert not isinstance(stated, Unknown)
     _, delta = stationary(result.problem, result.w, point.a, "displacement")
     assert abs(point.delta - delta) <= stated["delta"] < 1e-8 * abs(delta)

@@ -1,7 +1,5 @@
 """Pull-off below the first row of a series: exact methods solve on, and a flat end lets go at its rim."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

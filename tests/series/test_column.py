@@ -1,7 +1,5 @@
 """A column of the series: a line and a field in ``series/__init__.py``, and the method that gives it; no other file."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The result type: checks on construction, the paper's filter, the error budget, scaling with the moduli."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`make benchmarks`: both trees are timed as they are after their first run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The study of stated errors: what counts as held, and a few bodies of it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

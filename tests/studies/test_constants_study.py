@@ -1,7 +1,5 @@
 """The study of chosen numbers: what moves a result is told, what nothing depends on moves none."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The failure map: no cell is silently wrong; contact that is no disc is said so."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -1,7 +1,5 @@
 """The comparison of what users get with that of another commit: no word hides a number, no list holds elsewhere."""
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

@@ -1,7 +1,5 @@
 """The study of slips: that its list still fits the package, and what it says of tests that see a slip or do not."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The study of stated errors of pull-off points by finite elements: a few of its bodies."""
 
-from __future__ import annotations
-
 import pytest
 
 from studies.bounds import summary

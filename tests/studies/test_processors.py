@@ -1,7 +1,5 @@
 """Other arithmetic for the fast tests: what a machine has of it, and that it is really at work."""
 
-from __future__ import annotations
-
 import subprocess
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The study of stated errors of adhesion of finite range: a few of its bodies."""
 
-from __future__ import annotations
-
 import pytest
 
 from studies.bounds import summary

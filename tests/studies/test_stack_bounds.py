@@ -1,7 +1,5 @@
 """The study of stated errors of stacks whose thicknesses lie far apart: a few of its bodies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The study of tuned numbers: which are found, that varying them reaches the algorithm, and what is written."""
 
-from __future__ import annotations
-
 import csv
 import sys
 from pathlib import Path

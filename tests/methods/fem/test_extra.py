@@ -1,7 +1,5 @@
 """The extra ``fem``: what works without gmsh, scikit-fem and meshio, and what is told where they are asked for."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

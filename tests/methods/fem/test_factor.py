@@ -1,7 +1,5 @@
 """Sparse factors: both libraries give the same numbers, and say what they cannot do."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.sparse import csc_matrix, diags

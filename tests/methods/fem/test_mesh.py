@@ -189,5 +189,4 @@ def test_meshes_are_written_for_gmsh_and_paraview(tmp_path, element):
     assert names == {"layer-1", "layer-2", "surface", "base", "axis", "side"}
     assert cells == len(grid.cells)
     piece = ET.parse(tmp_path / "body.vtu").getroot().find(".//Piece")
-    assert piece is not None
     assert int(piece.attrib["NumberOfCells"]) == len(grid.cells)

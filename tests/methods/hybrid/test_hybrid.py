@@ -1,7 +1,5 @@
 """The hybrid against exact layer solutions, its own limits and identities, and what it says about its error."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

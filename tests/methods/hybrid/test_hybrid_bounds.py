@@ -1,7 +1,5 @@
 """Bodies on which two degrees agree by accident, or the cut is extrapolated in vain: the stated errors hold them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -157,7 +155,6 @@ def test_points_where_two_degrees_agree_by_accident_have_an_error() -> None:
     cylinder = Specimen((Layer(Elastic(7.6e7, 0.3), 3.48),), Rigid(), 3.0, "free")
     _, errors, _, _ = AdaptiveKernel(Paraboloid(18.0), cylinder, 1e-5).accurate(0.8)
     modes = errors.companions
-    assert modes is not None
     blind = replace(modes, kernels=(modes.contact.kernel, *modes.kernels[1:]))
     last, before, *_ = np.abs(blind(np.array([0.3, 0.6])))
     assert last.max() == 0

@@ -1,7 +1,5 @@
 """What the hybrid costs: foretold, bounded, refused before it is begun; and whether its discs hold."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -51,7 +49,6 @@ def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
     problem = Problem(PARABOLOID, cylinder(2000.0, 1.0, "free", 0.5), Loading("radius", 1000.0))
     with takes_less_than(0.5):
         reason = Hybrid().refusal(problem)
-    assert reason is not None
     assert reason.startswith("contact radii up to 1 km need elements of degree ")
     assert reason.endswith(
         "(limits 60 s, 4096 MiB): the contact is large against the nearest interface or side (1 m away); use a "
@@ -80,30 +77,23 @@ def test_the_largest_error_is_what_is_refined() -> None:
     sliding = Region.of(stack((1.0, 0.3, 1.0), base=Rigid(False)), 1.0, 1e-6)
     first = Refinement()
     finer = first.after(judged(1e-3, 5e-6, 1e-4), 1e-5, sliding)
-    assert finer is not None
     assert (finer.degree, finer.more, finer.sharper) == (first.degree + 2, 0, 1.0)
     both = first.after(judged(1e-3, 1e-4, 1e-4), 1e-5, sliding)  # or the higher degree would be computed twice
-    assert both is not None
     assert (both.degree, both.added) == (first.degree + 2, 1)
     assert both.more >= 1
     fuller = first.after(judged(1e-6, 1e-4, 1e-5), 1e-5, sliding)
-    assert fuller is not None
     assert (fuller.degree, fuller.sharper) == (first.degree, 1.0)
     assert fuller.more >= 1
     wider = first.after(judged(1e-6, 1e-6, 2e-5), 1e-5, sliding)
-    assert wider is not None
     assert (wider.degree, wider.more, wider.sharper) == (first.degree, 0, pytest.approx(8.0))
 
 
 def test_what_no_longer_gets_better_is_given_up() -> None:
     region = Region.of(FINITE["free"], 1.0, 1e-6)
     step = Refinement().after(judged(1e-2, 0.0, 0.0), 1e-5, region)
-    assert step is not None
     assert step.after(judged(9e-3, 0.0, 0.0), 1e-5, region) is None  # hopeless
     near = Refinement().after(judged(2e-5, 0.0, 0.0), 1e-5, region)
-    assert near is not None
     again = near.after(judged(1.9e-5, 0.0, 0.0), 1e-5, region)
-    assert again is not None
     assert again.after(judged(1.8e-5, 0.0, 0.0), 1e-5, region) is None
 
 

@@ -1,7 +1,5 @@
 """The parts of the hybrid: fields of the half-space, line elements, the stiffness, and intervals."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The nested Fredholm solver: kernel, quadrature, identities."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,12 +1,11 @@
 """Transversely isotropic layers and half-spaces: constants, element, half-space fields, layers by two methods."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from compliance import compliance_ratio
 from hypothesis import given
 from hypothesis import strategies as st
+from layers_of_any_kind import assert_finite_elements_agree, assert_moduli_scale_loads_and_not_depths, read_back
 from scipy.linalg import expm
 
 from jkrcli.base.errors import InputError
@@ -17,7 +16,6 @@ from jkrcli.formulas import hertz
 from jkrcli.methods.fem import FEM
 from jkrcli.methods.fem.elasticity import Boussinesq, TransversePointForce, assemble
 from jkrcli.methods.fem.mesh import MeshedBody, triangles
-from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayerMedium, deviation
 
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
@@ -173,24 +171,11 @@ def test_a_layer_on_its_own_half_space_is_the_half_space():
     ],
 )
 def test_two_methods_agree_within_the_stated_errors(layers, base):
-    specimen = Specimen(layers, base)
-    solution = FEM()(Problem(PARABOLOID, specimen, Loading("radius", 1.0)))
-    series = solution.series
-    radii = tuple(series.a[series.a > 0.1][::5])
-    exact = Layered()(Problem(PARABOLOID, specimen, Loading.given("radius", radii))).series
-    P, a = (
-        np.exp(np.interp(np.log(exact.delta), np.log(series.delta), np.log(column))) for column in (series.P, series.a)
-    )
-    assert np.max(np.abs(P / exact.P - 1)) < solution.budget.discretisation
-    assert np.max(np.abs(a / exact.a - 1)) < solution.budget.total
+    assert_finite_elements_agree(Specimen(layers, base))
 
 
 def test_the_moduli_scale_loads_and_not_depths():
-    specimen = Specimen((Layer(FIBRES, 1.0),), HalfSpace(REAL))
-    loading = Loading.given("radius", (0.7,))
-    weak, stiff = (Layered()(Problem(PARABOLOID, body, loading)).series for body in (specimen, specimen.scaled(7.0)))
-    assert stiff.P == pytest.approx(7 * weak.P, rel=1e-12)
-    assert stiff.delta == pytest.approx(weak.delta, rel=1e-12)
+    assert_moduli_scale_loads_and_not_depths(Specimen((Layer(FIBRES, 1.0),), HalfSpace(REAL)))
 
 
 # ---------------------------------------------------------------------- cases
@@ -205,12 +190,8 @@ FIVE = "E_p = '5 MPa'\nE_z = '1 MPa'\nnu_p = 0.2\nnu_zp = 0.1\nG_z = '300 kPa'"
 
 
 def test_a_case_with_five_constants_reads_back():
-    parsed = parse_case(case(FIVE), "my.toml")
-    found = parsed.model.problem()
+    found = read_back(case(FIVE))
     assert found.specimen.layers[0].material == TransverselyIsotropic(5e6, 1e6, 0.2, 0.1, 3e5)
-    again = parse_case(parsed.to_toml().encode(), "again.toml").model.problem()
-    assert again == found
-    assert again.key == found.key
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Layers on the indenter: the compliances of both bodies add, so that either may carry the layers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Moduli that vary over depth: laws, spectrum, tail and contact against closed forms, other discretisations and fem."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -10,6 +8,7 @@ import pytest
 from compliance import compliance_ratio
 from hypothesis import given
 from hypothesis import strategies as st
+from layers_of_any_kind import assert_finite_elements_agree, assert_moduli_scale_loads_and_not_depths, read_back
 from numpy.polynomial import chebyshev, legendre
 from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import CubicSpline
@@ -34,7 +33,6 @@ from jkrcli.bodies.problem import (
 )
 from jkrcli.case.models import parse_case
 from jkrcli.methods.closed_form import ClosedForm
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.integral.fredholm import Panels, Quadrature
 from jkrcli.methods.layered.contact import GRADED, LayeredContact, product_matrix
 from jkrcli.methods.layered.solver import Layered, surface_profile
@@ -343,10 +341,7 @@ def test_a_change_of_units_changes_nothing():
 
 def test_the_moduli_scale_loads_and_not_depths():
     law, nu, base = CONTACTS[2]
-    one = layer(law, nu, base)
-    weak, stiff = (Layered()(problem(specimen, 0.7)).series for specimen in (one, one.scaled(7.0)))
-    assert stiff.P == pytest.approx(7 * weak.P, rel=1e-12)
-    assert stiff.delta == pytest.approx(weak.delta, rel=1e-12)
+    assert_moduli_scale_loads_and_not_depths(layer(law, nu, base))
 
 
 def test_an_elastic_indenter_is_a_softer_contact():
@@ -455,17 +450,8 @@ def test_equal_sublayers_are_no_reference_in_even_powers():
     ],
 )
 def test_finite_elements_agree_within_the_stated_errors(law, nu, base):
-    """P and a at equal depth, at radii over a factor of ten; nu near and at 1/2 in the mixed form."""
-    specimen = layer(law, nu, base)
-    solution = FEM()(Problem(Paraboloid(100.0), specimen, Loading("radius", 1.0)))
-    series = solution.series
-    some = series.a > 0.1 * series.a[-1]
-    exact = Layered()(problem(specimen, *series.a[some][::5])).series
-    P, a = (
-        np.exp(np.interp(np.log(exact.delta), np.log(series.delta), np.log(column))) for column in (series.P, series.a)
-    )
-    assert np.max(np.abs(P / exact.P - 1)) < solution.budget.discretisation
-    assert np.max(np.abs(a / exact.a - 1)) < solution.budget.total
+    """nu near and at 1/2 in the mixed form."""
+    assert_finite_elements_agree(layer(law, nu, base))
 
 
 # ---------------------------------------------------------------------- cases, files, refusals
@@ -487,12 +473,8 @@ GOOD_CASES = {
 
 @pytest.mark.parametrize("keys", GOOD_CASES)
 def test_a_case_says_the_law_and_reads_back(keys):
-    parsed = parse_case(case(f"E = {keys}\nnu = 0.3"), "my.toml")
-    found = parsed.model.problem()
+    found = read_back(case(f"E = {keys}\nnu = 0.3"))
     assert found.specimen.layers[0].material == Graded(GOOD_CASES[keys], 0.3)
-    again = parse_case(parsed.to_toml().encode(), "again.toml").model.problem()
-    assert again == found
-    assert again.key == found.key
 
 
 WRONG_CASES = {

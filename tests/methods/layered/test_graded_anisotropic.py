@@ -1,12 +1,11 @@
 """Transversely isotropic moduli that vary over depth: an ordinary differential equation per wave number, many thin
 homogeneous layers, isotropic constants, the other methods; strain energy at every depth; cases."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import pytest
+from layers_of_any_kind import assert_finite_elements_agree, assert_moduli_scale_loads_and_not_depths, read_back
 from scipy.integrate import solve_ivp
 
 from jkrcli.base.errors import InputError, Refusal
@@ -28,7 +27,6 @@ from jkrcli.bodies.problem import (
     TransverselyIsotropic,
 )
 from jkrcli.case.models import parse_case
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import deviation, surface_series
@@ -161,22 +159,11 @@ def test_hybrid_needs_an_isotropic_contact():
     ],
 )
 def test_fem_agrees_within_its_stated_errors(layers, base):
-    specimen = Specimen(layers, base)
-    solution = FEM()(Problem(PARABOLOID, specimen, Loading("radius", 1.0)))
-    series = solution.series
-    exact = solved(specimen, series.a[series.a > 0.1][::5])
-    P, a = (
-        np.exp(np.interp(np.log(exact.delta), np.log(series.delta), np.log(column))) for column in (series.P, series.a)
-    )
-    assert np.max(np.abs(P / exact.P - 1)) < solution.budget.discretisation
-    assert np.max(np.abs(a / exact.a - 1)) < solution.budget.total
+    assert_finite_elements_agree(Specimen(layers, base))
 
 
 def test_the_moduli_scale_loads_and_not_depths():
-    specimen = Specimen((Layer(ONE, 1.0),), HalfSpace(Elastic(1.0, 0.3)))
-    weak, stiff = (solved(body, (0.7,)) for body in (specimen, specimen.scaled(7.0)))
-    assert stiff.P == pytest.approx(7 * weak.P, rel=1e-12)
-    assert stiff.delta == pytest.approx(weak.delta, rel=1e-12)
+    assert_moduli_scale_loads_and_not_depths(Specimen((Layer(ONE, 1.0),), HalfSpace(Elastic(1.0, 0.3))))
 
 
 # ---------------------------------------------------------------------- strain energy at every depth
@@ -225,14 +212,9 @@ def case(indenter="", layer=FIVE, rest='base = "bonded"'):
 
 
 def test_a_case_with_laws_reads_back():
-    parsed = parse_case(case(), "my.toml")
-    found = parsed.model.problem()
-    material = found.specimen.layers[0].material
+    material = read_back(case()).specimen.layers[0].material
     assert material.E_p == Linear(1e6, 5e6, 1e-5)
     assert (material.E_z, material.G_z.moduli) == (3e6, (5e5, 9e5, 1e6))
-    again = parse_case(parsed.to_toml().encode(), "again.toml").model.problem()
-    assert again == found
-    assert again.key == found.key
 
 
 @pytest.mark.parametrize(

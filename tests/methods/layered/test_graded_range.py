@@ -1,7 +1,5 @@
 """Adhesion of finite range where the modulus changes over depth, against elasticity solved another way."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact pressure, surface shape and the singular edge at one contact radius."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose

@@ -1,7 +1,5 @@
 """The exact layer solution against published and independent values, exact limits, units, and its own estimate."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """g(k) of a stack against closed forms, 2500-digit arithmetic and exact identities."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from compliance import compliance_ratio

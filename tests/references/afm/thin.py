@@ -3,8 +3,6 @@
 Every third row of the measured height and the force, as the file has them; nothing else is changed.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -359,8 +359,7 @@ class Course:
 
     def _si(self, field: str, called: Callable[[str], str], ranged: Ranged) -> float:
         """A field in SI, of a number or text with its unit."""
-        value: float = read(called(field), ranged.read, getattr(self, field))
-        return value
+        return read(called(field), ranged.read, getattr(self, field))
 
 
 RESTS = 1e-11  # theory: of positions, what round-off of times and radii leaves

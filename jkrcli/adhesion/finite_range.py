@@ -171,8 +171,7 @@ class AttractedBody:
         estimates = self._kernel(reach)[2]
         assert estimates is not None
         *columns, dS = estimates.at(np.asarray(radii))
-        largest: Array = np.max([*columns, dS / 2], axis=0)
-        return largest
+        return np.max([*columns, dS / 2], axis=0)
 
     def _kernel(self, reach: float) -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
         def made() -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
@@ -1062,8 +1061,7 @@ def _leaps(rims: Rims) -> Array:
 
 def leaps_of(a: Array, c: Array) -> Array:
     """Whether c [m] leaps beyond each of the states but the last, whose contact radii are ``a`` [m]."""
-    leaps: Array = np.abs(np.diff(np.log(c))) > FINITE_RANGE_LEAP + np.diff(np.log(a + c[0]))
-    return leaps
+    return np.abs(np.diff(np.log(c))) > FINITE_RANGE_LEAP + np.diff(np.log(a + c[0]))
 
 
 def _growing(rims: Rims) -> Rims:

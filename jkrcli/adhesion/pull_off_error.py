@@ -126,8 +126,7 @@ def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> A
             moved.append(_distance(found, point))
     if curve.series.shift is not None and not moved:  # beyond the series: what it is at the radius of the point
         return curve.shift_error_at(np.array(point.a))
-    largest: Array = np.max([np.zeros(2), *moved], axis=0)
-    return largest
+    return np.max([np.zeros(2), *moved], axis=0)
 
 
 def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
@@ -427,5 +426,4 @@ def decimation_error(
 
 def _largest_mean(changes: Array) -> Array:
     """Over the profiles, the first axis, the largest of the roots of the mean squares along the radii, the last one."""
-    largest: Array = np.sqrt(np.mean(changes**2, axis=-1)).max(axis=0)
-    return largest
+    return np.sqrt(np.mean(changes**2, axis=-1)).max(axis=0)

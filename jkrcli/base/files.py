@@ -369,8 +369,7 @@ def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
 
 def _plain(values: Any) -> Iterable[Any]:
     """The numbers of an array as Python's own, which are written alike everywhere."""
-    plain: Iterable[Any] = values.tolist() if hasattr(values, "tolist") else values
-    return plain
+    return values.tolist() if hasattr(values, "tolist") else values
 
 
 def lists(columns: Mapping[str, Iterable[Any]]) -> dict[str, list[Any]]:

@@ -423,8 +423,7 @@ class IndenterTable(BuiltTable):
         material: Solid | None = None if self.E is None or self.nu is None else Elastic(self.E, self.nu)
         if self.layers and isinstance(material, Elastic):
             material = Coated(tuple(table.build() for table in cast(Any, self.layers)), material)
-        indenter: Indenter = self.built(material)
-        return indenter
+        return self.built(material)
 
     @classmethod
     def lists(cls) -> list[str]:

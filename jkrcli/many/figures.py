@@ -97,8 +97,7 @@ def _dress(axes: Axes, panel: MapPanel, xlabel: str) -> None:
 
 def _placed(axes: Axes, points: Array) -> Array:
     """Points of the data in shares of the axes."""
-    placed: Array = (axes.transScale + axes.transLimits).transform(points)
-    return placed
+    return (axes.transScale + axes.transLimits).transform(points)
 
 
 def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, int]:

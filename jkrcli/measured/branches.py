@@ -81,8 +81,7 @@ class Bodies:
     @cached_property
     def step(self) -> Array:
         """The distance of neighbouring nodes of each curve."""
-        steps: Array = (self.u[:, -1] - self.u[:, 0])[self.which] / (self.u.shape[1] - 1)
-        return steps
+        return (self.u[:, -1] - self.u[:, 0])[self.which] / (self.u.shape[1] - 1)
 
     def combined(self, factors: Array, orders: slice, first: int = 0) -> Array:
         """Sums of D, T, H, V of each curve with ``factors`` (curves, sums, 4), those ``orders`` of derivatives, from
@@ -301,8 +300,7 @@ class DeviceBranch:
 
     def radii(self, z: Array) -> Array:
         """Contact radii [m] at positions ``z`` [m], that of the fold before it."""
-        a: Array = np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
-        return a
+        return np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
 
     def by_body(self, z: Array, blunt: float, changes: Array) -> Array:
         """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
@@ -321,8 +319,7 @@ class DeviceBranch:
         i = self.zeta[1:-1].searchsorted(zeta)
         x = np.minimum((zeta - self.zeta[i]) / (self.zeta[i + 1] - self.zeta[i]), 1.0)
         left, right = rate.take(i, axis=1), rate.take(i + 1, axis=1)
-        dP: Array = (left + (right - left) * x) / zeta
-        return dP
+        return (left + (right - left) * x) / zeta
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -434,8 +431,7 @@ class Rest:
         P, _, _, _, _, by_turn = self.at(z)
         turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
         off = (V - T) * (self.D - z + P / self.k) + D * self.D
-        dP: Array = (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns
-        return dP
+        return (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns
 
 
 @lru_cache(maxsize=REMEMBERED)

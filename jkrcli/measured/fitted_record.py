@@ -156,8 +156,7 @@ class FittedRecord:
     def loads(self) -> Array:
         """Loads of the contact [N] at all rows, of the model."""
         lines = np.concatenate([base_line(part, self.values)[0] for part in self.model.stretches])
-        loads: Array = np.concatenate([part.P for part in self.model.stretches]) + self.residuals - lines
-        return loads
+        return np.concatenate([part.P for part in self.model.stretches]) + self.residuals - lines
 
     @cached_property
     def depth(self) -> Array:

@@ -1235,8 +1235,7 @@ def receding(
     begin = min(float(resting.end), turn)
     grown = _follow(free.tolist(), pulled.tolist(), steps.tolist(), begin, law, z)
     loads = np.append(resting.at(np.array([begin]))[0], s * (H - r * grown * V))
-    path: Array = np.stack([np.append(begin, z), loads])[:, ::-1]
-    return path
+    return np.stack([np.append(begin, z), loads])[:, ::-1]
 
 
 def _follow(
@@ -1267,5 +1266,4 @@ def load_at(path: Array, resting: Rest, turn: float, z: Array) -> Array:
     positions, P = path
     rising = np.append(True, np.diff(np.maximum.accumulate(positions)) > 0)
     moving = pchip(positions[rising], P[rising])(np.clip(z, positions[0], positions[-1]))
-    loads: Array = np.where(z > min(resting.end, turn), resting.at(z)[0], np.where(z < positions[0], 0.0, moving))
-    return loads
+    return np.where(z > min(resting.end, turn), resting.at(z)[0], np.where(z < positions[0], 0.0, moving))

@@ -579,8 +579,7 @@ class _Blocks:
     def _beside_lines(self, columns: Array) -> Array:
         """What lines leave of columns (blocks, n), over the noise."""
         scaled = (columns.T / self.noise).T
-        left: Array = scaled - self.lines @ (self._inverse @ scaled)
-        return left
+        return scaled - self.lines @ (self._inverse @ scaled)
 
     @cached_property
     def _inverse(self) -> Array:

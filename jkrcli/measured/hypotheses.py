@@ -63,8 +63,7 @@ def _radii(family: Family) -> Array:
 def log_ratio(other: Family, family: Family) -> Array:
     """Logs (4, n) of D, T, H, V of an ``other`` body over a ``family``'s, on its grid; constant where one ends."""
     inside = np.clip(grid(family), max(family.low, other.low), min(family.high, other.high))
-    ratio: Array = np.log(other.at(inside)[0] / family.at(inside)[0])
-    return ratio
+    return np.log(other.at(inside)[0] / family.at(inside)[0])
 
 
 # --------------------------------------------------------------------------------------------------
@@ -153,8 +152,7 @@ def _maugis(families: Sequence[Family], *each: Sequence[float]) -> Array:
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
     pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
-    changes: Array = np.stack([np.log(shift), np.log(pull)], axis=1) @ _splines(grid(families[0]).size)
-    return changes
+    return np.stack([np.log(shift), np.log(pull)], axis=1) @ _splines(grid(families[0]).size)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -169,8 +167,7 @@ def _splines(size: int) -> Array:
     the others of these, (some, size)."""
     nodes = np.arange(size)
     some = nodes[::ADHESION_EVERY]
-    splines: Array = cubic_spline(some, np.eye(some.size))(nodes).T
-    return splines
+    return cubic_spline(some, np.eye(some.size))(nodes).T
 
 
 def _rim(a: Array, D: Array, E: Array, w: Array, sigma: Array) -> Array:

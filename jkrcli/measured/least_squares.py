@@ -96,8 +96,7 @@ def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
     rows = jacobian.reshape(k, n, -1)
     leverage = np.einsum("knp,pq,knq->n", rows, inverse, rows)
     pulls = np.einsum("knp,kn->np", rows, residuals) / (1 - np.minimum(leverage, 0.5))[:, None]
-    spread: Array = inverse @ (pulls.T @ pulls) @ inverse
-    return spread
+    return inverse @ (pulls.T @ pulls) @ inverse
 
 
 def larger(one: Array | None, other: Array | None) -> Array | None:
@@ -179,14 +178,12 @@ class State:
     @cached_property
     def squares(self) -> Array:
         """J^T J."""
-        squares: Array = self.jacobian.T @ self.jacobian
-        return squares
+        return self.jacobian.T @ self.jacobian
 
     @cached_property
     def slopes(self) -> Array:
         """J^T r, the derivatives of the cost."""
-        slopes: Array = self.jacobian.T @ self.residuals
-        return slopes
+        return self.jacobian.T @ self.residuals
 
     @cached_property
     def cost(self) -> float:
@@ -421,8 +418,7 @@ def steps_within(asked: Sequence[tuple[LeastSquares, Array, State, Array, float]
 
 
 def _lengths(vectors: Array) -> Array:
-    lengths: Array = np.sqrt(np.einsum("bi,bi->b", vectors, vectors))
-    return lengths
+    return np.sqrt(np.einsum("bi,bi->b", vectors, vectors))
 
 
 def _pivots(squares: Array) -> Array:
@@ -457,8 +453,7 @@ def _shorter(state: State, inner: Array, unit: Array, squares: Array, slopes: Ar
         rate = float(np.sum(coordinates**2 / (sizes**2 + more))) / length
         more += (length / radius - 1) * length / rate
         coordinates = sizes * along / (sizes**2 + more)
-    inside: Array = coordinates @ rows
-    return inside
+    return coordinates @ rows
 
 
 def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:
@@ -804,8 +799,7 @@ class Spectrum:
         """A series of so many ``rows`` of this noise."""
         from scipy.fft import idct
 
-        series: Array = idct(np.sqrt(density(self, rows)) * rng.normal(size=rows), norm="ortho")
-        return series
+        return idct(np.sqrt(density(self, rows)) * rng.normal(size=rows), norm="ortho")
 
 
 @dataclass(frozen=True, eq=False)
@@ -844,8 +838,7 @@ class Possible:
         there: (spectra, columns)."""
         slow = _slow(f.ravel(), self.corner[:, None], self.power[:, None]).reshape(-1, *f.shape)
         of_slow = np.einsum("scn,cn->sc", slow, squares)
-        energy: Array = np.outer(self.A, squares.sum(axis=1)) + self.B[:, None] * of_slow[self.shape]
-        return energy
+        return np.outer(self.A, squares.sum(axis=1)) + self.B[:, None] * of_slow[self.shape]
 
 
 def _slow(f: Array, corner: Array, power: Array) -> Array:
@@ -941,10 +934,8 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
 
     def of(noise: Array | float) -> Array:
         if isinstance(noise, float) and not weight.slow:  # Q Q^T = 1
-            plain: Array = noise * (inverse @ inverse.T)
-            return plain
-        matrix: Array = inverse @ ((Q * (noise / own)) @ Q.T) @ inverse.T
-        return matrix
+            return noise * (inverse @ inverse.T)
+        return inverse @ ((Q * (noise / own)) @ Q.T) @ inverse.T
 
     def of_spectrum(noise: Spectrum) -> tuple[Array, float]:
         level = density(noise, waves) if noise.slow else noise.A
@@ -1056,8 +1047,7 @@ class Octaves:
 
     def means(self, power: Array) -> Array:
         """The mean squares of waves, of ``power`` each, in octaves."""
-        means: Array = np.add.reduceat(power, self.first) / self.count
-        return means
+        return np.add.reduceat(power, self.first) / self.count
 
     @cached_property
     def slow(self) -> tuple[Array, Array]:
@@ -1161,8 +1151,7 @@ def _octaves(n: int) -> Array:
 def _unlikely(mean: Array, S: Array, count: Array) -> Array:
     """Minus twice the logarithm of Whittle's likelihood of spectra ``S``, (spectra, octaves)."""
     likely = np.maximum(S, COLOURED_SINGULAR * mean.max())
-    deviance: Array = np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
-    return deviance
+    return np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
 
 
 def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:

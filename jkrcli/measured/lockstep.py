@@ -42,8 +42,7 @@ Flow: TypeAlias = Generator[Request, Any, End]
 
 def ask(kernel: Kernel[Question, Answer], question: Question) -> Flow[Answer]:
     """The answer of a ``kernel`` to a ``question``, within a flow: ``answer = yield from ask(kernel, question)``."""
-    answer: Answer = yield Request(kernel, question)
-    return answer
+    return (yield Request(kernel, question))
 
 
 def alone(flow: Flow[End]) -> End:
@@ -57,8 +56,7 @@ def alone(flow: Flow[End]) -> End:
 def beside(flows: Sequence[Flow[End]]) -> Flow[list[End]]:
     """The results of several flows within a flow, which go on beside each other and those of others that wait as well;
     the first of their exceptions is raised."""
-    ends: list[End] = yield from ask(_beside, flows)
-    return ends
+    return (yield from ask(_beside, flows))
 
 
 def _beside(groups: list[Sequence[Flow[Any]]]) -> list[list[Any] | Exception]:

@@ -64,8 +64,7 @@ class ChangedFamily(Family):
         return value, by_u, by_uu
 
     def values(self, u: Array) -> Array:
-        values: Array = super().values(u) * np.exp(self.spline(np.clip(u, self.spline.x[0], self.spline.x[-1])).T)
-        return values
+        return super().values(u) * np.exp(self.spline(np.clip(u, self.spline.x[0], self.spline.x[-1])).T)
 
     def at_nodes(self, u: Array) -> Array:
         return self.functions

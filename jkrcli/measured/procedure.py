@@ -844,8 +844,7 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     size = np.linalg.norm(J, axis=0)
     whole = (J / size).T @ (J / size)
     cross = whole[:2, 2:]
-    left: Array = (whole[:2, :2] - cross @ np.linalg.pinv(whole[2:, 2:]) @ cross.T) * np.outer(size[:2], size[:2])
-    return left
+    return (whole[:2, :2] - cross @ np.linalg.pinv(whole[2:, 2:]) @ cross.T) * np.outer(size[:2], size[:2])
 
 
 def _ways(

@@ -221,8 +221,7 @@ class Table:
     @cached_property
     def products(self) -> Array:
         """Products of all columns over all rows [N^2]."""
-        products: Array = self.columns @ self.columns.T
-        return products
+        return self.columns @ self.columns.T
 
     def taken(self, rows: Array) -> tuple[Array, Linearised]:
         """The columns of some ``rows`` in units of the noise, as if no other row were there, and the fit by them."""
@@ -239,8 +238,7 @@ class Table:
             weighted = self.record.model.whitened((self.columns * rows).T, noise)
             return weighted.T @ weighted
         others = self.columns[:, np.flatnonzero(~rows)]
-        gram: Array = (self.products - others @ others.T) / noise.A
-        return gram
+        return (self.products - others @ others.T) / noise.A
 
 
 def tables(records: Sequence[FittedRecord], alternatives: Sequence[AlternativeModel] = ALTERNATIVES) -> list[Table]:
@@ -311,8 +309,7 @@ def explains(linear: Linearised, taken: Array) -> Array:
     """Whether what is ``taken`` from chi^2 is more than any column takes of a misfit as slow, by the F of one number:
     excess^2, less what the alternative explains."""
     misfit, excess = linear.left - np.count_nonzero(linear.rows), _excess(linear.record.fit, linear.left)
-    explained: Array = taken >= SCORE_TIED * (excess > 1) * excess**2 * np.maximum(1 - taken / max(misfit, TINY), 0.0)
-    return explained
+    return taken >= SCORE_TIED * (excess > 1) * excess**2 * np.maximum(1 - taken / max(misfit, TINY), 0.0)
 
 
 def _excess(fit: ForceCurveFit, left: float) -> float:
@@ -364,8 +361,7 @@ def _chances(record: FittedRecord, left: Array | None, rows: Array, sizes: Array
     centre = np.add.reduceat(power, edges, axis=1) / np.maximum(energy, TINY)
     energy /= (noise.A * np.where(sizes > 0, sizes, np.inf) ** 2)[:, None]  # of c'/|c'|, 0 where there is none
     raised = possible.of_waves(centre, energy) / noise.A
-    mean: Array = possible.chance @ _tails(taken / np.maximum(raised, TINY), record.fit.spread.dof)
-    return mean
+    return possible.chance @ _tails(taken / np.maximum(raised, TINY), record.fit.spread.dof)
 
 
 def _tails(taken: Array, dof: float) -> Array:
@@ -386,8 +382,7 @@ def _log_tails(dof: float, count: int) -> PiecewiseCubic:
 
     def density(t: Array) -> Array:
         """That of |t|."""
-        values: Array = peak * (1 + t**2 / dof) ** (-(dof + 1) / 2)
-        return values
+        return peak * (1 + t**2 / dof) ** (-(dof + 1) / 2)
 
     # the tail at the nodes: its integral between them, from the last one inwards
     between, weights = numerics.composite_gauss(nodes)
@@ -441,14 +436,12 @@ class Linearised:
     def x(self) -> Array:
         """The unknowns where the derivatives of chi^2 vanish, as they need not in the fit itself, at the kink of a
         fold."""
-        x: Array = self.record.fit.x - self.inverse @ self.along[:, 0] / self.scale
-        return x
+        return self.record.fit.x - self.inverse @ self.along[:, 0] / self.scale
 
     @cached_property
     def Q(self) -> Array:
         """Q, (rows, unknowns)."""
-        Q: Array = (self.inverse.T @ (self.whitened(self.record.jacobian.T) / self.scale[:, None])).T
-        return Q
+        return (self.inverse.T @ (self.whitened(self.record.jacobian.T) / self.scale[:, None])).T
 
     @np.errstate(all="ignore")
     def step(self, residuals: Array) -> tuple[Array, float]:
@@ -462,28 +455,24 @@ class Linearised:
         noise = self.record.fit.spread.noise
         if not noise.slow:
             return columns * self.weights
-        weighted: Array = self.record.model.whitened((columns * self.rows).T, noise).T
-        return weighted
+        return self.record.model.whitened((columns * self.rows).T, noise).T
 
     @cached_property
     def weights(self) -> Array:
         """Of each row, of noise that is white."""
-        weights: Array = self.rows / math.sqrt(self.record.fit.spread.noise.A)
-        return weights
+        return self.rows / math.sqrt(self.record.fit.spread.noise.A)
 
     @property
     def whole(self) -> Array:
         """The sizes |c| of the columns of alternatives."""
-        whole: Array = np.sqrt(np.diag(self.gram)[1 + len(self.scale) :])
-        return whole
+        return np.sqrt(np.diag(self.gram)[1 + len(self.scale) :])
 
     def alike(self, which: int) -> Array:
         """The correlations of what is left of the columns of alternatives with that of one."""
         c, first = self.along[:, 1 + len(self.scale) :], 1 + len(self.scale)
         both = self.sizes * self.sizes[which]
         shared = self.gram[first:, first + which] - c.T @ c[:, which]
-        correlations: Array = np.where(both > 0, shared, 0.0) / np.where(both > 0, both, 1.0)
-        return correlations
+        return np.where(both > 0, shared, 0.0) / np.where(both > 0, both, 1.0)
 
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""

@@ -450,8 +450,7 @@ def _directions(z: Array, P: Array, parts: Sequence[Segment], code: float = 0.0)
     """Base line, touch, adhesion and jumps of the directions that are ``parts`` of a record, as a flow; ``code`` [N]:
     the step of a converter at least, that loads of which something is taken off no longer show."""
     sides = [(z[part.rows], P[part.rows], part, code) for part in parts]
-    found: tuple[Direction, ...] = yield from ask(_directions_of, sides)
-    return found
+    return (yield from ask(_directions_of, sides))
 
 
 def _directions_of(records: Sequence[Sequence[tuple[Array, Array, Segment, float]]]) -> list[tuple[Direction, ...]]:
@@ -651,8 +650,7 @@ def _blocks(values: Array, size: int) -> Array:
 def _bends(values: Array) -> Array:
     """Second differences along the last axis."""
     steps = values[..., 1:] - values[..., :-1]
-    bends: Array = steps[..., 1:] - steps[..., :-1]
-    return bends
+    return steps[..., 1:] - steps[..., :-1]
 
 
 def _robust(values: Array) -> float:
@@ -668,8 +666,7 @@ def _robust_of_first(values: Array, rows: Array) -> Array:
     def medians(values: Array) -> Array:
         ordered, last = np.sort(np.where(beyond, math.inf, values), axis=1), np.maximum(rows, 1)
         low, high = (np.take_along_axis(ordered, at[:, None], axis=1) for at in ((last - 1) // 2, last // 2))
-        middle: Array = (low + high) / 2
-        return middle
+        return (low + high) / 2
 
     values = np.where(beyond, 0.0, values)
     off = np.abs(values - medians(values))

@@ -539,8 +539,7 @@ def method_behind(solution: Solution) -> Method | None:
     if solution.method not in METHODS:
         return None
     method: Any = solution.solver or method_class(solution.method)()
-    found: Method = method if solution.kernel is None else replace(method, known=solution)
-    return found
+    return method if solution.kernel is None else replace(method, known=solution)
 
 
 def fem_behind(solution: Solution) -> FEM:

@@ -208,8 +208,7 @@ class TextTable:
             line, word = next(((line, word) for line, word in rows if word), (self.lines[0], ""))
             where = f"{self.path}: {self.titled(index)}"
             raise InputError(f'{where} holds text, not numbers: line {line} has "{word[:60]}"')
-        values: Array = self.values[:, index]
-        return values
+        return self.values[:, index]
 
 
 def decoded(content: bytes) -> str:

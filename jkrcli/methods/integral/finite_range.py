@@ -252,8 +252,7 @@ class Discs(ContactDiscs):
         return rims.delta[:, None] * M_beta - M_F - s * self.applied(rho)
 
     def inside(self, rims: Rims, s: float, x: Array) -> Array:
-        inner: Array = self.basis.at(x) @ self.smooth(rims, s)[0]
-        return inner
+        return self.basis.at(x) @ self.smooth(rims, s)[0]
 
     def separations(self, rims: Rims, s: float, r: Array) -> Array:
         smooth, separations = self.smooth(rims, s), np.empty_like(r)

@@ -188,8 +188,7 @@ class EdgedDiscs(ContactDiscs):
         z, edges = self.a - x, group.edges[0]
         panel = np.clip(edges.searchsorted(z, side="right") - 1, 0, edges.size - 2)
         local = (z - edges[panel]) / np.diff(edges)[panel]
-        inner: Array = np.sum(lagrange(order, local) * nodes.reshape(-1, order)[panel], axis=1)
-        return inner
+        return np.sum(lagrange(order, local) * nodes.reshape(-1, order)[panel], axis=1)
 
     def separations(self, rims: Rims, s: float, r: Array) -> Array:
         b, separations = rims.c - self.a, np.empty_like(r)

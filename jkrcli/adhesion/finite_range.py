@@ -123,7 +123,7 @@ class AttractedBody:
         return {}
 
     def _latest(self, name: str, reach: float, make: Callable[[], Any]) -> Any:
-        """What ``make`` gave for this ``reach`` if it was the last one."""
+        """The result of ``make`` for this ``reach``, kept while the reach is the same."""
         if name not in self._made or self._made[name][0] != reach:
             self._made[name] = reach, make()
         return self._made[name][1]

@@ -499,7 +499,7 @@ class SpecimenTable(Table):
 
     @staticmethod
     def _finding(keys: Mapping[str, Any]) -> str | None:
-        """What is wrong with the choice of keys."""
+        """The message on keys that exclude or need each other; None where they go together."""
         if "half_space" in keys and "base" in keys:
             return "give either base (rigid) or half_space (elastic) below the layers, got both"
         if not keys.get("layers") and "half_space" not in keys:

@@ -658,7 +658,7 @@ def solved_once(problem: Problem, method: Method, folder: Path | None = None) ->
 
 
 def _made_by(key: str) -> str:
-    """What a kept file says of its origin: its name alone proves nothing."""
+    """The command line of a kept solution, by which its origin is checked."""
     return f"jkr sweep, solve {key}"
 
 

@@ -684,7 +684,7 @@ def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
 
 
 def _loaded(path: Path, **options: Any) -> list[Any]:
-    """What afmformats loads of a file."""
+    """The curves that afmformats loads from a file."""
     import afmformats
     from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
 

@@ -36,7 +36,7 @@ def warnings_of(
 
 
 def _of_search(fit: Fit, at_bound: Sequence[str], ended: bool) -> Iterator[str]:
-    """What the data do not determine, or not apart."""
+    """Warnings of a search that did not end, or whose parameters are undetermined or strongly correlated."""
     if not ended:
         names = ", ".join(word(name) for name in fit.free)
         yield (

@@ -55,7 +55,7 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, nam
 
 
 def _cells(values: Any) -> Array:
-    """What a column holds, numbers or words, nan where it is masked or missing."""
+    """The cells of a column, numbers or words, nan where masked or missing."""
     cells = np.array(values, dtype=object)
     missing = values.isna() if hasattr(values, "isna") else np.ma.getmaskarray(values) if np.ma.isMA(values) else []
     blank = np.array([cell is None or cell is np.ma.masked for cell in cells.flat], dtype=bool).reshape(cells.shape)

@@ -565,7 +565,7 @@ def _specimen(body: FittedBody) -> str:
 
 
 def _settings(request: FitRequest, contact: str) -> Settings:
-    """What is fitted and how."""
+    """The settings of a fit from its request: free parameters, data, method."""
     asked = request.options
     how = {name: getattr(asked, name) for name in HOW} | {"noise": dict(asked.noise), "contact": contact}
     return settings_of(request.body, request.names, asked.fix, asked.start, asked.bound, asked.uncertain, **how)

@@ -963,7 +963,7 @@ def fitting(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss
 
 
 def _whole(model: ForceCurveModel, start: Array) -> LeastSquares:
-    """What is searched from a ``start`` on, of all rows as they are."""
+    """The search from a ``start`` over all rows of a model."""
     return _problem(model, _even(model), _bounds(model, start), FIT_BLUNT[-1], FIT_CONVERGED)
 
 
@@ -1000,7 +1000,7 @@ def _finished(model: ForceCurveModel, least: Least, loss: Loss) -> Flow[ForceCur
 
 
 def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> Flow[ForceCurveFit]:
-    """What the end of a search means."""
+    """The fit at the minimum of a search."""
     before, sharp = least.problem, FIT_BLUNT[-1]
     yield from ask(residuals_of, (model, least.x, 0.0))
     model, x = _without_idle(model, least.x, weight)

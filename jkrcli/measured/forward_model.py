@@ -415,7 +415,7 @@ class States:
         return self.touching, first, first.derivative()
 
     def _places(self, u: Array) -> tuple[Array, Array, Array, Array]:
-        """Which u lie in contact; u up to the end, u without contact, and v."""
+        """Mask of the u in contact; u clipped to the end, u without contact, and v."""
         start, (first, last) = math.log(self.c0), self.ends
         inside = np.minimum(u, start + math.log(math.cosh(last)))
         inside = inside if self.apart is not None else np.maximum(inside, start + math.log(math.cosh(first)))

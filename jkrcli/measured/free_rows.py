@@ -215,7 +215,7 @@ class Term:
         return self._attraction(place, values)[:2]
 
     def _rows(self, place: Place) -> tuple[Array, Array]:
-        """Which rows are free, and which in contact, of those that it is of, as 1."""
+        """Indicators (0 or 1) of the free rows, and of those in contact, that the term acts on."""
         own = (kinds == self.side if self.side else kinds > 0 for kinds in (place.free, place.inside))
         free, inside = (rows.astype(float) for rows in own)
         return free, inside
@@ -577,7 +577,7 @@ class _Blocks:
         return _Bent(float(off @ off), (), off, np.zeros((off.size, 0)))
 
     def _beside_lines(self, columns: Array) -> Array:
-        """What lines leave of columns (blocks, n), over the noise."""
+        """Columns (blocks, n) less their projection on lines, over the noise."""
         scaled = (columns.T / self.noise).T
         return scaled - self.lines @ (self._inverse @ scaled)
 

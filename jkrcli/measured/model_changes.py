@@ -394,7 +394,7 @@ class ChangedModel(ForceCurveModel):
 
 
 def _inputs(model: ForceCurveModel) -> dict[str, Any]:
-    """What a model is made from, without its change."""
+    """The arguments that make a model without its change."""
     return {item.name: getattr(model, item.name) for item in fields(ForceCurveModel)}
 
 

@@ -131,7 +131,7 @@ def confidence_of(
 
 
 def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
-    """What the unknowns of the search mean, on the scales of the quantities."""
+    """The quantities at the unknowns ``y`` of the search, on their own scales."""
     x = minimum.objective.at(minimum.x, y)
     follow = _follows(minimum.objective, minimum.objective.values(x))
     return x | {name: math.log(value) if value > 0 else -math.inf for name, value in follow.items()}

@@ -603,7 +603,7 @@ def _intervals(
     body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float], fixed: Container[str],
     t: float, pool: Pool | None,
 ) -> Intervals:  # fmt: skip
-    """What is known of the outcome ``here``, of which some are ``fixed``."""
+    """Intervals of the parameters at the outcome ``here``, of which some are ``fixed``."""
     quantities = [_quantity(name, f"r:{APPROACH}" in best.names) for name in here]
     fixed_values = {name: value for name, value in here.items() if name in fixed}
     bent = [item for item in quantities if item.kind in (LOG, ROOT)]

@@ -376,7 +376,7 @@ def _tails(taken: Array, dof: float) -> Array:
 
 @lru_cache(maxsize=REMEMBERED)
 def _log_tails(dof: float, count: int) -> PiecewiseCubic:
-    """Those cubics over t."""
+    """Cubics through the log of the two-sided tail of Student's t, at ``count`` + 1 even t."""
     nodes = SCORE_TAIL * np.arange(count + 1)
     peak = 2 * math.exp(math.lgamma((dof + 1) / 2) - math.lgamma(dof / 2)) / math.sqrt(dof * math.pi)
 

@@ -76,7 +76,7 @@ class Settings:
             raise InputError(f"fit: {wrong}")
 
     def _wrong(self) -> Iterator[str]:
-        """What makes the settings none."""
+        """Messages on settings that contradict each other."""
         if not self.free:
             yield "no parameter is free"
         for item in self.parameters:

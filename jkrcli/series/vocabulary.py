@@ -151,7 +151,7 @@ def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
 
 @lru_cache(maxsize=REMEMBERED)
 def _words_of(name: str) -> frozenset[str]:
-    """What may name the quantity of a column called ``name``, in lower case."""
+    """Words in a column's ``name`` (lower case) that may name its quantity."""
     # The variable in the name of an Abaqus history, "RF:RF2 PI: TOOL-1 N: 1" or "_temp_1 RF2".
     return frozenset(
         {

@@ -200,12 +200,12 @@ def smoothed(
 
 
 def _towards(own: Series | None) -> str:
-    """What the rows were smoothed towards, where their bodies have a solution of their own."""
+    """For ``reason``: that rows were smoothed towards the bodies' ``own`` solution; "" without one."""
     return "" if own is None else ", smoothed towards the shape of these bodies' own solution"
 
 
 def _unseen(fitted: Slopes) -> str:
-    """What the noise of few points does not tell."""
+    """Why the correlation of the errors is not known, for ``reason``; "" where it is."""
     return f"; {fitted.correlation}" if isinstance(fitted.correlation, Unknown) else ""
 
 

@@ -281,7 +281,7 @@ def _restricted(basis: skfem.Basis, grid: Grid, layer: int, element: Any) -> skf
 def _stiffness(
     basis: skfem.Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]
 ) -> tuple[csr_matrix, Array]:
-    """All blocks, and the nodes that the pressure unknowns sit on."""
+    """The blocks of the stiffness, and the nodes of the pressure unknowns."""
     K = _displacement_blocks(basis, _constants(basis, grid, materials, mixed))
     if not mixed:
         return K, np.zeros(0, dtype=int)

@@ -897,7 +897,7 @@ def _with_events(run: Run) -> tuple[Run, Array]:
 
 
 def _changes(values: Sequence[Array]) -> list[Array]:
-    """What larger elements change, relatively, from each mesh to the next."""
+    """Relative changes of ``values`` from each mesh to the next coarser one."""
     return [np.abs(coarser / finer - 1) for finer, coarser in itertools.pairwise(values)]
 
 

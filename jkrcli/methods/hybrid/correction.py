@@ -717,7 +717,7 @@ def _pairs(stress: Array, strain: Array) -> Array:
 
 
 def _touching(left: Array, right: Array) -> Array:
-    """Which functions are both not zero somewhere."""
+    """Pairs of functions whose supports overlap."""
     return (left != 0).astype(float).T @ (right != 0).astype(float) > 0
 
 

@@ -1,6 +1,8 @@
 """What a user gives in Python is what is meant, or is refused in one line that names the parameter and what is allowed:
 wrong types, words, ranges and idle options are drawn for every public function and dataclass, by their annotations."""
 
+from __future__ import annotations
+
 import inspect
 import math
 import types

@@ -84,20 +84,18 @@ class FoundValues(Result):
         each = [f"{self.key} = {self._words(root.value)}" for root in self.roots]
         several = f"{len(each)} solutions: " if len(each) > 1 else ""
         low, high = (self._words(value) for value in self.values[[0, -1]].tolist())
-        seen = f"{self.left_out}{self._exact}; solutions nearer to each other than {self.step} are not seen"
+        forces = " to ".join(show(float(end(self.forces)), "load", 4) for end in (np.nanmin, np.nanmax))
+        # The largest relative error of the solutions, by that of the force
+        errors = [math.nan if isinstance(root.error, Unknown) else root.error / abs(root.value) for root in self.roots]
+        exact = f"; numerical error {max(errors):.1g}" if np.isfinite(errors).all() and errors else ""
+        seen = f"{self.left_out}{exact}; solutions nearer to each other than {self.step} are not seen"
         return [
             f"{several}{'; '.join(each)}: {self.file} under {control(self.stiffness)}",
-            f"  {self.values.size} values from {low} to {high} give {_forces(self.forces)}{seen}",
+            f"  {self.values.size} values from {low} to {high} give {forces}{seen}",
         ]
 
     def _words(self, value: float) -> str:
         return show(value, DIMENSIONS.get(self.unit, "number"), 6)
-
-    @property
-    def _exact(self) -> str:
-        """The largest relative error of the solutions, by that of the force, in words."""
-        errors = [math.nan if isinstance(root.error, Unknown) else root.error / abs(root.value) for root in self.roots]
-        return f"; numerical error {max(errors):.1g}" if np.isfinite(errors).all() and errors else ""
 
     @property
     def step(self) -> str:
@@ -105,11 +103,6 @@ class FoundValues(Result):
         if self.values[0] <= 0:
             return f"{self.values[1] - self.values[0]:.3g}"
         return f"a factor {self.values[1] / self.values[0]:.3g}"
-
-
-def _forces(forces: Array) -> str:
-    """The least and the largest of pull-off forces, in words."""
-    return " to ".join(show(float(end(forces)), "load", 4) for end in (np.nanmin, np.nanmax))
 
 
 @checked

@@ -250,17 +250,15 @@ class Samples(Result):
         lines = [f"{head}; geometric means at {100 * self.level:g} %{self._common}"]
         for sample in self.names:
             values = ", ".join(self._value(name, sample) for name in self.quantities if sample in self.spreads[name])
-            lines.append(f"  {sample:<{wide}}  {self._counts(sample)}: {values}")
+            believed = len(self.believed(sample))
+            of_all = f"{believed} of {believed + self.left_out(sample).total()}"
+            lines.append(f"  {sample:<{wide}}  {of_all}: {values}")
         for sample in self.names[1:]:
             parts = [f"{SYMBOLS.get(name, name)} x {one.ratio:.2f} ({one.interval[0]:.2f} to {one.interval[1]:.2f})"
                      for name, each in self.differences.items() for one in each
                      if (one.sample, one.against) == (sample, self.names[0])]  # fmt: skip
             lines += [f"  {sample} over {self.names[0]}: {', '.join(parts)}"] * bool(parts)
         return lines
-
-    def _counts(self, sample: str) -> str:
-        fitted = len(self.believed(sample))
-        return f"{fitted} of {fitted + self.left_out(sample).total()}"
 
     @property
     def _common(self) -> str:

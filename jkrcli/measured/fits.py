@@ -297,7 +297,11 @@ def fit_curves(
     remarks, places = [*batch.notes, *friction_words], ", ".join(filter(None, dict.fromkeys(batch.places)))
     own = [RADIUS] * (len(asked.tip_radius) > 1) + constants_apart(curves, names)
     result = Fits(outcomes, request.body_words, remarks, [*names, *unread_names], own)
-    count, more_files = _write(request, result, reasons, pictures, left, _calibration(curves), places)
+    # How many curves were converted with which stiffness and sensitivity, in sentences
+    flags = Counter(flag for one in curves for flag in one.flags if CALIBRATED_BY.search(flag))
+    calibration = [f"{flag[:1].upper()}{flag[1:]} ({counted(times, 'curve')})."
+                   for flag, times in flags.most_common(SHOWN)]  # fmt: skip
+    count, more_files = _write(request, result, reasons, pictures, left, calibration, places)
     for line in [*(f"skipped: {line}" for line in some(reasons)), *left]:
         warn(line)
     drawn = f", {counted(count, 'picture')}" if count else ""
@@ -384,7 +388,10 @@ def _write(
     beside_it |= {of_curves[".html"]: "a page to click through all curves"} if several else {}
     beside_it |= {one[".png"]: words for words, _, one in of_maps}
     if request.report is not None:
-        of_inputs = [*calibration, *_tips(request), *map(_uncertain, request.options.uncertain)]
+        pairs = zip(request.measured, request.options.tip_radius, strict=False)
+        radii = [f"{path.name} {show(radius, 'length')}" for path, radius in pairs]  # of each file or folder
+        of_inputs = [*calibration, *[f"Tip radius: {', '.join(radii)}."] * (len(radii) > 1)]
+        of_inputs += [f"Standard uncertainty of {name}: {size}." for name, size in request.options.uncertain]
         _report(request, result, figures, beside_it, of_inputs)
     if not result.fits:
         raise InputError(some(reasons))
@@ -399,23 +406,6 @@ def _map_figure(scan: Any, outcomes: Sequence[Outcome]) -> Any:
     from .figures import curves_figure, map_figure
 
     return curves_figure(outcomes) if scan is None else map_figure(scan)
-
-
-def _uncertain(pair: tuple[str, Any]) -> str:
-    return f"Standard uncertainty of {pair[0]}: {pair[1]}."
-
-
-def _tips(request: FitRequest) -> list[str]:
-    """The radius of the tip of each file or folder, where they have their own, in a sentence."""
-    pairs = zip(request.measured, request.options.tip_radius, strict=False)
-    each = [f"{path.name} {show(radius, 'length')}" for path, radius in pairs]
-    return [f"Tip radius: {', '.join(each)}."] * (len(each) > 1)
-
-
-def _calibration(curves: Sequence[Curve]) -> list[str]:
-    """How many curves were converted with which stiffness and sensitivity, in sentences."""
-    flags = Counter(flag for one in curves for flag in one.flags if CALIBRATED_BY.search(flag))
-    return [f"{flag[:1].upper()}{flag[1:]} ({counted(count, 'curve')})." for flag, count in flags.most_common(SHOWN)]
 
 
 def _report(

@@ -575,7 +575,12 @@ class Intervals:
             return replace(estimate, error=float(np.std(values, ddof=1)), low=low, high=high)
         if not self.profiled:
             return self.with_limit(estimate) if item.kind == "root" and estimate.low == 0 else estimate
-        return self._shared(item, estimate, before) if item.follows else self._with_profile(item, estimate)
+        if item.follows:
+            return self._shared(item, estimate, before)
+        low, high = self.end(item, -self.t), self.end(item, self.t)
+        if item.kind in LIMITED and (low is None or low <= 0):
+            low, high = 0.0, self.end(item, ONE_SIDED * self.t)
+        return replace(estimate, low=low, high=high)
 
     @cached_property
     def errors(self) -> Mapping[str, float | None]:
@@ -592,12 +597,6 @@ class Intervals:
         item = next(one for one in self.quantities if one.name == estimate.name)
         high = max(self.end(item, ONE_SIDED * self.t) or 0.0, estimate.high or 0.0)
         return replace(estimate, error=max(high / (2 * self.t), estimate.error or 0.0), high=high)
-
-    def _with_profile(self, item: Parameter, estimate: FittedValue) -> FittedValue:
-        low, high = self.end(item, -self.t), self.end(item, self.t)
-        if item.kind in LIMITED and (low is None or low <= 0):
-            low, high = 0.0, self.end(item, ONE_SIDED * self.t)
-        return replace(estimate, low=low, high=high)
 
     def _shared(self, item: Parameter, estimate: FittedValue, before: Sequence[FittedValue]) -> FittedValue:
         """The estimate of the log of a quantity with the profile of one that it follows from alone."""

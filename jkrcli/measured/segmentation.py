@@ -987,21 +987,19 @@ def _on_base_lines(P: Array, touched: Sequence[Direction]) -> Iterator[tuple[str
         if not item.begins_free:
             end = "begins" if name == APPROACH else "ends"
             yield "no base line", f"the {name} {end} in contact, or has no straight part"
-        elif waviness > RECORD_WAVY * span and _is_slow(
-            P[item.segment.rows][:: 1 if name == APPROACH else -1], item.base
-        ):
-            sentence = (
-                f"the base line of the {name} is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
-                "the range of the load: more than one wave of interference, or drift"
-            )
-            yield "wavy base line", sentence
-
-
-def _is_slow(P: Array, base: BaseLine) -> bool:
-    """Whether what a line leaves of the loads ``P`` from their free end on is slow, and no noise from row to row."""
-    rows = np.arange(base.rows)
-    off = P[: base.rows] - np.polyval(np.polyfit(rows, P[: base.rows], 1), rows)
-    return float(off[1:] @ off[:-1]) > float(off @ off) / 2
+        elif waviness > RECORD_WAVY * span:
+            # What a line leaves of the loads from their free end on is slow, and no noise from row to row
+            rows = np.arange(item.base.rows)
+            free = P[item.segment.rows][:: 1 if name == APPROACH else -1][: rows.size]
+            off = free - np.polyval(np.polyfit(rows, free, 1), rows)
+            if float(off[1:] @ off[:-1]) > float(off @ off) / 2:
+                yield (
+                    "wavy base line",
+                    (
+                        f"the base line of the {name} is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
+                        "the range of the load: more than one wave of interference, or drift"
+                    ),
+                )
 
 
 def _permanent_set(z: Array, P: Array, directions: Sequence[Direction]) -> tuple[tuple[str, str], ...]:
@@ -1064,18 +1062,14 @@ def _on_signs(device: Array, P: Array, directions: Sequence[Direction]) -> Itera
         elif len(directions) == 1 and presses_outward(z, load):
             sentence = "the load rises while the displacement falls; indentation must be positive (--flip delta)"
             yield "wrong way", sentence
-        elif _pulls_deepest(z, load, item):
+        elif (
+            isinstance(item.touch, float) and isinstance(item.adhesion, float) and item.based
+            and z.max() - RECORD_SMALL * float(np.ptp(z)) < item.adhesion_at >= z[np.argmax(load)]
+        ):  # fmt: skip
+            # Tension is largest where it presses deepest, and compression is not, as where tension counts as positive;
+            # a gel that relaxes after the turn has both there
             sentence = f"the load of the {name} is least where the instrument presses deepest"
             yield "wrong sign", f"{sentence}: is compression negative (--flip P)?"
-
-
-def _pulls_deepest(z: Array, P: Array, item: Direction) -> bool:
-    """Whether tension is largest where it presses deepest, and compression is not, as where tension counts as
-    positive; a gel that relaxes after the turn has both there."""
-    if not (isinstance(item.touch, float) and isinstance(item.adhesion, float)):
-        return False
-    deepest = item.adhesion_at > z.max() - RECORD_SMALL * float(np.ptp(z))
-    return bool(deepest and z[np.argmax(P)] <= item.adhesion_at and item.based)
 
 
 # --------------------------------------------------------------------------------------------------

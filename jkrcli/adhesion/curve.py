@@ -181,6 +181,7 @@ class Nonadhesive:
     further: Nonadhesive | None = None
     together: bool = True
     reference: Nonadhesive | None = None
+    _thinned: dict[int, Nonadhesive] = field(default_factory=dict, init=False)  # known by now
 
     def __post_init__(self) -> None:
         bad = ~((self.slopes.dS > 0) & (self.slopes.S > 0))
@@ -325,11 +326,6 @@ class Nonadhesive:
             rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], self.bends]))
             self._thinned[first] = self.at_rows(rows)
         return self._thinned[first]
-
-    @cached_property
-    def _thinned(self) -> dict[int, Nonadhesive]:
-        """The functions of fewer points that are known by now, by the first that is left out or kept."""
-        return {}
 
     @cached_property
     def apart(self) -> Nonadhesive:

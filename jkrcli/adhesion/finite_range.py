@@ -88,6 +88,7 @@ class AttractedBody:
     problem: Problem
     tolerance: float = ATTRACTED_TOLERANCE
     kept: KeptKernel | None = None
+    _made: dict[str, tuple[float, Any]] = field(default_factory=dict, init=False)
 
     @cached_property
     def _wide(self) -> LayeredContact:
@@ -117,10 +118,6 @@ class AttractedBody:
     def scale(self) -> float:
         """The length over which the kernel varies [m]."""
         return self._wide.scale
-
-    @cached_property
-    def _made(self) -> dict[str, tuple[float, Any]]:
-        return {}
 
     def _latest(self, name: str, reach: float, make: Callable[[], Any]) -> Any:
         """The result of ``make`` for this ``reach``, kept while the reach is the same."""

@@ -7,7 +7,7 @@ import re
 import struct
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -604,6 +604,7 @@ class _Exported:
     file: Any
     members: hdf5.Members
     enum: int
+    _raw_data: dict[str, Array] = field(default_factory=dict, init=False)
 
     @cached_property
     def group(self) -> Any:
@@ -612,10 +613,6 @@ class _Exported:
     @cached_property
     def columns(self) -> list[str]:
         return hdf5.names_of(self.group)
-
-    @cached_property
-    def _raw_data(self) -> dict[str, Array]:
-        return {}
 
     @cached_property
     def _metadata(self) -> Mapping[str, Any]:

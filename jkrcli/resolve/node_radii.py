@@ -253,12 +253,11 @@ def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
 @dataclass(frozen=True)
 class Found:
     """``ahead``: by how much the edge runs ahead; ``stretch``: log of displacements of the body's solution over those
-    of the series at equal radii, with its standard error; ``fit``: the mean of the log likelihood of the rows, 0 where
-    all lie between a node and the next."""
+    of the series at equal radii; ``fit``: the mean of the log likelihood of the rows, 0 where all lie between a node
+    and the next."""
 
     ahead: Ahead
     stretch: float
-    stretch_error: float
     fit: float
 
 
@@ -301,7 +300,7 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
     normal = columns @ columns.T + np.diag([0.0, AHEAD_RADIUS**-2])
     of_scatter = math.sqrt(float(np.linalg.inv(normal)[0] @ (columns @ columns.T) @ np.linalg.inv(normal)[0]))
     left = math.hypot(HALF_WIDTH * math.sqrt(max(sd_c**2 - of_scatter**2, 0.0)), AHEAD_LEAST)
-    return Found(Ahead(mean_c, error, "body", left), offset + mean_s, sd_s, float(logs.max()) / z.size)
+    return Found(Ahead(mean_c, error, "body", left), offset + mean_s, float(logs.max()) / z.size)
 
 
 def by_tip(nodes: NodeRadii, indenter: Indenter) -> Ahead:

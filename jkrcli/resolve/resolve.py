@@ -299,11 +299,11 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
     return Comparison(load, pull_off, distance, parabola, exact)
 
 
-def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> AdhesiveCurve | None:
+def exact_curve(problem: Problem, w: float, a_max: float) -> AdhesiveCurve | None:
     """The closed-form adhesive curve of the indenter on a half-space up to ``a_max`` [m]."""
     indenter, E_star, a0 = problem.indenter, problem.E_star, problem.indenter.a0
     top = min(a_max, indenter.r_max * (1 - ROUNDED))
-    a = a0 + (top - a0) * np.linspace(0, 1, points + 1)[1:] ** 2
+    a = a0 + (top - a0) * np.linspace(0, 1, 401)[1:] ** 2
     if a0:
         v = np.sqrt((a[0] - a0) * (a[0] + a0))
         rim = np.hypot(a0, np.geomspace(min(DISTANCE_RIM * a0, v / 2), v, DISTANCE_COARSE)[:-1])

@@ -156,10 +156,7 @@ class KernelLevels:
     count: int
     factor: float
     wide: Region | None = None
-
-    @cached_property
-    def _corrections(self) -> dict[tuple[int, bool], Correction]:
-        return {}
+    _corrections: dict[tuple[int, bool], Correction] = field(default_factory=dict, init=False)
 
     def correction(self, degree: int, nearer: bool = False) -> Correction:
         """The correction with elements of ``degree``; ``nearer``: after the second cut of an unbounded body."""

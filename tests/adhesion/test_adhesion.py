@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from stated_errors import in_units
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import Slopes, slopes
@@ -162,10 +163,7 @@ def test_no_adhesion_returns_the_nonadhesive_series_exactly() -> None:
 def test_change_of_units(length: float, force: float) -> None:
     series = half_space(30)
     stiff = force / length
-    scaled = Series(
-        series.a * length, series.delta * length, series.P * force, series.S * stiff, series.dS * stiff / length
-    )
-    plain, other = curve(series), curve(scaled, W * stiff)
+    plain, other = curve(series), curve(in_units(series, length, force), W * stiff)
     for stiffness in (0.0, 1e4, math.inf):
         here, there = plain.pull_off(stiffness), other.pull_off(stiffness * stiff)
         assert there.a == pytest.approx(here.a * length, rel=1e-10)

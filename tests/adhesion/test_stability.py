@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
+from stated_errors import in_units
 
 from jkrcli.adhesion.curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, control, position, transform
 from jkrcli.adhesion.device_path import (
@@ -402,10 +403,7 @@ def test_no_adhesion() -> None:
 @pytest.mark.parametrize("w", [None, 1.8e-4])
 def test_change_of_units(w: float | None, length: float, force: float) -> None:
     plain = classical() if w is None else stiff_coating(w)
-    stiff, series = force / length, plain.series
-    scaled = Series(
-        series.a * length, series.delta * length, series.P * force, series.S * stiff, series.dS * stiff / length
-    )
+    stiff, scaled = force / length, in_units(plain.series, length, force)
     other = curve(scaled, plain.w * stiff)
     for stiffness in (0.0, 30.0 if w else 3e4, RIGID):
         here, there = stability_under(plain, stiffness), stability_under(other, stiffness * stiff)

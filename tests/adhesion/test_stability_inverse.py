@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stated_errors import in_units
 
 from jkrcli.adhesion.curve import Nonadhesive, transform
 from jkrcli.adhesion.from_rest import work_from_pull_off
@@ -88,9 +89,8 @@ def test_forward_and_inverse_are_a_pair(log_w: float, stiffness: float) -> None:
 def test_change_of_units(stiffness: float) -> None:
     length, force = 1e6, 1e-3
     stiff, plain = force / length, gel()
-    scaled = Series(plain.a * length, plain.delta * length, plain.P * force, plain.S * stiff, plain.dS * stiff / length)
     here = found(plain, 1e-7, stiffness, 1e-3)
-    there = found(scaled, 1e-7 * force, stiffness * stiff, 1e-3 * length)
+    there = found(in_units(plain, length, force), 1e-7 * force, stiffness * stiff, 1e-3 * length)
     assert there.w == pytest.approx(here.w * stiff, rel=1e-8)
     assert there.half_space == pytest.approx(here.half_space * stiff, rel=1e-13)
 

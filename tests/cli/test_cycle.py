@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import CASES
+from stated_errors import in_units
 
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.device_path import UNBOUNDED, Cycle, cycle, trace, turning_radius
@@ -246,8 +247,7 @@ def test_change_of_units(length: float, force: float) -> None:
     stiff = force / length
 
     def scaled(curve: AdhesiveCurve) -> AdhesiveCurve:
-        s = curve.series
-        series = Series(s.a * length, s.delta * length, s.P * force, s.S * stiff, s.dS * stiff / length)
+        series = in_units(curve.series, length, force)
         return transform(series, slopes(series), curve.w * stiff)
 
     low, high = half_space(20.0), half_space(50.0)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stated_errors import in_units
 from widths import assert_neither_doubled_nor_halved, mean_squares
 
 from jkrcli.adhesion.curve import Nonadhesive, transform
@@ -17,7 +18,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, runs, work_along
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.series import RawSeries, Series
+from jkrcli.series import RawSeries
 
 R, H = 1e-3, 50e-6
 W = 0.08
@@ -105,8 +106,7 @@ def test_units_do_not_matter() -> None:
     """Lengths times l, forces times f: w scales with f/l, round-off apart."""
     length, force = 3.7e3, 2.9e-5
     held = body("coating")
-    s, d = held.series, held.slopes
-    scaled = Series(s.a * length, s.delta * length, s.P * force, s.S * force / length, s.dS * force / length**2)
+    d, scaled = held.slopes, in_units(held.series, length, force)
     c = synthetic("coating")
     curve = Curve("c", a=c.a * length, delta=c.delta * length, P=c.P * force)
     for use in PAIRS:

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stated_errors import assert_pull_off_within
 
-from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.models import load_case
@@ -137,13 +137,7 @@ def test_pull_off_of_a_mesh_by_a_table() -> None:
         analyse(method(Problem(indenter, body, Loading("radius", 9e-6, 40))), [0.05])[0]
         for method, indenter in ((FEM(), table), (Layered(), sphere))
     )
-    for control, point in found.pull_off.items():
-        truth, stated = exact.pull_off[control], found.pull_off_errors[control]
-        assert not isinstance(point, Unknown)
-        assert not isinstance(truth, Unknown)
-        for name in ("P", "delta"):
-            assert abs(getattr(point, name) - getattr(truth, name)) <= stated[name]
-            assert stated[name] < 0.05 * abs(getattr(truth, name))
+    assert_pull_off_within(found, exact, 0.05)
 
 
 @pytest.mark.slow
@@ -153,10 +147,4 @@ def test_a_flat_end_says_how_far_scatter_leaves_its_pull_off() -> None:
     body = Specimen(layers, HalfSpace(Elastic(15334.2, 0.5)))
     problem = Problem(RoundedFlat(1.08953e-9, 2.17907e-7), body, Loading("radius", 2.17907e-9, 100))
     found, exact = (analyse(method(problem), [9.5952e-11])[0] for method in (FEM(), Layered()))
-    for control, point in found.pull_off.items():
-        truth, stated = exact.pull_off[control], found.pull_off_errors[control]
-        assert not isinstance(point, Unknown)
-        assert not isinstance(truth, Unknown)
-        for name in ("P", "delta"):
-            assert abs(getattr(point, name) - getattr(truth, name)) <= stated[name]
-            assert stated[name] < 0.05 * abs(getattr(truth, name))
+    assert_pull_off_within(found, exact, 0.05)

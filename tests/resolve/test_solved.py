@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stated_errors import assert_pull_off_within
 
-from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint
+from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Spacing, Specimen
 from jkrcli.case.models import load_case
@@ -189,14 +190,7 @@ def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: Met
         analyse(one(Problem(indenter, body, Loading("radius", 9e-6, points))), [0.05])[0]
         for one, indenter, points in ((method, table, count), (Layered(), sphere, 60))
     )
-    for control, point in result.pull_off.items():
-        exact, stated = true.pull_off[control], result.pull_off_errors[control]
-        assert isinstance(point, CriticalPoint)
-        assert isinstance(exact, CriticalPoint)
-        for quantity in ("P", "delta"):
-            error = abs(getattr(point, quantity) - getattr(exact, quantity))
-            assert error <= stated[quantity] < 2e-3 * abs(getattr(exact, quantity))
-            assert stated[quantity] < 20 * error  # measured: 5.2 to 15
+    assert_pull_off_within(result, true, 2e-3, 20)  # measured: 5.2 to 15
 
 
 @pytest.mark.parametrize("method", [Layered(), Hybrid()])
@@ -210,13 +204,7 @@ def test_a_table_of_three_points_says_how_little_they_tell(method: Method) -> No
         analyse(one(Problem(indenter, Specimen(layers, Rigid()), loading)), [15880.7])[0]
         for one, indenter in ((method, table), (Layered(), shape))
     )
-    for control, point in result.pull_off.items():
-        exact, stated = true.pull_off[control], result.pull_off_errors[control]
-        assert isinstance(point, CriticalPoint)
-        assert isinstance(exact, CriticalPoint)
-        for quantity in ("P", "delta"):
-            error = abs(getattr(point, quantity) - getattr(exact, quantity))
-            assert error <= stated[quantity] < 0.5 * abs(getattr(exact, quantity))
+    assert_pull_off_within(result, true, 0.5)
 
 
 @pytest.mark.slow
@@ -240,8 +228,6 @@ def test_points_are_solved_where_that_takes_seconds(
     true = analyse(Layered()(problem), [w])[0]
     for control, point in result.pull_off.items():
         exact, stated = true.pull_off[control], result.pull_off_errors[control]
-        assert isinstance(point, CriticalPoint)
-        assert isinstance(exact, CriticalPoint)
         assert is_refined(result.curve, point)
         held, other = ("P", "delta") if control == "load" else ("delta", "P")
         errors = {name: abs(getattr(point, name) - getattr(exact, name)) for name in stated}

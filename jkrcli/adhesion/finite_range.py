@@ -246,9 +246,9 @@ def _met(
         with contextlib.suppress(Refusal):
             return replace(cylinder, tolerance=tolerance).accurate(reach)[:2]
     raise Refusal(
-        f"adhesion of finite range: the kernel of the cylinder is not known to {TOLERANCES[-1]:g} up to "
-        f"{show(reach, 'length')}, about as far as the surfaces attract each other: load less, or give a larger stress "
-        "(a shorter range)"
+        f"adhesion of finite range: the error of the cylinder's Green's function exceeds {TOLERANCES[-1]:g} within "
+        f"{show(reach, 'length')}, the radius of the cohesive zone: reduce the load, or give a larger stress (a "
+        "shorter range)"
     )
 
 
@@ -630,9 +630,9 @@ class FiniteRangeCurve(EquilibriumCurve):
         if end == "smallest" and not self.complete:
             if lowest.a > 0:
                 return (
-                    f"the {quantity} is lowest where the curve begins, at a = {show(lowest.a, 'length')}: below, "
-                    "several radii to which the surfaces attract each other belong to one contact, which are not "
-                    "followed; take load control or a softer instrument, or another stress or range"
+                    f"the {quantity} is lowest where the curve begins, at a = {show(lowest.a, 'length')}: below "
+                    "this radius the cohesive-zone solution is not unique and is not computed; take load control or a "
+                    "softer instrument, or another stress or range"
                 )
             first = float(self.touching.P[0]), float(self.touching.delta[0])
             shrunk = f"contact is lost without a jump: its radius falls to zero at {_where(*first)}"
@@ -653,7 +653,7 @@ class FiniteRangeCurve(EquilibriumCurve):
                     else None
                 )
             if (last := released) is None:
-                return f"{shrunk}, below which the states are not followed; give another stress or range"
+                return f"{shrunk}; states below are not computed: give another stress or range"
             return (
                 f"{shrunk}; attraction without contact ends at {_where(last.P, last.delta)} (renewed contact in "
                 "between is not computed)"
@@ -796,8 +796,8 @@ class FiniteRangeBody:
             begin = curve.point(float(curve.places[0]))
             where = f"c = {show(begin.place, 'length')}" if begin.a == 0 else f"a = {show(begin.a, 'length')}"
             doubts.append(
-                f"finite range: below {where} several radii to which the surfaces attract each other belong to one "
-                "contact: they leap together, and the curve begins there"
+                f"finite range: below {where} the cohesive-zone solution is not unique and is not computed: the curve "
+                "begins there"
             )
         # What speaks against some of the states: the first one found, with the contact radius
         for n in np.unique(np.linspace(0, rims.a.size - 1, FINITE_RANGE_LOOKED_AT).astype(int)):

@@ -117,9 +117,9 @@ class Validity:
         if isinstance(self.strained, Unknown) or isinstance(self.sphere, Unknown):
             strains = "small-strain theory becomes inaccurate"
         else:
-            better = f', with indenter.shape = "sphere" {self.sphere:.1%}'
+            better = f'; with indenter.shape = "sphere" by {self.sphere:.1%}'
             strains = (
-                f"small strains make P about {self.strained:.1%} too large at this depth (of rubber, neo-Hookean)"
+                f"linear elasticity overestimates P by about {self.strained:.1%} at this depth (neo-Hookean)"
                 f"{better if self.sphere < self.strained else ''}"
             )
         return [

@@ -204,7 +204,7 @@ def _by_flags(
     flags: inputs.Flags, works: Sequence[float], force: float | None, stiffnesses: Sequence[float],
     how: options.CurveOptions, roughness: Roughness | None,
 ) -> Solution:  # fmt: skip
-    """The body by flags, solved as far as the question needs; no file is written."""
+    """The specimen from options, solved as far as the question needs; no file is written."""
     from ..adhesion.roughness import works_on
     from ..resolve.histories import solved_for, solved_for_force
 

@@ -20,7 +20,7 @@ from ..tables import SEPARATORS
 from . import options
 from .options import as_one, begin
 from .options import flag as option
-from .printing import announce, command_line, note, warn
+from .printing import announce, command_line, detail, note, warn
 
 if TYPE_CHECKING:
     from ..adhesion.finite_range import RangeRequest
@@ -153,7 +153,7 @@ def series_file(path: Path) -> Path:
     check_series_target(target, False, [path])
     existing = _solved(target, case)
     if existing is not None:
-        note(f"{path}: {target} holds its solution already (method {existing.method})")
+        detail(f"{path}: solution read from {target} (method {existing.method})")
         if _adhesion(existing.record) != _adhesion(store.record_of(case)):
             loading = cast("Case", existing.record.case).model.loading  # of an import that of its table
             record = store.record_of(replace(case, model=case.model.model_copy(update={"loading": loading})))
@@ -190,7 +190,7 @@ def _solved(target: Path, case: Case) -> Solution | None:
     if there == wanted and (imported or solution.record.versions.get("jkr") == __version__):
         return solution
     if imported:
-        raise InputError(f"{target}: is an imported solution of another case: name it itself, or move it away")
+        raise InputError(f"{target}: an imported solution of another case: give {target} itself, or move it away")
     return None
 
 

@@ -69,9 +69,12 @@ def _of_model(fit: Fit, alternatives: TableAlternatives | None) -> Iterator[str]
     if isinstance(jkr, Unknown):
         yield f"no JKR curve resembles the data: {jkr}"
     elif jkr is not None and law is not None:
+        ratio = jkr.rms / jkr.rms_of_range
+        compared = (
+            f"{ratio:.4g} times worse" if ratio >= 1 else f"{1 / ratio:.4g} times better: this fit has not converged"
+        )
         misfit = (
-            f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, has "
-            f"{jkr.rms / jkr.rms_of_range:.4g} times the misfit"
+            f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, fits {compared}"
         )
         if law.free and fit.estimate(law.name).error is None:
             item = fit.estimate("range")

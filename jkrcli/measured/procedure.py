@@ -365,7 +365,9 @@ def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | No
     except SolveError as error:
         raise SolveError(f"{curve.where}: {error}") from None
     except (ArithmeticError, RuntimeWarning) as error:  # of one curve, which takes no others of a map with it
-        raise SolveError(f"{curve.where}: the numbers leave the range of arithmetic ({error})") from error
+        raise SolveError(
+            f"{curve.where}: arithmetic overflow ({error}): check the units of the columns, --radius and --E"
+        ) from error
 
 
 def _completed(fitted: Fit, body: FittedBody, curve: Curve) -> Flow[Fit]:

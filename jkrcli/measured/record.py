@@ -228,8 +228,8 @@ def _with_size(sizes: Mapping[str, float], remarks: list[str], scores: RecordAlt
     changes = [one.change(name) for one in scores.named for name in ("E_star", "w")]
     if not changes or is_misfit(sizes) or max(map(abs, changes)) > NO_CHANGE:
         return scores
-    names = " or ".join(f"{one.name} (E* {one.change('E_star'):+.2%})" for one in scores.named)
-    remarks.append(f"the residuals favour {names}: of no size")
+    names = ", ".join(f"{one.name} ({one.change('E_star'):+.2%})" for one in scores.named)
+    remarks.append(f"a negligible misfit would be removed by (change of E*): {names}")
     return scores.undecided()
 
 
@@ -282,9 +282,9 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
     """Flags with a sentence each; a quantity whose interval is wider than what alternatives may change it by tells so
     itself."""
     if alternatives.named:
-        names = " or ".join(f"{one.name} (E* {change_words(one.change('E_star'))})" for one in alternatives.named)
-        apart = ", not distinguishable by this test" if len(alternatives.named) > 1 else ""
-        yield REJECTED, f"the residuals favour {names}{apart}"
+        names = ", ".join(f"{one.name} ({change_words(one.change('E_star'))})" for one in alternatives.named)
+        each = "each of these" if len(alternatives.named) > 1 else "this"
+        yield REJECTED, f"{each} would remove the misfit (change of E*): {names}"
     if alternatives.named and (one := alternatives.named[0]).of_directions:
         amount = f"{one.amount:+.1%} ± {one.quantile * one.error:.1%} ({one.amount_is})"
         yield DIFFER, f"approach and retraction favour {one.name} {amount}"

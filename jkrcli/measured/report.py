@@ -484,9 +484,9 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     text = with_errors(estimate, parts, len(parts) > 1)
     if estimate.error is None:
         text += " (not determined by the data)"
-        if estimate.low is None and estimate.high is None:
-            return text
     low, high = estimate.low, estimate.high
+    if low is None and high is None:
+        return text
     lopsided = low is None or high is None or abs(high + low - 2 * estimate.value) > LOPSIDED * (high - low)
     if lopsided and not _is_spread(estimate, parts):
         ends = [None if end is None else show(end, dimension, 4) for end in (low, high)]

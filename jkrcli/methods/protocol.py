@@ -167,7 +167,8 @@ def check_cost(what: str, forecast: Forecast, limits: Limits, less: str = LESS) 
     if forecast.seconds <= SILENCE and forecast.memory_mib < LARGE:
         return None
     unknown = "; how much memory is free is not known" if math.isinf(most) and limits.memory is None else ""
-    return needs.replace("would need", "needs") + unknown * (forecast.memory_mib >= LARGE)
+    memory_too = f" and {size} of memory{unknown}" if forecast.memory_mib >= LARGE else ""
+    return f"{what} takes about {duration(forecast.seconds)} of CPU time{memory_too}"
 
 
 def _raised(value: float) -> str:

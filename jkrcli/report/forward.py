@@ -195,8 +195,6 @@ def _control(result: Analysis, behaviour: device_path.Stability, error: Errors |
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
     others = [other for other in behaviour.critical if other != point]
-    if not behaviour.critical and not isinstance(point, Unknown):
-        lines.append("    critical points     none in the solution")
     lines += [f"    other {other.kind:<14}{_point(other)}" for other in others]
     lines += [
         f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}"
@@ -204,10 +202,11 @@ def _control(result: Analysis, behaviour: device_path.Stability, error: Errors |
         if jump.end
     ]
     onset = ", delta = 0  " if behaviour.onset == 0 else ", attracted  "
-    lines += [
-        f"    jump-in{onset}{_point(behaviour.jump_in)}",
-        f"    energy lost         {tables.energy_words(behaviour.energy_lost, behaviour.energy_lost_error)}",
-    ]
+    lines.append(f"    jump-in{onset}{_point(behaviour.jump_in)}")
+    if behaviour.energy_lost != device_path.UNBOUNDED:
+        lines.append(
+            f"    energy lost         {tables.energy_words(behaviour.energy_lost, behaviour.energy_lost_error)}"
+        )
     if behaviour.separation != behaviour.energy_lost:
         separation = tables.energy_words(behaviour.separation, behaviour.separation_error)
         lines.append(f"    work of separation  {separation}")
@@ -377,7 +376,7 @@ class CycledByProgram(Result):
     def of(cls, curves: Sequence[Analysis], stiffness: float, program: Program, points: int = ROWS) -> CycledByProgram:
         """The path on the ``curves`` of approach and retraction under ``program``; a step would have no way."""
         if (steps := np.flatnonzero(np.diff(program.t) == 0)).size:
-            raise InputError(f"program: row {int(steps[0]) + 2} is a step: without --rate give it the time of a way")
+            raise InputError(f"program: row {int(steps[0]) + 2}: a jump needs a duration: a later time, or --rate")
         inwards, outwards = (result.curve for result in curves)
         traced = device_path.path(device_path.QuasiStatic(inwards, outwards, stiffness), program)
         if traced.out_of_series is not None:

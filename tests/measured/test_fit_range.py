@@ -138,7 +138,7 @@ def test_exact_readings_give_all_three_back(columns: tuple[str, ...]) -> None:
     for name in ("E_star", "w", "range"):
         assert found.value(name) == pytest.approx(truth(0.3)[name], rel=2e-4)  # measured: 4e-5
     assert found.jkr.rms > 100 * found.jkr.rms_of_range
-    assert any("the best JKR curve" in line and "times the misfit" in line for line in found.warnings)
+    assert any("the best JKR curve" in line and "times worse" in line for line in found.warnings)
 
 
 def test_a_fit_of_jkr_to_a_sharp_tip_says_what_to_do() -> None:

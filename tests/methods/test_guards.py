@@ -71,9 +71,9 @@ def test_refused_with_its_estimate(forecast: Forecast, limits: Limits, message: 
     ("seconds", "mib", "told"),
     [
         (1.0, 100.0, None),
-        (3.0, 100.0, "x needs about 0.0977 GiB of memory and 3 s of CPU time"),
-        (100.0, 100.0, "x needs about 0.0977 GiB of memory and 2 min of CPU time"),
-        (1.0, 4096.0, "x needs about 4 GiB of memory and 1 s of CPU time"),
+        (3.0, 100.0, "x takes about 3 s of CPU time"),
+        (100.0, 100.0, "x takes about 2 min of CPU time"),
+        (1.0, 4096.0, "x takes about 1 s of CPU time and 4 GiB of memory"),
     ],
 )
 def test_told_where_it_is_much(seconds: float, mib: float, told: str | None) -> None:

@@ -105,7 +105,7 @@ def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
         ((*RATE, "--speed", "1", "--dwell", "1"), "cycle: --dwell and --dwell-time go together"),
         ((*RATE, "--program", "x.csv", "--hold", "1"),
          "cycle: give either --hold or --program"),
-        (("--program", "step.csv"), "program: row 3 is a step: without --rate give it the time of a way"),
+        (("--program", "step.csv"), "program: row 3: a jump needs a duration: a later time, or --rate"),
         (("--program", "step.csv", "--to-load", "1"),
          "cycle: give either --to-load or --program"),
         ((*RATE, "--program", "bad.csv"), "program: time must not fall, got t = 1 s after 2 s in row 3"),

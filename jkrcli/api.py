@@ -60,6 +60,7 @@ from .bodies.problem import (
     Graded,
     GradedTransverselyIsotropic,
     HalfSpace,
+    KelvinVoigtSolid,
     Layer,
     Linear,
     Loading,
@@ -100,11 +101,12 @@ from .series import Solution
 
 __all__ = [
     "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "GradedTransverselyIsotropic",
-    "HalfSpace", "Hybrid", "InputError", "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading",
-    "Paraboloid", "Power", "PowerLaw", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Refusal",
-    "Rigid", "Roughness", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile",
-    "Tabulated", "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "load_case", "parse_case", "plot",
-    "profile", "pull_off", "read", "save", "solve", "summary", "table", "to_pandas", "transform",
+    "HalfSpace", "Hybrid", "InputError", "JkrError", "KelvinVoigtSolid", "Layer", "Layered", "Limits", "Linear",
+    "Loading", "Paraboloid", "Power", "PowerLaw", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid",
+    "Refusal", "Rigid", "Roughness", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid",
+    "TableProfile", "Tabulated", "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "load_case",
+    "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "summary", "table", "to_pandas",
+    "transform",
 ]  # fmt: skip
 if TYPE_CHECKING:
     from pandas import DataFrame

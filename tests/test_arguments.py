@@ -37,6 +37,7 @@ MADE: dict[str, dict[str, Any]] = {  # right fields of every public dataclass
     "LogRate": {"v0": 1e-6, "b": 1e-3}, "PowerRate": {"v0": 1e-6, "n": 0.5}, "Paraboloid": {"R": 1e-3},
     "Sphere": {"R": 1e-3}, "Power": {"top": 1e6, "length": 1e-6, "exponent": 0.5}, "PowerLaw": {"B": 1.0, "d": 2.0},
     "PowerRelaxation": {"time": 1.0, "exponent": 0.3}, "StandardSolid": {"ratio": 0.3, "time": 1.0},
+    "KelvinVoigtSolid": {"ratio": 0.3, "retardation": 1.0},
     "Prony": {"weights": (0.3,), "times": (1.0,)}, "Pyramid": {"B": 1.0, "d": 1.0},
     "Problem": {"indenter": TIP, "specimen": SPECIMEN, "loading": LOADING},
     "Program": {"t": (0.0, 1.0), "x": (0.0, 1e-6)}, "RoundedCone": {"R": 1e-6, "half_angle": 0.5},

@@ -153,7 +153,7 @@ def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -
         a = float(further.a[nearest])
         sides = np.clip(a * (1 + np.array([-1e-3, 0.0, 1e-3])), curve.a[0], curve.a[-1])
         rates = np.stack(curve.rates(sides))
-        below, above = np.diff(position(*rates, stiffness)) / np.diff(sides)
+        below, above = np.diff(position(rates[0], rates[1], stiffness)) / np.diff(sides)
         unsure = abs(above - below) / max(abs(above + below) / 2, TINY) * abs(point.a - a)
         return at_radius + moved + np.abs(rates[:, 1]) * unsure
     # where the search for a point that is solved has not settled on it, its last steps halve at best

@@ -603,6 +603,29 @@ class StandardSolid:
         return f"standard linear solid, ratio = {self.ratio:.4g}, time = {show(self.time, 'time')}"
 
 
+@relaxation_law("kelvin-voigt")
+@dataclass(frozen=True)
+class KelvinVoigtSolid:
+    """The standard linear solid by how it creeps, J E = 1 + (1/ratio - 1) (1 - exp(-t/retardation)): a spring of E
+    before a Kelvin-Voigt element of the ``retardation`` time; it relaxes within the ``ratio`` of that time."""
+
+    ratio: Annotated[float, Ranged("number", above=0, most=1)]
+    retardation: Time
+
+    def __post_init__(self) -> None:
+        read_fields(self, "relaxation", sought=True)
+
+    @property
+    def relaxed(self) -> float | None:
+        return self.ratio
+
+    def modes(self, lasting: float) -> Modes:
+        return StandardSolid(self.ratio, self.ratio * self.retardation).modes(lasting)
+
+    def __str__(self) -> str:
+        return f"Kelvin-Voigt form, ratio = {self.ratio:.4g}, retardation = {show(self.retardation, 'time')}"
+
+
 @relaxation_law("power")
 @dataclass(frozen=True)
 class PowerRelaxation:

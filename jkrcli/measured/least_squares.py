@@ -577,10 +577,10 @@ class Intervals:
             return self.with_limit(estimate) if item.kind == "root" and estimate.low == 0 else estimate
         if item.follows:
             return self._shared(item, estimate, before)
-        low, high = self.end(item, -self.t), self.end(item, self.t)
-        if item.kind in LIMITED and (low is None or low <= 0):
-            low, high = 0.0, self.end(item, ONE_SIDED * self.t)
-        return replace(estimate, low=low, high=high)
+        ends = self.end(item, -self.t), self.end(item, self.t)
+        if item.kind in LIMITED and (ends[0] is None or ends[0] <= 0):
+            ends = 0.0, self.end(item, ONE_SIDED * self.t)
+        return replace(estimate, low=ends[0], high=ends[1])
 
     @cached_property
     def errors(self) -> Mapping[str, float | None]:

@@ -389,7 +389,7 @@ def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> s
     digit of the whole error; a part that is smaller than that to its first."""
     if not parts or not all(0 < size < math.inf for size in parts.values()):
         return show(item.value, item.dimension, 4)
-    if _is_spread(item, parts):
+    if _is_spread(item):
         return " to ".join(show(end or 0.0, item.dimension, 2) for end in (item.low, item.high))
     factor, unit = scale(max(abs(item.value), *parts.values()), item.dimension)
     places = max(1 - math.floor(math.log10(math.hypot(*parts.values()) / factor)), 0)
@@ -398,9 +398,10 @@ def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> s
     return " ".join([f"{round(item.value / factor, places) + 0.0:.{places}f}", *errors, unit]).strip()
 
 
-def _is_spread(item: FittedValue, parts: Mapping[str, float]) -> bool:
-    """Whether a value that cannot be negative has errors beyond itself: it is known by its interval alone."""
-    return 0 < (item.low or 0.0) <= (item.high or 0.0) and max(parts.values(), default=0.0) > item.value
+def _is_spread(item: FittedValue) -> bool:
+    """Whether a value that cannot be negative has an interval wider than twice itself: nothing else tells it."""
+    low, high = item.low or 0.0, item.high or 0.0
+    return low > 0 and high - low > 2 * item.value
 
 
 def _parts(item: FittedValue, level: float) -> dict[str, float]:
@@ -488,7 +489,7 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     if low is None and high is None:
         return text
     lopsided = low is None or high is None or abs(high + low - 2 * estimate.value) > LOPSIDED * (high - low)
-    if lopsided and not _is_spread(estimate, parts):
+    if lopsided and not _is_spread(estimate):
         ends = [None if end is None else show(end, dimension, 4) for end in (low, high)]
         text += f", {100 * level:g} %: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
     least = NOTICEABLE * (estimate.error or 0.0)

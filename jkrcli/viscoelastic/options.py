@@ -35,7 +35,7 @@ over_time = options.several(
                  help="w depends on the speed of the contact line: w0 and the law's v0, n (or v0, b) are free too, all "
                  "force curves are fitted together; needs t, delta, P. With --relaxation whole force curves of a "
                  "viscoelastic specimen."),
-    click.option("--relaxation", type=Names("sls", "power", "prony", of="bodies.problem:RELAXATIONS"),
+    click.option("--relaxation", type=Names("sls", "kelvin-voigt", "power", "prony", of="bodies.problem:RELAXATIONS"),
                  help="Viscoelastic specimen: modulus, law and contact point from t, delta, P of indentation, dwell "
                  "and retraction; with --free w of whole force curves that adhere."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),

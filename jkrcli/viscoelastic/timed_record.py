@@ -309,6 +309,7 @@ def relaxation_settings(
     fixed, 1 s by default. With a law of w over speed, ``rate``, w is free too. Several records have in common what is
     ``shared``, all but zeros by default, but for what is each's ``own``. ``E_star`` of the body [Pa]."""
     check_law(law, RELAXATIONS)
+    law = "sls" if law == "kelvin-voigt" else law  # the same solid; both forms are told
     asked_for = RelaxationSettings(law, (), rate=rate, **options)
     of_law = _of_law(law, asked_for.terms) | ({"onset": TIME} if law == "power" else {})
     named = Nameable("--relaxation", MODULUS | of_law | ADHESION | asked_for.of_rate | ZEROS, E_star,

@@ -93,6 +93,8 @@ def test_a_value_whose_error_is_beyond_it_has_its_interval_alone() -> None:
     item = FittedValue("stress", 0.9e6, True, "modulus", error=24e6, low=31e3, high=47.3e6)
     assert with_errors(item, {"statistical": 47e6}, named=False) == "31 kPa to 47 MPa"
     assert estimate_words(item, 0.95) == "31 kPa to 47 MPa"
+    beside = FittedValue("E_star", 131e3, True, "modulus", error=200.0, low=130.6e3, high=131.4e3)
+    assert with_errors(beside, {"statistical": 400.0, "model": 140e3}, named=False) == "131 ± 0.4 ± 140 kPa"
 
 
 @pytest.mark.parametrize(

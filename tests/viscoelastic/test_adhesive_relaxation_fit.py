@@ -135,6 +135,15 @@ def test_a_solid_that_keeps_all_of_its_modulus_is_elastic(body: FittedBody, stre
     assert len(one.rows) > 50
 
 
+def test_a_kelvin_voigt_element_creeps_within_its_retardation_time() -> None:
+    """J = 1 + (1/ratio - 1)(1 - exp(-t/retardation)) over that at t = 0; the element alone is E_0 ratio/(1 - ratio)."""
+    modes = jkr.KelvinVoigtSolid(ratio=0.4, retardation=5.0).modes(1.0)
+    rest, weights, rates = creep(modes)
+    assert (rest, *weights, *rates) == pytest.approx((2.5, 1.5, 0.2))
+    assert (modes.relaxed, *modes.rates) == pytest.approx((0.4, 0.5))
+    assert relaxation_settings("kelvin-voigt", free=["w"]) == relaxation_settings("sls", free=["w"])
+
+
 def test_cracks_pass_at_both_ends_of_speeds() -> None:
     """Nothing of exp(-q t) is gone of a zone that passes at once, all of a slow one; between both the opening is by
     quadrature of (2/y) int D."""

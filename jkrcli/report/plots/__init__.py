@@ -213,10 +213,10 @@ def legend_below(figure: Figure, axes: Iterable[Axes], ncols: int) -> None:
             figure.subplots_adjust(bottom=min(room / figure.get_figheight(), 0.7))
 
 
-def log_ends(values: Array) -> tuple[float, float]:
-    """Ends of a logarithmic axis around ``values`` > 0, at least a factor of 3 apart."""
+def log_ends(values: Array, least: float = 3.0, margin: float = 1.1) -> tuple[float, float]:
+    """Ends of a logarithmic axis around ``values`` > 0, at least a factor of ``least`` apart."""
     low, high = float(np.min(values)), float(np.max(values))
-    margin = max(1.1, (3.0 * low / high) ** 0.5)
+    margin = max(margin, (least * low / high) ** 0.5)
     return low / margin, high * margin
 
 

@@ -306,6 +306,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "cycle: the contact edge cannot be followed beyond t = {}: a jump there would ",
     "gain energy; give a smaller --stress",
     "cycle: the attraction of the surfaces extends without limit",
+    "roughness: ",  # and tests of roughness
 )
 
 

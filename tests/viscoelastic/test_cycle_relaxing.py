@@ -226,7 +226,7 @@ def test_a_power_law_has_no_limits(jkr: Callable, tmp_path: Path) -> None:
 
 
 WRONG = {
-    "law": ("sls", "sld", 'law must be one of sls, power, prony, got sld, did you mean "sls"?'),
+    "law": ("sls", "sld", 'law must be one of sls, kelvin-voigt, power, prony, got sld, did you mean "sls"?'),
     "ratio": ("0.25", "1.5", "specimen.relaxation.ratio: must be >= 0 and <= 1, got 1.5"),
     "time": ("time = 1.0", 'time = "1 um"', 'specimen.relaxation.time: must be a time, got "1 um": unknown unit "um"'),
     "missing": ("ratio = 0.25, ", "", "specimen.relaxation.ratio: is required"),

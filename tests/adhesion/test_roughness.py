@@ -254,16 +254,6 @@ def test_verbs_carry_it(jkr: Any, tmp_path: Path) -> None:
     assert any("longest wave 20 um is longer than the contact is wide" in text for text in analysed.warnings)
 
 
-def test_map_of_w_over_rms_and_modulus() -> None:
-    columns = python.study_map("roughness", rms=["5 nm", "50 nm", "1 um"], modulus="1 MPa", w="5 mJ/m^2").columns
-    U = python.Roughness(longest=20e-6, **WAVES).on(problem(h=1e-6)).energy
-    half, layer = columns["elastic_energy_J_per_m2"].reshape(2, 3)
-    assert layer[:2] == pytest.approx([U / 100, U], rel=1e-9)
-    assert half[1] == pytest.approx(0.6908354e-3, rel=1e-6)
-    assert columns["w_J_per_m2"][:2] == pytest.approx(5e-3 - half[:2], rel=1e-12)
-    assert columns["reason"][[2, 4]].tolist() == ["rms slope above 1", "U > w: no adhesion by conformal contact"]
-
-
 def test_a_long_noisy_spectrum_of_profiles_is_averaged(tmp_path: Path) -> None:
     """Of 2,000 waves with the scatter of one periodogram, exponential; the energy lies within its stated error."""
     q = np.linspace(1, 2000, 2000) * 2 * math.pi / 20e-6

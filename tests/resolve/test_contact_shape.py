@@ -47,7 +47,7 @@ def test_the_least_energy_over_all_ellipses(ratio: float, exact: float, hertz: f
     """-P/(pi w sqrt(R1 R2)) under load control, every digit; at ratio 1 JKR's."""
     assert round(ellipses.pull_off(ratio)[0], 4) == exact
     assert round(ellipses.restricted(ratio)[0], 4) == hertz
-    assert ellipses.pull_off(1.0) == pytest.approx((1.5, 5 / 6), rel=1e-8)
+    assert ellipses.pull_off(1.0) == pytest.approx((1.5, 5 / 6), rel=1e-7)  # a minimum is found to the root of rounding
     assert ellipses.pull_off(ratio, w=1e-3) == pytest.approx(ellipses.pull_off(ratio), rel=1e-7)
 
 

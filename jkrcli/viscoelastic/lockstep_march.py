@@ -158,6 +158,8 @@ class Marched:
     def load(self, t: Array) -> Array:
         """P over the modulus [m^2] at the times ``t`` [s], smooth between corners and jumps."""
         at, P = self.rows[:, 0], self.rows[:, 4]
+        if at.size < 2:  # the surfaces never came within the range
+            return np.where(t < at[0], 0.0, P[0])
         sharp = np.isin(at, self.corners)
         jumps = np.flatnonzero(np.diff(at) < JUMP_LASTS * 1.5 * np.ptp(self.corners))
         sharp[[0, -1]] = sharp[jumps] = sharp[jumps + 1] = True
@@ -361,7 +363,7 @@ class March:
         rate = self.rate if np.isfinite(h).all() else None
         # where the last step left a state within CLOSE, its equations are looked at once more, without slopes
         todo, last, slopes = at, np.zeros(n, dtype=bool), np.zeros((4, n))
-        for i in range(NEWTON):
+        for _ in range(NEWTON):
             r, A, B = rows[todo], a[todo], b[todo]
             touching, wanted = A > 0, length[todo]
             v, lasts, by_v = np.zeros((3, todo.size))
@@ -369,7 +371,7 @@ class March:
                 v, lasts = self._receding(r, A + B, h[todo])
                 more, by_v = rate.at(r, v)
                 wanted, by_v = wanted * np.exp(more), by_v / lasts
-            known = bool(last[todo].all()) or (i % 2 == 1 and np.isfinite(h).all())
+            known = bool(last[todo].all())
             many = 1 if known else 3
             e = 1e-4 * B
             radii = (A, B) if known else (np.concatenate([A, A + e * touching, A]),

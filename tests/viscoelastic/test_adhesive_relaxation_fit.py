@@ -114,6 +114,7 @@ def test_loads_between_steps_are_smooth_but_at_corners() -> None:
     assert error(41) < error(21) / 7
     outside = Marched(np.array([[1.0, 0, 0, 0, 2.0], [2.0, 0, 0, 0, 5.0]]), 1.0, math.inf, np.array([0.0, 3.0]), False)
     assert outside.load(np.array([0.5, 1.5, 2.5])).tolist() == [0.0, 3.5, 5.0]
+    assert replace(outside, rows=np.array([[math.inf, 0, 0, 0, 0.0]])).load(np.ones(2)).tolist() == [0.0, 0.0]
 
 
 @pytest.mark.slow

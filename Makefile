@@ -75,7 +75,7 @@ $(WHEELS): requirements.txt | $(READY) # the pinned packages themselves, checked
 	$(VENV)/bin/python -m pip download --quiet --require-hashes -r $< -d $@.part
 	@mv $@.part $@
 
-test-minimal: $(READY) $(WHEELS) ## the fast tests with the fewest packages (no optional ones, none of the extra fem), in an environment of their own
+test-minimal: $(READY) $(WHEELS) ## the fast tests with the fewest packages (no optional ones, no finite elements), in an environment of their own
 	$(PYTHON) -m venv --clear $(VENV)-minimal
 	$(VENV)-minimal/bin/python -m pip install --quiet --no-index --find-links $(WHEELS) -e '.[test]'
 	$(VENV)-minimal/bin/python -m pip uninstall --quiet --yes gmsh scikit-fem meshio

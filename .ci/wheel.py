@@ -23,9 +23,12 @@ jkr run my.toml -o my.h5
 jkr transform my.h5 --w 0.05 -o out
 jkr fit my.h5 out/my-w0.05.csv -o out
 jkr pull-off my.h5
+jkr new --example gel
+jkr new --example raw-force-curve
 """
 EXPLORED = "jkr explore my.h5 -o my.html"
 LEFT = ("my-w0.05.csv", "my-w0.05.json", "my-w0.05.png", "my-w0.05.svg", "my-fit.csv", "my-fit.json", "my-fit.h5")
+EXAMPLES = "gel.toml", "raw-force-curve.txt"
 
 
 def run(*words: str | Path, folder: Path = ROOT) -> None:
@@ -69,7 +72,8 @@ def main(packages: Path) -> None:
             for line in commands.strip().splitlines():
                 verb, *words = line.split()
                 run(scripts / verb, *words, folder=work)
-        if names := [name for name in LEFT if not (work / "out" / name).exists()]:
+        left = [*(work / "out" / name for name in LEFT), *(work / name for name in EXAMPLES)]
+        if names := [path.name for path in left if not path.exists()]:
             sys.exit(f"not written: {', '.join(names)}")
     print(f"{wheel.name}: builds, installs, solves, transforms, fits, explores")
 

@@ -18,7 +18,10 @@ from jkrcli.cli import call
 
 NO_FEM = not all(find_spec(module) for module in ("gmsh", "skfem", "meshio"))
 # What an error says of packages that are missing here:
-MISSING = [*["the extra fem"] * NO_FEM, *["the optional package plotly"] * (find_spec("plotly") is None)]
+MISSING = [
+    *["finite elements need packages"] * NO_FEM,
+    *["the optional package plotly"] * (find_spec("plotly") is None),
+]
 CASES = Path(__file__).parent.parent / "cases"
 
 
@@ -40,8 +43,9 @@ def pytest_configure() -> None:
 
 
 def _skip_what_is_missing() -> None:
-    """A test, or a module of tests that is read, ends as skipped where it is told that the extra fem, or plotly, is
-    missing. Tests that ask for fem in other processes, or only find it in a list of methods, are marked ``fem``."""
+    """A test, or a module of tests that is read, ends as skipped where it is told that plotly, or the packages of
+    finite elements, are missing. Tests that ask for fem in other processes, or only find it in a list of methods, are
+    marked ``fem``."""
     plain = InputError.__init__
 
     def told(error: InputError, lines: str | Sequence[str]) -> None:
@@ -58,7 +62,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     taken: Counter[str] = Counter()
     for item in items:
         if NO_FEM and item.get_closest_marker("fem"):
-            item.add_marker(pytest.mark.skip(reason="needs the extra fem"))
+            item.add_marker(pytest.mark.skip(reason="needs finite elements"))
         if (mark := item.get_closest_marker("first")) is not None:
             taken[(test := item.nodeid.partition("[")[0])] += 1
             if taken[test] > mark.args[0]:

@@ -43,12 +43,33 @@ def test_what_the_package_reads_is_published() -> None:
     assert {path for path in here if path.suffix != ".py"} == held
 
 
+def test_what_make_and_examples_need_is_published() -> None:
+    manifest = (ROOT / "MANIFEST.in").read_text(encoding="utf-8").split()
+    named = set(re.findall(r"(?<=\s)(?:\.ci|cases|docs|tests|[A-Z]\w+\.md|\w+\.txt)\b", MAKEFILE))
+    assert ".ci" in named
+    assert named <= {*manifest, "README.md"}
+    examples = [path for kinds in PROJECT["tool"]["setuptools"]["data-files"].values() for path in kinds]
+    held = {path for kind in examples for path in ROOT.glob(kind)}
+    assert held == {*ROOT.glob("cases/*.toml"), *ROOT.glob("cases/measured/*")}
+
+
+def test_only_gmsh_depends_on_the_platform() -> None:
+    """It has wheels for x86-64 and macOS alone, and its sources are no Python package."""
+    limited = [line for line in PROJECT["project"]["dependencies"] if ";" in line]
+    assert [line.partition(">")[0] for line in limited] == ["gmsh"]
+    pinned = (ROOT / "requirements.txt").read_text(encoding="utf-8")
+    assert re.search(r"^gmsh==[\d.]+ ; .*platform_machine == 'x86_64'", pinned, re.M)
+
+
 def test_every_system_and_python_is_tried() -> None:
     yaml = pytest.importorskip("yaml")
     text = (ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8")
     job = yaml.safe_load(text)["jobs"]["tests"]
     assert {name.split("-")[0] for name in job["strategy"]["matrix"]["os"]} == {"ubuntu", "macos", "windows"}
-    assert PROJECT["project"]["requires-python"] == f">={job['strategy']['matrix']['python'][0]}"
+    pythons = job["strategy"]["matrix"]["python"]
+    assert PROJECT["project"]["requires-python"] == f">={pythons[0]}"
+    told = [line.split()[-1] for line in PROJECT["project"]["classifiers"] if re.search(r":: 3\.", line)]
+    assert told == pythons
     assert all((ROOT / name).exists() for name in re.findall(r"\.ci/[\w.-]+|requirements\.txt", text))
 
 

@@ -131,7 +131,7 @@ def installs(extra: str) -> str:
         except metadata.PackageNotFoundError:
             required = []
         parts = (line.partition(";") for line in required)
-        words = [name.strip() for name, _, when in parts if (f'"{extra}"' in when if extra else not when)]
+        words = [name.strip() for name, _, when in parts if (f'"{extra}"' in when if extra else "extra" not in when)]
     return shlex.join([sys.executable or "python3", "-m", "pip", "install", *words])
 
 

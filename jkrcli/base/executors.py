@@ -33,7 +33,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from .. import __version__
 from .errors import InputError, JkrError, SolveError, first_line, installs
-from .process import ONE_THREAD, pin_blas
+from .process import ONE_THREAD, interrupts_wait, pin_blas
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -247,17 +247,13 @@ class _Processes(Pool):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Ctrl-C waits while processes may be started, which inherit that it is blocked: half-started ones end in
         tracebacks."""
-        if has_masks := hasattr(signal, "pthread_sigmask"):  # not on Windows
-            before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            return self._pool.submit(fn, *args, **kwargs)
-        except BrokenExecutor:
-            self.abandon()
-            self._start()
-            return self._pool.submit(fn, *args, **kwargs)
-        finally:
-            if has_masks:
-                signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        with interrupts_wait():
+            try:
+                return self._pool.submit(fn, *args, **kwargs)
+            except BrokenExecutor:
+                self.abandon()
+                self._start()
+                return self._pool.submit(fn, *args, **kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         self._pool.shutdown(wait, cancel_futures=cancel_futures)

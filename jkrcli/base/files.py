@@ -326,15 +326,7 @@ def _here() -> str:
 def _is_left(path: Path) -> bool:
     """Whether the process here that began a hidden file is no more; false where nobody knows."""
     match = re.match(rf"{re.escape(ASIDE)}{_here()}-(\d+)-", path.name)
-    if match is None or os.name != "posix":
-        return False
-    try:
-        os.kill(int(match[1]), 0)
-    except ProcessLookupError:
-        return True
-    except OSError:  # of another user
-        return False
-    return False
+    return match is not None and process.has_ended(int(match[1]))
 
 
 def write_text(path: Path, text: str) -> None:

@@ -1,4 +1,7 @@
-"""The process as the program ``jkr``: its settings, memory, threads, clock, and locks of files."""
+"""The process as the program ``jkr``: its settings, memory, threads, clock, signals and locks of files.
+
+Modules that some systems lack (``fcntl``, ``resource``) are imported here alone, in functions.
+"""
 
 import atexit
 import contextlib
@@ -6,6 +9,7 @@ import functools
 import gc
 import math
 import os
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -111,14 +115,21 @@ def free_memory() -> float:
     with contextlib.suppress(OSError, ValueError):  # "max" where there is no limit
         most, used = (float((CGROUP / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
         left.append((most - used) / 2**20)
-    with contextlib.suppress(ImportError, OSError):  # `ulimit -v`; systems without it have no such module
+    with contextlib.suppress(OSError):
+        if (limit := address_space()) < math.inf:
+            pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+            left.append((limit - pages * os.sysconf("SC_PAGE_SIZE")) / 2**20)
+    return min(left, default=math.inf)
+
+
+def address_space() -> float:
+    """Bytes that ``ulimit -v`` leaves this process; inf without a limit, or on systems that have none."""
+    with contextlib.suppress(ImportError):
         import resource
 
-        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-        if limit != resource.RLIM_INFINITY:
-            pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-            left.append((limit - pages * resource.getpagesize()) / 2**20)
-    return min(left, default=math.inf)
+        if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
+            return limit
+    return math.inf
 
 
 def _available() -> float:
@@ -230,3 +241,26 @@ def taken(file: IO[Any], shared: bool = False) -> bool | None:
     except OSError:
         return None
     return True
+
+
+# --------------------------------------------------------------------------------------------------
+# Signals and other processes.
+
+
+@contextmanager
+def interrupts_wait() -> Iterator[None]:
+    """Ctrl-C waits meanwhile, also in processes that are started; where the system can block signals."""
+    mask = getattr(signal, "pthread_sigmask", None)  # not on Windows
+    before = mask and mask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        if mask:
+            mask(signal.SIG_SETMASK, before)
+
+
+def has_ended(number: int) -> bool:
+    """Whether no process of this system has this ``number``."""
+    import psutil
+
+    return not psutil.pid_exists(number)

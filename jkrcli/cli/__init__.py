@@ -1,6 +1,5 @@
 """The command line: verbs are imported when they are called, so that ``jkr --help`` stays instant."""
 
-import contextlib
 import importlib
 import io
 import keyword
@@ -88,15 +87,18 @@ def _with_wings(core: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, st
 
 GROUPS = _with_wings(CORE)
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
+RARE = frozenset({"bench", "compare", "completion", "doctor", "mesh", "show", "study"})  # listed by --help --all alone
 SILENT = frozenset({"completion", "study"})  # what one prints is a script, the other is a group
 
 
 class LateGroup(click.Group):
     """A group whose commands are imported, or made, when they are called; ``titles``: their names with a line each, by
-    the titles of the help's sections; ``silent``: those that print no result. What writes files can be quiet."""
+    the titles of the help's sections; ``silent``: those that print no result; ``rare``: those that the help lists with
+    --all alone. What writes files can be quiet."""
 
     titles: ClassVar[Mapping[str, Mapping[str, str]]]
     silent: ClassVar[Container[str]] = ()
+    rare: ClassVar[Container[str]] = ()
 
     def made(self, name: str) -> click.Command:
         """The command called ``name``."""
@@ -129,15 +131,17 @@ class LateGroup(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         width = max(map(len, self.list_commands(ctx)))
+        rare = () if "--all" in (ctx.obj or ()) else self.rare
         for title, names in self.titles.items():
-            with formatter.section(title):
-                formatter.write_dl([(name.ljust(width), text) for name, text in names.items()])
+            if rows := [(name.ljust(width), text) for name, text in names.items() if name not in rare]:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
 
 
 class Verbs(LateGroup):
     """The verbs, each in a module of its own."""
 
-    titles, silent = GROUPS, SILENT
+    titles, silent, rare = GROUPS, SILENT, RARE
 
     def made(self, name: str) -> click.Command:
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
@@ -169,6 +173,7 @@ jkr = Verbs(
     """,
 )
 click.version_option(__version__, prog_name="jkr")(jkr)
+click.option("--all", is_flag=True, expose_value=False, help="With --help: list every verb.")(jkr)
 
 
 def main() -> int:
@@ -186,13 +191,9 @@ def call(arguments: Sequence[str] | None = None) -> int:
         if len(words) > MOST_WORDS:
             raise InputError(f"the command line holds {len(words):,} words, at most {MOST_WORDS:,} are read")
         # Say that ``ulimit -v`` leaves little: libraries that find no room wait for it, or end in words of their own.
-        with contextlib.suppress(ImportError):  # systems without such limits
-            import resource
-
-            most, _ = resource.getrlimit(resource.RLIMIT_AS)
-            if 0 <= most < LITTLE:  # -1: no limit
-                warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; "
-                     "raise ulimit -v")  # fmt: skip
+        if (most := process.address_space()) < LITTLE:
+            warn(f"the address space is limited to {most / 2**20:.0f} MiB: libraries may not load, or hang; "
+                 "raise ulimit -v")  # fmt: skip
         # Say that a date for reproducible builds is none: libraries end in a ValueError of their own over it.
         try:
             int(date := os.environ.get("SOURCE_DATE_EPOCH", "0"))
@@ -223,7 +224,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
         which = str(error) or str(error.__cause__ or "")  # files, where some were replaced: see ``base.together``
         return _fail([f"interrupted; {which or 'nothing half-written was left'}"], INTERRUPTED)
     except (RuntimeWarning, OverflowError) as error:
-        return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
+        return _fail([f"arithmetic overflow ({error}): check the units of all lengths, moduli, loads and w"], 1)
     except (MemoryError, ImportError) as error:
         if isinstance(error, ImportError) and not any(words in str(error).lower() for words in NO_ROOM):
             raise

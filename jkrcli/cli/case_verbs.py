@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import __version__
-from ..base.errors import InputError, counted
-from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_text
+from ..base.errors import InputError, counted, did_you_mean
+from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_bytes
 from ..methods.protocol import METHODS, Limits, long_look
 from ..report.result import Output
 from ..tables import quantities
@@ -69,25 +69,45 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
 # --------------------------------------------------------------------------------------------------
 # ``jkr new``: a commented case file to start from.
 
-TEMPLATE = Path(__file__).with_name("new.toml").read_text(encoding="utf-8")
+TEMPLATE = Path(__file__).with_name("new.toml")
 
 
-@options.verb("file")
+def _example(name: str) -> Path:
+    """A shipped case or measured curve: of a checkout, or among the data files of an installation."""
+    from importlib import metadata
+
+    installed = [file for each in metadata.distributions(name="jkrcli") for file in each.files or ()]
+    files = [Path(str(file.locate())) for file in installed if "share/jkrcli/cases" in file.as_posix()]
+    if not files:
+        folder = Path(__file__).parents[2] / "cases"
+        files = [*folder.glob("*.toml"), *folder.glob("measured/*")]
+    known = {path.stem: path for path in files}
+    if name not in known:
+        raise InputError(f'--example: unknown example "{name}"{did_you_mean(name, known)} ({", ".join(known)})')
+    return known[name]
+
+
+@options.verb("[file]")
+@click.option("--example", metavar="NAME", help="A shipped case or force curve [default file: its name here].")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
-def new(file: Path, force: bool) -> None:
-    """Write a commented case to FILE, ready to edit and run.
+def new(file: Path | None, example: str | None, force: bool) -> None:
+    """Write a commented case to FILE, ready to edit and run, or a shipped example.
 
     \b
-    jkr new my.toml
     jkr new my.toml && jkr check my.toml && jkr transform my.toml
+    jkr new --example gel
     """
-    if file.suffix != ".toml":
-        raise InputError(f"{file}: the name of a case must end in .toml")
-    if file.exists() and not force:
-        raise InputError(f"{file}: exists; give --force to replace it, or another name")
-    check_target(file, force)
-    write_text(file, TEMPLATE)
-    say(f"written {file}; next: edit it, jkr check {file}")
+    source = TEMPLATE if example is None else _example(example)
+    if file is None and example is None:
+        raise InputError("new: give the FILE to write, such as my.toml, or --example")
+    target = file or Path(source.name)
+    if target.suffix != source.suffix:
+        raise InputError(f"{target}: the name must end in {source.suffix}")
+    if target.exists() and not force:
+        raise InputError(f"{target}: exists; give --force to replace it, or another name")
+    check_target(target, force)
+    write_bytes(target, source.read_bytes())
+    say(f"written {target}; next: {'edit it, jkr check' if target.suffix == '.toml' else 'jkr look'} {target}")
 
 
 # --------------------------------------------------------------------------------------------------

@@ -105,7 +105,7 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
 @options.verb()
 @options.json_option
 def doctor(as_json: bool) -> int:
-    """Look at versions, the mesher's system libraries, optional parts, threads, memory and temporary files.
+    """Look at versions, the mesher's system libraries and optional parts.
 
     Exit code 0 where everything required works, 1 where something is missing; each line says what to type.
 

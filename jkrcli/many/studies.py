@@ -382,11 +382,15 @@ def _unknowns(study: Convergence) -> Array:
 # What a command costs: CPU and wall time and peak memory of a whole process.
 
 LAUNCHER = """
-import resource, subprocess, sys
+import os, subprocess, sys
 code = subprocess.call(sys.argv[1:])
-usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+try:
+    import resource
+    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+except ImportError:
+    peak = "nan"
 if code == 0:
-    print(usage.ru_utime + usage.ru_stime, usage.ru_maxrss, file=sys.stderr)
+    print(os.times().children_user + os.times().children_system, peak, file=sys.stderr)
 sys.exit(code if code >= 0 else 1)
 """
 
@@ -415,7 +419,7 @@ def process_cost(command: Sequence[str], folder: Path | None = None, output: Pat
         words = " ".join(lines[-2:])[-300:]
         raise SolveError(f"{' '.join(command)}: ended with code {done.returncode}: {words}")
     cpu, kilobytes = map(float, lines[-1].split())
-    return Cost(cpu, wall, kilobytes / 1024)
+    return Cost(cpu, wall, None if math.isnan(kilobytes) else kilobytes / 1024)
 
 
 IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"

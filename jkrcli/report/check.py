@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import importlib
-import math
-import os
 import platform
-import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -18,8 +14,8 @@ from .. import __version__
 from ..adhesion.finite_range import unable
 from ..adhesion.roughness import Roughness, RoughWork, works_on
 from ..adhesion.validity import large_strains
-from ..base.errors import Refusal, Unknown, counted, installs
-from ..base.process import free_memory, memory_words
+from ..base.errors import Refusal, Unknown, installs
+from ..base.process import memory_words
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import Problem
@@ -174,19 +170,18 @@ def _table(rows: Sequence[NeglectedEffect], title: str) -> Iterator[str]:
 
 
 # --------------------------------------------------------------------------------------------------
-# What of jkr works on this machine: packages, the mesher's libraries, threads, memory, temporary files.
+# What of jkr works on this machine: packages and the mesher's libraries.
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "threadpoolctl", "psutil")
 OPTIONAL = {  # package: extra, use
-    "scikit-fem": ("fem", "finite elements"),
-    "meshio": ("fem", "meshes and fields for ParaView"),
+    "scikit-fem": ("", "finite elements"),
+    "meshio": ("", "meshes and fields for ParaView"),
     "cvxopt": ("fast", "a faster sparse factorisation"),
     "afmformats": ("afm", "AFM vendors' files"),
     "distributed": ("cluster", "sweeps on a Dask cluster"),
     "pandas": ("pandas", "curves as data frames"),
     "plotly": ("explore", "the explorer page"),
 }
-LIBRARIES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
 MARKS = {"ok": "ok      ", "optional": "optional", "missing": "MISSING "}
 
 
@@ -233,54 +228,29 @@ def examine() -> Iterator[Finding]:
     yield Finding("Python", "ok", f"{platform.python_version()} on {platform.platform(terse=True)}")
     yield from map(_package, REQUIRED)
     yield _mesher()
-    extras = {package: _package(package, extra, f" ({use})") for package, (extra, use) in OPTIONAL.items()}
-    yield from extras.values()
-    cholmod = "CHOLMOD (cvxopt), SuperLU (SciPy) for mixed elements"
-    yield Finding("sparse factor", "ok", cholmod if extras["cvxopt"].state == "ok" else "SuperLU (SciPy)")
-    from threadpoolctl import threadpool_info
-
-    importlib.import_module("scipy.linalg")
-    pools = [f"{pool['internal_api']} {pool['num_threads']}" for pool in threadpool_info()]
-    threads = f"{', '.join(pools) or 'unknown'} (jkr uses one, of {counted(os.cpu_count() or 1, 'core')})"
-    yield Finding("BLAS threads", "ok", threads)
-    # What is free for a solve, one GiB of it asked for
-    free = free_memory() / 1024
-    words = "unknown" if math.isinf(free) else f"{free:.1f} GiB available"
-    remedy = "large finite-element meshes will not fit: coarser meshes or another method"
-    yield Finding("memory", "ok", words) if free >= 1 else Finding("memory", "optional", words, remedy)
-    yield _scratch()
+    for package, (extra, use) in OPTIONAL.items():
+        yield _package(package, extra, f" ({use})")
 
 
 def _package(package: str, extra: str = "", use: str = "") -> Finding:
-    """A package; one of an ``extra`` is optional, with its ``use``."""
+    """A package, of an ``extra``; one with a ``use`` is optional."""
     try:
         return Finding(package, "ok", f"{version(package)}{use}")
     except PackageNotFoundError:
-        return Finding(package, "optional" if extra else "missing", f"not installed{use}", installs(extra))
+        return Finding(package, "optional" if use else "missing", f"not installed{use}", installs(extra))
 
 
 def _mesher() -> Finding:
     """gmsh is installed as a package but needs libraries of the system, which only loading it tells."""
+    from ..methods.fem.mesh import SYSTEM_PACKAGES, how_to_install
+
     try:
         importlib.import_module("gmsh")
         return Finding("gmsh", "ok", version("gmsh"))
     except PackageNotFoundError:
         return Finding("gmsh", "ok", "from the system")
     except ImportError:
-        return Finding("gmsh", "optional", "not installed (finite elements)", installs("fem"))
+        return Finding("gmsh", "optional", "not installed (finite elements)", how_to_install())
     except OSError as error:
-        remedy = f"sudo apt-get install --no-install-recommends {LIBRARIES}"
+        remedy = f"sudo apt-get install --no-install-recommends {SYSTEM_PACKAGES}"
         return Finding("gmsh", "missing", f"cannot load: {error}; methods without a mesh work", remedy)
-
-
-def _scratch() -> Finding:
-    """The folder of temporary files, half a GiB asked for."""
-    try:
-        with tempfile.TemporaryFile():
-            folder = tempfile.gettempdir()
-            free = shutil.disk_usage(folder).free / 2**30
-    except OSError as error:
-        reason = error.strerror or str(error)
-        return Finding("temporary files", "missing", reason, "set TMPDIR to a folder that can be written")
-    lacking = () if free >= 0.5 else ("free some space",)
-    return Finding("temporary files", "optional" if lacking else "ok", f"{folder}, {free:.1f} GiB free", *lacking)

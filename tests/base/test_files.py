@@ -276,11 +276,11 @@ def test_a_file_that_appears_after_the_check_goes_by_force_alone(force: bool, tm
 
 
 def test_new_replaces_no_case_that_appears(jkr: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
-    def write(path: Path, text: str) -> None:
+    def write(path: Path, content: bytes) -> None:
         path.write_text("mine")
-        files.write_text(path, text)
+        files.write_bytes(path, content)
 
-    monkeypatch.setattr("jkrcli.cli.case_verbs.write_text", write)
+    monkeypatch.setattr("jkrcli.cli.case_verbs.write_bytes", write)
     done = jkr("new", "my.toml")
     assert (done.code, done.err.count("\n"), Path("my.toml").read_text()) == (2, 1, "mine")
 

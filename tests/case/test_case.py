@@ -45,9 +45,10 @@ def test_halfspace_is_the_papers_case() -> None:
 
 
 def test_template_is_a_valid_case_and_so_are_its_commented_options() -> None:
-    assert parse_case(TEMPLATE.encode(), "new").model.method == "auto"
-    tables = re.sub("(?m)^# ", "", TEMPLATE[TEMPLATE.index("# [layered]") :])
-    assert parse_case((TEMPLATE + tables).encode(), "new").model == parse_case(TEMPLATE.encode(), "new").model
+    template = TEMPLATE.read_text(encoding="utf-8")
+    assert parse_case(template.encode(), "new").model.method == "auto"
+    tables = re.sub("(?m)^# ", "", template[template.index("# [layered]") :])
+    assert parse_case((template + tables).encode(), "new").model == parse_case(template.encode(), "new").model
 
 
 @pytest.mark.parametrize(

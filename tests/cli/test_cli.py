@@ -10,7 +10,6 @@ from conftest import CASES
 
 from jkrcli import __version__
 from jkrcli.case import store
-from jkrcli.cli import VERBS
 from jkrcli.formulas import jkr_dimensionless
 from jkrcli.report.tables import read_curve
 
@@ -22,11 +21,8 @@ def files(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_help_names_every_verb(jkr) -> None:
-    for words in ((), ("--help",)):
-        outcome = jkr(*words)
-        assert outcome.code == 0
-        assert all(f"  {verb}" in outcome.out for verb in VERBS)
+def test_no_verb_at_all_is_answered_with_the_help(jkr) -> None:
+    assert (jkr().code, jkr().out) == (0, jkr("--help").out)
 
 
 def test_version(jkr) -> None:
@@ -190,8 +186,17 @@ def test_new_writes_a_case_that_runs_and_never_replaces_one(jkr, tmp_path: Path)
     assert jkr("run", "my.toml").code == 0
     assert store.read_solution("my.h5").method == "layered"
     assert jkr("new", "my.toml").err == "jkr: error: my.toml: exists; give --force to replace it, or another name\n"
-    assert jkr("new", "my.case").err == "jkr: error: my.case: the name of a case must end in .toml\n"
+    assert jkr("new", "my.case").err == "jkr: error: my.case: the name must end in .toml\n"
     assert files(tmp_path) == ["my.h5", "my.toml"]
+
+
+def test_new_writes_every_shipped_example(jkr, tmp_path: Path) -> None:
+    for path in (*CASES.glob("*.toml"), *CASES.glob("measured/*")):
+        assert jkr("new", "--example", path.stem).code == 0
+        assert Path(path.name).read_bytes() == path.read_bytes()
+    assert jkr("new", "mine.toml", "--example", "gel").code == 0
+    assert 'unknown example "gell", did you mean "gel"? (' in jkr("new", "--example", "gell").err
+    assert jkr("new").err == "jkr: error: new: give the FILE to write, such as my.toml, or --example\n"
 
 
 def test_auto_takes_the_least_model_and_says_why(jkr) -> None:

@@ -152,7 +152,7 @@ VALUES: dict[str, tuple[str, ...]] = {  # what another value of an option is, wh
     "--q": ("3",), "--beta": ("0.1",), "--ratio": ("3",), "--mu": ("3",),
 }  # fmt: skip
 OWN: dict[tuple[str, str], tuple[str, ...]] = {  # and where it is not
-    ("compare", "--column"): ("a",),
+    ("compare", "--column"): ("a",), ("new", "--example"): ("gel",),
     ("study rate-map", "--rate"): ("n=0.5",), ("study rate-map", "--speed"): ("2",),
     ("study rate-map", "--stiffness"): ("1",), ("study rate-map", "--thickness"): ("0.5",),
     ("study adhesion-map", "--load"): ("2",),

@@ -201,7 +201,7 @@ class FEM(FEMOptions):
 
     @property
     def _packages(self) -> tuple[str, ...]:
-        """Modules of the extra fem that a solve needs: structured quadrilaterals need no mesher."""
+        """Modules of finite elements that a solve needs: structured quadrilaterals need no mesher."""
         return ("gmsh", "skfem") if self.element == "triangle" else ("skfem",)
 
     def _unable(self, problem: Problem) -> str | None:

@@ -556,7 +556,7 @@ def _width(specimen: Specimen, reach: float, width: float | None, far: float) ->
 # Free triangle meshes, and meshes and fields as files (the door to gmsh and meshio).
 
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
-PACKAGES = {"gmsh": "gmsh", "skfem": "scikit-fem", "meshio": "meshio"}  # of the extra fem, by their modules
+PACKAGES = {"gmsh": "gmsh", "skfem": "scikit-fem", "meshio": "meshio"}  # of finite elements, by their modules
 
 
 def missing_packages(*modules: str) -> str | None:
@@ -564,11 +564,16 @@ def missing_packages(*modules: str) -> str | None:
     if all(find_spec(module) for module in modules):
         return None
     missing = ", ".join(package for module, package in PACKAGES.items() if not find_spec(module))
-    return f"finite elements need the extra fem ({missing}): {installs('fem')}, or another method, which needs no mesh"
+    return f"finite elements need packages that are not installed ({missing}): {how_to_install()}, or another method"
+
+
+def how_to_install() -> str:
+    """The command for what finite elements need, and where gmsh has no wheel: Linux and Windows on ARM, and musl."""
+    return f"{installs('')} (gmsh on ARM but for macOS, and with musl: from conda-forge or Debian's python3-gmsh)"
 
 
 def require(*modules: str) -> None:
-    """Refusal where one of the ``modules`` of the extra fem is not installed."""
+    """Refusal where one of the ``modules`` of finite elements is not installed."""
     if reason := missing_packages(*modules):
         raise Refusal(reason)
 

@@ -47,7 +47,7 @@ LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
 ROUGH_TIME = 0.003  # choice: of the time in contact, errors of jumps in a search, and of the last one in wide zones
 HELD = 0.05  # choice: of steps of others, those of a stress that is held
-MOVED = 4.0, 1.0  # theory: of that sum, two standard errors in wide zones, one in corrected ones
+MOVED = 1.0  # theory: of that sum, a standard error: samples about the last place foretell what is left of a step
 FAR = 0.9  # choice: of logs, from the likely range, where a power law is searched from that too
 CORRECTED = 3  # choice: times that zones are extrapolated
 NEARER = (1.0, 0.3, 0.1, 0.03)  # choice: of a distance that led nowhere or near, which are tried
@@ -314,7 +314,7 @@ def _least(near: Nearby, evaluations: int, holds: Sequence[float]) -> Nearby:
         within, ended, careful = WITHIN[1], False, False
         for _ in range(evaluations):
             foretold = Posterior.of(near, 1.0, within, held).likeliest()
-            if ended := near.moves(foretold) < MOVED[near.model.corrects]:
+            if ended := near.moves(foretold) < MOVED:
                 break
             noise = CONVERGED + SCATTERS[1] * near.cost
             if careful:  # what derivatives foretell ends nearer: the best of several distances

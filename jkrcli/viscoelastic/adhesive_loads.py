@@ -69,11 +69,6 @@ class Adhering:
     erring: bool = False
     settled: bool = False
 
-    @property
-    def corrects(self) -> bool:
-        """Whether narrower zones are made up for."""
-        return isinstance(self.correction, np.ndarray)
-
     def trial(self, theta: Array) -> Trial:
         """The specimen of the unknowns ``theta``."""
         values = self.unknowns.values(theta)

@@ -9,6 +9,7 @@ import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from jkrcli.viscoelastic import functions
 
 CASES = Path(__file__).parent.parent / "cases"
 PACKAGE = Path(jkr_python.__file__).parent
+PROBE = CASES / "measured" / "gel-probe.csv"
 EXAMPLES = Path(__file__).parent.parent / "docs" / "examples"
 
 
@@ -38,8 +40,32 @@ def test_every_name_of_the_interface_is_documented() -> None:
         assert not (PACKAGE / f"{name}.py").exists()
 
 
-def test_fit_is_called_as_its_verb() -> None:
-    assert jkr_python.fit is jkr_python.identify
+DEPRECATED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {  # arguments of each, and those of fit
+    "identify": ({}, {}),
+    "identify_joint": ({"measured": [PROBE, PROBE]}, {"measured": [PROBE, PROBE], "shared": ["E_star", "w"]}),
+    "identify_tension": (
+        {"measured": [PROBE], "fix": {"surface_tension": 1e-3}},
+        {"measured": [PROBE], "fix": {"surface_tension": 1e-3}},
+    ),
+    "identify_law": ({"law": "log", "fix": {"v0": 1e-6, "b": 0.1}}, {"law": "log", "fix": {"v0": 1e-6, "b": 0.1}}),
+    "identify_relaxation": ({"law": "power"}, {"relaxation": "power"}),
+}
+
+
+@pytest.mark.parametrize("name", DEPRECATED)
+def test_deprecated_doubles_of_fit_warn_where_they_are_called_and_do_the_same(name: str) -> None:
+    def tried(function: Callable[..., Any], more: dict[str, Any]) -> Any:
+        try:
+            return dict(function(**{"body": body, "measured": PROBE, **more}).summary())
+        except jkr_python.InputError as error:
+            return str(error)
+
+    body = jkr_python.load_case(CASES / "gel.toml")
+    theirs, ours = DEPRECATED[name]
+    with pytest.warns(DeprecationWarning, match=f"^{name} is deprecated: call fit") as caught:
+        found = tried(getattr(jkr_python, name), theirs)
+    assert caught[0].filename == __file__
+    assert found == tried(jkr_python.fit, ours)
 
 
 def test_the_version_is_stated_once_and_repeated_right() -> None:
@@ -116,7 +142,7 @@ def test_a_law_is_identified_as_on_the_command_line() -> None:
     back = columns["t_s"] >= columns["t_s"][np.argmax(columns["P_N"])]
     rows = back & (np.diff(columns["t_s"], prepend=-1.0) > 0)
     curve = measured(*(columns[name][rows] for name in ("t_s", "delta_m", "P_N")))
-    fit = jkr_python.identify_law(solved, [curve], "power", fix={"modulus": "1", "delta0": "0"})
+    fit = jkr_python.fit(solved, [curve], law="power", fix={"modulus": "1", "delta0": "0"})
     assert fit.value("w0") == pytest.approx(0.04, rel=1e-3)
     assert fit.value("n") == pytest.approx(0.5, rel=1e-3)
 
@@ -129,7 +155,7 @@ def test_what_is_fixed_may_be_a_number() -> None:
     solved = jkr_python.solve(CASES / "gel.toml")
     curve = jkr_python.transform(solved, 0.04).curve
     columns = {"delta": curve.delta[20:80:4], "P": curve.P[20:80:4]}
-    by_number, by_text = (jkr_python.identify(solved, **columns, fix={"w": w}) for w in (0.04, "40 mJ/m^2"))
+    by_number, by_text = (jkr_python.fit(solved, **columns, fix={"w": w}) for w in (0.04, "40 mJ/m^2"))
     assert by_number.value("E_star") == by_text.value("E_star")
 
 

@@ -165,16 +165,16 @@ PULL: dict[str, Any] = {"solved": GEL, "w": 0.04}
 RAW = {"body": GEL, "measured": PROBE}
 PROGRAM = jkr.Program([0.0, 1.0], [0.0, 1e-6])
 IDLE: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
-    (jkr.identify, {**RAW, "samples": 50}, "samples"), (jkr.identify, {**RAW, "seed": 3}, "seed"),
-    (jkr.identify, {**RAW, "samples": 50, "confidence": "profile"}, "samples"),
-    *((jkr.identify_joint, {"body": GEL, "measured": [PROBE], **one}, next(iter(one)))
+    (jkr.fit, {**RAW, "samples": 50}, "samples"), (jkr.fit, {**RAW, "seed": 3}, "seed"),
+    (jkr.fit, {**RAW, "samples": 50, "confidence": "profile"}, "samples"),
+    *((jkr.fit, {"body": GEL, "measured": [PROBE], "shared": ["w"], **one}, next(iter(one)))
       for one in ({"loss": "huber"}, {"samples": 50}, {"seed": 1}, {"model": "auto"}, {"uncertain": {"radius": "3%"}},
                   {"confidence": "bootstrap"})),
-    (jkr.identify_joint, {"body": GEL, "measured": [PROBE], "slopes": "loocv", "tip_radii": ["1 mm"]}, "slopes"),
-    *((jkr.identify_law, {"body": GEL, "measured": [PROBE], **one}, next(iter(one)))
+    (jkr.fit, {"body": GEL, "measured": [PROBE], "shared": ["w"], "slopes": "loocv", "tip_radii": ["1 mm"]}, "slopes"),
+    *((jkr.fit, {"body": GEL, "measured": [PROBE], "law": "power", **one}, next(iter(one)))
       for one in ({"loss": "huber"}, {"samples": 50}, {"noise": {"P": 1e-9}}, {"confidence": "bootstrap"},
                   {"branch": "all"}, {"bound": {"w": "..1"}})),
-    *((jkr.identify_relaxation, {**RAW, **one}, next(iter(one)))
+    *((jkr.fit, {**RAW, "relaxation": "sls", **one}, next(iter(one)))
       for one in ({"terms": 2}, {"slopes": "integral"}, {"loss": "huber"}, {"start": {"time": 1}})),
     (jkr.cycle, {**PULL, "program": PROGRAM, "to_load": "1 mN"}, "to_load"),
     (jkr.cycle, {**PULL, "to_load": "1 mN", "to_depth": "1 um"}, "to_depth"),
@@ -208,7 +208,7 @@ def _made_results(gel: Any) -> None:
     curve = jkr.transform(solved, 0.04)
     for name, words in CALLED.items():
         words |= {key: solved if name == "save" else curve for key in ("curve", "solved") if words.get(key, 1) is None}
-    CALLED["plan"]["found"] = jkr.identify(gel, PROBE)
+    CALLED["plan"]["found"] = jkr.fit(gel, PROBE)
 
 
 @pytest.mark.parametrize(("function", "words", "named"), IDLE, ids=lambda one: getattr(one, "__name__", ""))
@@ -225,7 +225,7 @@ def test_a_method_of_what_is_solved_and_a_reading_of_what_is_read(gel: Any) -> N
         jkr.transform(gel, 0.04, method="fem")
     curve = jkr.measured_curves(PROBE)[0]
     with pytest.raises(jkr.InputError, match=r"^reading: is of what is not read yet"):
-        jkr.identify(gel, curve, reading=jkr.Reading(flip="P"))
+        jkr.fit(gel, curve, reading=jkr.Reading(flip="P"))
 
 
 @pytest.mark.parametrize(
@@ -237,13 +237,13 @@ def test_a_method_of_what_is_solved_and_a_reading_of_what_is_read(gel: Any) -> N
         ({"branch": "al"}, "fit.branch.*did you mean \"all\""),
         ({"samples": 0, "confidence": "bootstrap"}, "fit.samples: must be >= 20"),
         ({"level": -3}, "fit.level: must be >= 0.5 and < 1, got -3"), ({"noise": {"P": "1 um"}}, "noise: .*P.*force"),
-        ({"segement": "both"}, "identify: has no parameter \"segement\", did you mean \"segment\""),
+        ({"segement": "both"}, "fit: has no parameter \"segement\", did you mean \"segment\""),
         ({"fix": {"w": [1]}}, "fix: \"w\" must be"), ({"bound": {"w": (0, 1)}}, "fit: w: must be a number"),
     ],
 )  # fmt: skip
 def test_options_of_a_fit(gel: Any, words: dict[str, Any], said: str) -> None:
     with pytest.raises(jkr.InputError, match=said):
-        jkr.identify(gel, PROBE, **words)
+        jkr.fit(gel, PROBE, **words)
 
 
 # ---------------------------------------------------------------------- what is meant
@@ -301,7 +301,7 @@ def test_what_ended_in_an_error_of_python_or_in_silence(gel: Any, call: Callable
     ("call", "said"),
     [
         (lambda gel: jkr.measured_curves(PROBE, units={"Q": "nN"}), r'no single column "Q" for units=\{"Q": "nN"\}'),
-        (lambda gel: jkr.identify(gel, PROBE, base_line="sine"), "base_line sine is for raw .* with contact fitted"),
+        (lambda gel: jkr.fit(gel, PROBE, base_line="sine"), "base_line sine is for raw .* with contact fitted"),
         (lambda gel: jkr.identify_joint(gel, PROBE), "shared: needs two force curves"),
         (lambda gel: jkr.pull_off(gel, 0.04, rest_load=1e-3), "leave rest_load and rest_depth out"),
         (lambda gel: jkr.solve(GEL, "fem", jkr.Limits(1e-6)), r"raise the limit by limits\.memory"),
@@ -349,8 +349,8 @@ def test_columns_as_users_have_them(gel: Any) -> None:
         "gaps": {name: pandas.Series(values, dtype="Float64").where(~mask) for name, values in spoilt.items()},
         "none": {name: [None if i == 5 else x for i, x in enumerate(values)] for name, values in spoilt.items()},
     }
-    found = {name: jkr.identify(gel, **columns) for name, columns in kinds.items()}
-    found["frame"] = jkr.identify(gel, pandas.DataFrame(right))
+    found = {name: jkr.fit(gel, **columns) for name, columns in kinds.items()}
+    found["frame"] = jkr.fit(gel, pandas.DataFrame(right))
     for name, fit in found.items():
         assert fit.value("E_star") == pytest.approx(found["lists"].value("E_star"), rel=1e-9), name
 

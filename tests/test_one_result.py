@@ -189,12 +189,12 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     "compare curves": (("compare", "gel.csv", "gel.csv"), lambda: python.compare("gel.csv", "gel.csv"), ""),
     "fit": (
         ("fit", CASES / "gel.toml", PROBE, "--no-plots", "--force", "-o", "."),
-        lambda: python.identify(str(CASES / "gel.toml"), PROBE),
+        lambda: python.fit(str(CASES / "gel.toml"), PROBE),
         "",
     ),
     "fit of a force curve": (
         ("fit", "gel.h5", RECORD, "--no-plots", "--force"),
-        lambda: python.identify("gel.h5", RECORD),
+        lambda: python.fit("gel.h5", RECORD),
         "",
     ),
     "pull-off map": (
@@ -225,22 +225,22 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     ),
     "fit of a law": (
         ("fit", "gel.h5", "speed.csv", "--law", "power", "--fix", "v0=1e-6", "--fix", "n=0.6", "--no-plots", "--force"),
-        lambda: python.identify_law("gel.h5", ["speed.csv"], fix={"v0": "1e-6", "n": "0.6"}),
+        lambda: python.fit("gel.h5", ["speed.csv"], law="power", fix={"v0": "1e-6", "n": "0.6"}),
         "",
     ),
     "fit of relaxation": (
         ("fit", "soft.h5", "soft.csv", "--free", "relaxation", "--relaxation", "sls", "--no-plots", "--force"),
-        lambda: python.identify_relaxation("soft.h5", "soft.csv", "sls"),
+        lambda: python.fit("soft.h5", "soft.csv", relaxation="sls"),
         "",
     ),
     "fit of surface tension": (
         ("fit", "ball.toml", "one.csv", "--fix", "surface_tension=1 mN/m", "--no-plots", "--force"),
-        lambda: python.identify_tension("ball.toml", ["one.csv"], fix={"surface_tension": "1 mN/m"}),
+        lambda: python.fit("ball.toml", ["one.csv"], fix={"surface_tension": "1 mN/m"}),
         "",
     ),
     "fit of force curves together": (
         ("fit", "ball.toml", "one.csv", "two.csv", "--shared", "E_star,w", "--no-plots", "--force"),
-        lambda: python.identify_joint("ball.toml", ["one.csv", "two.csv"]),
+        lambda: python.fit("ball.toml", ["one.csv", "two.csv"], shared=["E_star", "w"]),
         "",
     ),
     "rate map": (
@@ -380,30 +380,30 @@ def test_arrays_data_frames_and_files_are_identified_alike(tmp_path: Path) -> No
     delta, P = arrays()
     table = tmp_path / "ball.csv"
     np.savetxt(table, np.column_stack([delta, P]), delimiter=",", header="delta_m,P_N", comments="", fmt="%.17g")
-    by_file = python.identify(body, table)
+    by_file = python.fit(body, table)
     assert by_file.value("w") == pytest.approx(0.05, rel=1e-6)
     in_units = python.Reading(units={"P": "nN", "delta": "um"})
     for other in (
-        python.identify(body, delta=delta, P=P),
-        python.identify(body, {"delta_m": delta, "P_N": P}),
-        python.identify(body, delta=delta * 1e6, P=P * 1e9, reading=in_units),
-        python.identify(body, {"indentation (um)": delta * 1e6, "force (mN)": P * 1e3}),
+        python.fit(body, delta=delta, P=P),
+        python.fit(body, {"delta_m": delta, "P_N": P}),
+        python.fit(body, delta=delta * 1e6, P=P * 1e9, reading=in_units),
+        python.fit(body, {"indentation (um)": delta * 1e6, "force (mN)": P * 1e3}),
     ):
         assert other.value("w") == pytest.approx(by_file.value("w"), rel=1e-9)
         assert other.value("E_star") == pytest.approx(2e6, rel=1e-6)
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"delta_m": delta, "P_N": P})
-    assert python.identify(body, frame).value("w") == by_file.value("w")
+    assert python.fit(body, frame).value("w") == by_file.value("w")
 
 
 @pytest.mark.parametrize(
     ("columns", "said"),
     [
-        ({}, "identify: give either what was measured or arrays of a, delta, P, t"),
+        ({}, "fit: give either what was measured or arrays of a, delta, P, t"),
         ({"delta": [1e-6, 2e-6], "P": [1.0]}, r"data: all columns must be one-dimensional and of one length, got "),
         ({"delta": [1e-6, 2e-6, float("nan")], "P": [1.0, 2.0, 3.0]}, "data: "),
     ],
 )
 def test_columns_that_are_no_curve_are_refused(columns: dict[str, Any], said: str) -> None:
     with pytest.raises(python.InputError, match=f"^{said}"):
-        python.identify(python.parse_case(BALL), **columns)
+        python.fit(python.parse_case(BALL), **columns)

@@ -30,7 +30,7 @@ P = P + 0.01 * P_scale * noise.standard_normal(P.size)
 lines = [f"{d * 1e9},{p * 1e9}" for d, p in zip(delta, P, strict=True)]
 Path("measured.csv").write_text("\n".join(["delta_nm,P_nN", *lines]) + "\n")
 
-found = jkr.identify(case, "measured.csv")
+found = jkr.fit(case, "measured.csv")
 for name, unit, factor in (("w", "mJ/m^2", 1e3), ("modulus", "times the case's E", 1), ("delta0", "nm", 1e9)):
     item = found.estimate(name)
     print(f"{name:8} {item.value * factor:8.4g} {unit}, 95 % [{item.low * factor:.4g}, {item.high * factor:.4g}]")

@@ -69,14 +69,13 @@ class PythonReference(SphinxDirective):
 
 def _described(title: str, kind: Callable[[object], bool]) -> str:
     """Every name of ``jkrcli.__all__`` of a kind: its parameters and its docstring as they stand in the source."""
-    names = [name for name in jkrcli.__all__ if kind(getattr(jkrcli, name))]
+    things = {name: getattr(jkrcli, name) for name in jkrcli.__all__}
+    names = [name for name, thing in things.items() if kind(thing) and "Deprecated: " not in (thing.__doc__ or "")]
     return "\n\n".join([title, *(f"### jkr.{name}\n\n```python\n{_signature(name)}\n```" for name in names)])
 
 
 def _signature(name: str) -> str:
     thing = getattr(jkrcli, name)
-    if thing.__name__ != name:
-        return f"{name}  # the same as {thing.__name__}"
     text = inspect.getdoc(thing) or ""
     head = "" if inspect.isclass(thing) and issubclass(thing, Exception) else _parameters(thing)
     return f'{name}{head}\n"""{text}"""'

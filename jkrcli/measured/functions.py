@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Protocol, TypeAlias, runtime_checkable
+from typing import Annotated, Any, Protocol, TypeAlias, overload, runtime_checkable
 
 from ..adhesion.finite_range import without_range
 from ..api import AnyPath, Body, Factor, Known, PositiveLength, SlopesRule, solution_of
 from ..base import units
-from ..base.arguments import check_names, checked
+from ..base.arguments import OneOf, check_names, checked
 from ..base.errors import LEVEL, InputError
 from ..base.executors import executor
 from ..base.process import one_thread
+from ..base.wings import absent, offered
 from ..bodies.indenters import Indenter
+from ..bodies.problem import RELAXATIONS
 from ..resolve.analysis import nonadhesive
 from . import procedure
 from .batch import header_errors
@@ -23,13 +26,13 @@ from .curve import Curve, Reading
 from .files import from_columns
 from .files import read as read_curves
 from .forward_model import FittedBody, body_of
-from .joint import JointFit, joint_fit, shared_of, with_radii
-from .parameters import Level
+from .joint import joint_fit, shared_of, with_radii
+from .parameters import ALIAS, Answer, Level
 from .procedure import further
 from .report import Look, Work
 from .result import Fit, Further
-from .settings import EACH, OPTIONS_OF, SHARED, Noise, check_unused, settings_of
-from .surface_tension import TENSION, TensionFit, known_values, radii_of, tension_fit
+from .settings import EACH, LAW, OPTIONS_OF, RELAXATION, SHARED, USUALLY_FREE, Noise, check_unused, settings_of
+from .surface_tension import TENSION, known_values, radii_of, tension_fit
 from .work import WORK_LEAST_WINDOW, along_file, evaluation_of
 
 __all__ = [
@@ -37,6 +40,7 @@ __all__ = [
 ]  # fmt: skip
 
 OneCurve: TypeAlias = Curve | AnyPath  # or the file that holds it
+RelaxationName: TypeAlias = Annotated[str, OneOf(RELAXATIONS)]
 
 
 @runtime_checkable
@@ -48,61 +52,125 @@ class Columns(Protocol):
     def __getitem__(self, name: str, /) -> Any: ...
 
 
+@overload
+def fit(
+    body: Body, measured: OneCurve | Sequence[OneCurve], free: Iterable[str] = ..., fix: Known = ...,
+    slopes: SlopesRule = ..., *, law: str, **others: Any,
+) -> Answer: ...  # fmt: skip
+@overload
+def fit(
+    body: Body, measured: OneCurve | Sequence[OneCurve], free: Iterable[str] = ..., fix: Known = ...,
+    slopes: SlopesRule = ..., *, relaxation: str, **others: Any,
+) -> Answer: ...  # fmt: skip
+@overload
+def fit(body: Body, measured: OneCurve | Columns | None = None, *more: Any, **others: Any) -> Fit: ...
+@overload
+def fit(body: Body, measured: Sequence[OneCurve], *more: Any, **others: Any) -> Answer: ...
 @checked
-def identify(
-    body: Body, measured: OneCurve | Columns | None = None, free: Iterable[str] = (),
-    fix: Known = None, slopes: SlopesRule = "auto", *, reading: Reading | None = None,
+def fit(
+    body: Body, measured: OneCurve | Columns | Sequence[OneCurve] | None = None, free: Iterable[str] = (),
+    fix: Known = None, slopes: SlopesRule = "auto", *, law: str | None = None,
+    relaxation: RelaxationName | None = None, shared: Iterable[str] = (), own: Iterable[str] = (),
+    tip_radii: Sequence[PositiveLength] = (), reading: Reading | None = None,
     a: Any = None, delta: Any = None, P: Any = None, t: Any = None, **options: Any,
-) -> Fit:  # fmt: skip
-    """Fit E*, w, contact point and force offset to one measured curve; ``fit`` is the same function.
+) -> Answer:  # fmt: skip
+    """Fit E*, w, contact point and force offset to a measured curve, or what several share, as ``jkr fit`` does.
 
     Parameters
     ----------
     body : Case, Problem, Solution or path
         What was measured on: a case or problem (solved to the radii that the data ask for), a solution, or its file.
-    measured : Curve, path, DataFrame or mapping, optional
+    measured : Curve, path, DataFrame or mapping, or a sequence of curves or paths, optional
         A file, or columns named as in a table ("delta_um", "P (nN)").
     free : iterable of str, optional
-        More parameters: "P0", "E:film".
+        More parameters: "P0", "E:film", "surface_tension" (of curves by tips of several radii).
     fix : mapping, optional
         Known ones, ``{"w": "50 mJ/m^2", "E_star": 2e6}``.
     slopes : str, optional
         As of `transform`.
+    law : str, optional
+        "power" or "log": of w over the speed of the contact line, from curves with time at one or several speeds.
+    relaxation : str, optional
+        "sls", "power" or "prony": of a viscoelastic specimen; with ``free=["w"]`` under adhesion.
+    shared, own : iterable of str, optional
+        Parameters that several curves have in common, ``["E_star", "w"]``, or each for itself.
+    tip_radii : sequence of float or str, optional
+        Radius [m] of each curve's tip, or one of all; default: the body's.
     reading : Reading, optional
         Units, signs and instrument of columns: ``Reading(units={"P": "nN"})``.
     a, delta, P, t : array, shape (n,), optional
         Instead of ``measured``: contact radius [m], displacement [m], load [N], time [s].
     **options
-        Fields of `jkrcli.measured.settings.Settings`: confidence, level, loss and others.
+        Fields of `jkrcli.measured.settings.Settings`: confidence, level, loss and others; start, terms.
 
     Returns
     -------
     Fit
         ``value("E_star")``, ``estimate("w")`` with error and interval, ``verdict``, ``warnings``; ``figure()``,
-        ``summary()``, ``print(fit)``.
+        ``summary()``, ``print(fit)``. Of several curves, laws or surface tension a JointFit, RateFit, SharedSpeedsFit,
+        RelaxationFit or TensionFit, with the same ``value`` and ``estimate``.
 
     Raises
     ------
     InputError
         Where the data cannot be fitted.
     """
-    check_options("identify", EACH, options)
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     named = {name: values for name, values in arrays.items() if values is not None}
+    data = named if measured is None else measured
+    several = data if isinstance(data, tuple) else (data,)
+    usual = (*USUALLY_FREE, ALIAS, *(fix or {}))
+    free = tuple(dict.fromkeys([*free, *(name for name in (*shared, *own) if name not in usual)]))
+    kind = SHARED if shared or len(several) != 1 else EACH
+    kind = TENSION if TENSION in {*free, *(fix or {})} else kind
+    kind = RELAXATION if relaxation else LAW if law else kind
+    beside = {"shared": shared, "own": own, "tip_radius": tip_radii, "slopes": slopes != "auto" and slopes,
+              "law": relaxation and law, "relaxation": relaxation}  # fmt: skip
+    beside = {name: value for name, value in beside.items() if value}
+    check_options(kind, options, beside)
     if (measured is None) == (not named):
-        raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
+        raise InputError("fit: give either what was measured or arrays of a, delta, P, t")
+    source = body_of(body, slopes)
+    result: Answer
+    if kind in (LAW, RELAXATION):
+        if refused := absent("fit --law"):
+            raise InputError(f"law: {refused}")
+        options |= {"shared": shared, "own": own} if relaxation else {}
+        curves = [each for item in several for each in curves_of(item, reading)]
+        result = one_thread()(offered("fit of laws"))(source, curves, law, relaxation, free, fix or {}, **options)
+        return replace(result, body=body_words(body, source))
     if reading is not None:  # a fit finds zero points itself, with the rest
         options = {"contact": reading.contact} | options
         reading = replace(reading, contact="as-is")
-    curve = curve_of(named if measured is None else measured, reading)
-    source = body_of(body, slopes)
-    settings = settings_of(source, free, fix or {}, **options)
-    settings = replace(settings, uncertain={**header_errors([curve]), **settings.uncertain})
-    result = one_thread()(procedure.fit)(source, curve, settings)
+    curves = [curve_of(item, reading) for item in several]
+    if kind == TENSION or source.problem.specimen.surface_tension > 0:
+        check_options(TENSION, options, beside)
+        radii = radii_of(source.problem, tip_radii, len(curves))
+        known = known_values(source.problem, free, fix or {})
+        result = one_thread()(tension_fit)(source.problem, curves, radii, known, **options)
+        return replace(result, body=body_words(body, source))
+    if kind == SHARED and not shared:
+        raise InputError(f'fit: {len(curves)} curves: give what they share, shared=["E_star", "w"], or fit each alone')
+    bodies = with_radii(source, tip_radii, len(curves))
+    settings = settings_of(bodies[0], free, fix or {}, **options)
+    if kind == SHARED:
+        result = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
+    else:
+        settings = replace(settings, uncertain={**header_errors(curves), **settings.uncertain})
+        result = one_thread()(procedure.fit)(bodies[0], curves[0], settings)
     return replace(result, body=body_words(body, source))
 
 
-fit = identify  # the verb's name
+def instead(name: str, call: str) -> None:
+    """Warn that the public function ``name``, which a user called, is deprecated for the ``call`` of `fit`."""
+    warnings.warn(f"{name} is deprecated: {call}", DeprecationWarning, stacklevel=4)
+
+
+@checked
+def identify(body: Body, measured: OneCurve | Columns | None = None, *more: Any, **options: Any) -> Fit:
+    """Deprecated: `fit`, which takes the same."""
+    instead("identify", "call fit, which takes the same")
+    return fit(body, measured, *more, **options)
 
 
 @checked
@@ -110,42 +178,21 @@ def identify_joint(
     body: Body, measured: Sequence[OneCurve], shared: Iterable[str] = ("E_star", "w"), own: Iterable[str] = (),
     tip_radii: Sequence[PositiveLength] = (), free: Iterable[str] = (), fix: Known = None,
     slopes: SlopesRule = "auto", **options: Any,
-) -> JointFit:  # fmt: skip
-    """Fit what several measured curves share, E* and w by default, to all of them together.
+) -> Answer:  # fmt: skip
+    """Deprecated: `fit` with ``shared``."""
+    instead("identify_joint", 'call fit with shared=["E_star", "w"]')
+    return fit(body, measured, free, fix, slopes, shared=shared, own=own, tip_radii=tip_radii, **options)
 
-    Parameters
-    ----------
-    body : Case, Problem, Solution or path
-        As of `identify`.
-    measured : sequence of Curve or path
-        One curve each.
-    shared : iterable of str, optional
-        Parameters that all curves have in common.
-    own : iterable of str, optional
-        Parameters that each curve has for itself, beside its zero points.
-    tip_radii : sequence of float or str, optional
-        Radius [m] of each tip, or one of all; default: the body's.
-    free, fix, slopes, **options
-        As of `identify`.
 
-    Returns
-    -------
-    JointFit
-        ``shared`` estimates, ``fits`` of the curves with these, what each says ``alone``, and the ``chance`` that
-        curves which share them differ as much.
-
-    Raises
-    ------
-    InputError
-        Where a curve cannot be used, or the curves do not tell what they share.
-    """
-    check_options("identify_joint", SHARED, options, **given(slopes), tip_radius=tip_radii)
-    source = body_of(body, slopes)
-    curves = [curve_of(item, None) for item in measured]
-    settings = settings_of(source, free, fix or {}, **options)
-    bodies = with_radii(source, tip_radii, len(curves))
-    result = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
-    return replace(result, body=body_words(body, source))
+@checked
+def identify_tension(
+    body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[PositiveLength] = (), fix: Known = None,
+    level: Level = LEVEL,
+) -> Answer:  # fmt: skip
+    """Deprecated: `fit` with ``free=["surface_tension"]``."""
+    instead("identify_tension", 'call fit with free=["surface_tension"]')
+    free = [] if TENSION in (fix or {}) else [TENSION]
+    return fit(body, measured, free, fix, tip_radii=tip_radii, level=level)
 
 
 @checked
@@ -157,7 +204,7 @@ def plan(body: Body, found: Fit, slopes: SlopesRule = "auto") -> tuple[Further, 
     body : Case, Problem, Solution or path
         What was fitted.
     found : Fit
-        What `identify` gave.
+        What `fit` gave.
     slopes : str, optional
         As of `transform`.
 
@@ -176,56 +223,11 @@ def plan(body: Body, found: Fit, slopes: SlopesRule = "auto") -> tuple[Further, 
     return one_thread()(further)(body_of(body, slopes), found)
 
 
-@checked
-def identify_tension(
-    body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[PositiveLength] = (), fix: Known = None,
-    level: Level = LEVEL,
-) -> TensionFit:  # fmt: skip
-    """Fit surface tension, E*, w and the contact points to curves by tips of one or more radii.
-
-    Parameters
-    ----------
-    body : Case, Problem, Solution or path
-        As of `identify`.
-    measured : sequence of Curve or path
-        One curve each, all of the same specimen.
-    tip_radii : sequence of float or str, optional
-        Radius [m] of each tip, or one of all; default: the body's.
-    fix : mapping, optional
-        Known values, ``{"w": "1 mJ/m^2"}``.
-    level : float, optional
-        Of the intervals.
-
-    Returns
-    -------
-    TensionFit
-        ``estimates``; ``mixed``: what tips of one radius do not separate from the tension.
-
-    Raises
-    ------
-    InputError
-        Where a curve cannot be used.
-    """
-
-    source = body_of(body)
-    problem = source.problem
-    curves = [curve_of(item, None) for item in measured]
-    radii = radii_of(problem, tip_radii, len(curves))
-    known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], fix or {})
-    result = one_thread()(tension_fit)(problem, curves, radii, known, level)
-    return replace(result, body=body_words(body, source))
-
-
-def check_options(name: str, kind: str, options: Mapping[str, Any], **beside: Any) -> None:
-    """InputError where one of the ``options`` of the function ``name`` is none, or without an effect on a ``kind`` of
-    fit with what is given ``beside``."""
-    check_unused(kind, {**options, **beside}, by=name)
-    check_names(name, options, OPTIONS_OF[kind])
-
-
-def given(slopes: str) -> dict[str, str]:
-    """The rule for slopes where it is not the default."""
-    return {} if slopes == "auto" else {"slopes": slopes}
+def check_options(kind: str, options: Mapping[str, Any], beside: Mapping[str, Any]) -> None:
+    """InputError where one of the ``options`` of `fit` is none, or without an effect on a ``kind`` of fit with what is
+    given ``beside``."""
+    check_unused(kind, {**options, **beside}, by="fit")
+    check_names("fit", options, OPTIONS_OF[kind])
 
 
 def body_words(body: Any, source: FittedBody) -> str:
@@ -247,6 +249,13 @@ def curve_of(measured: Any, reading: Reading | None) -> Curve:
     if len(curves) > 1:
         raise InputError(f"{measured}: holds {len(curves)} curves, one is wanted: give one of measured_curves(path)")
     return curves[0]
+
+
+def curves_of(measured: Any, reading: Reading | None) -> list[Curve]:
+    """One curve, or all of a file."""
+    if isinstance(measured, str | Path):
+        return read_curves(Path(measured), reading)
+    return [curve_of(measured, reading)]
 
 
 @checked

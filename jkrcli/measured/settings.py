@@ -156,7 +156,7 @@ GOES_WITH = {
 NO_OPTIONS = ("parameters", "named", "range_at_most", "tension_at_most")  # of the settings, which follow from others
 OPTIONS = ("start", "bound", *(item.name for item in fields(Settings) if item.name not in NO_OPTIONS))
 OPTIONS_OF = {EACH: OPTIONS, SHARED: OPTIONS, LAW: ("start", "level", "confidence", "segment"),
-              RELAXATION: ("terms", "level", "confidence", "segment")}  # fmt: skip
+              RELAXATION: ("terms", "level", "confidence", "segment"), TENSION: ("level",)}  # fmt: skip
 
 
 def check_unused(kind: str, given: Mapping[str, Any], called: Callable[[str], str] = str, by: str = "") -> None:

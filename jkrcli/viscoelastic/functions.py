@@ -45,11 +45,11 @@ from ..base import units
 from ..base.arguments import OneOf, checked, exactly_one
 from ..base.errors import InputError
 from ..base.process import one_thread
-from ..bodies.problem import RELAXATIONS, Relaxation
+from ..bodies.problem import Relaxation
 from ..measured.curve import Curve
-from ..measured.forward_model import body_of
-from ..measured.functions import OneCurve, body_words, check_options, curve_of, given, measured_curves
-from ..measured.settings import LAW, RELAXATION
+from ..measured.forward_model import FittedBody
+from ..measured.functions import OneCurve, RelaxationName, fit, instead
+from ..measured.parameters import Answer
 from ..report.forward import CycledInLimits, traced_histories
 from ..resolve.analysis import analyse, nonadhesive, with_solved_points
 from ..resolve.histories import rest_of
@@ -67,7 +67,6 @@ __all__ = ["LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify
 
 AnyLaw: TypeAlias = RateLaw | Mapping[str, Any]  # or its keys
 RateName: TypeAlias = Annotated[str, OneOf(RATE_LAWS)]
-RelaxationName: TypeAlias = Annotated[str, OneOf(RELAXATIONS)]
 Speed: TypeAlias = str | float  # of a device; under load control of its load
 Time: TypeAlias = Annotated[float, units.Ranged("time", least=0)] | Any
 
@@ -225,94 +224,38 @@ def _law(law: AnyLaw) -> RateLaw:
     return rate_law_of(law, "law") if isinstance(law, Mapping) else law
 
 
+def fit_laws(
+    body: FittedBody, curves: Sequence[Curve], law: str | None, relaxation: str | None, free: Iterable[str],
+    fix: units.Named, **options: Any,
+) -> RateFit | SharedSpeedsFit | RelaxationFit:  # fmt: skip
+    """The fits of `fit` by a ``law`` of w over speed, or by one of ``relaxation``, or by both."""
+    if relaxation is None:
+        assert law is not None
+        return rate_fit(body, curves, rate_settings(body, law, free, fix, **options))
+    names = (relaxation, fix, free, body.problem.E_star, body.range_of_case, law)
+    settings = relaxation_settings(*names, **options)
+    if law or options.get("shared"):
+        return shared_speeds_fit(body, curves, settings)
+    if len(curves) > 1:
+        raise InputError(f"fit: {len(curves)} curves: name what they share, shared=[...], or fit each by itself")
+    return relaxation_fit(body, curves[0], settings)
+
+
 @checked
 def identify_law(
     body: Body, measured: Iterable[OneCurve], law: RateName = "power", free: Iterable[str] = (), fix: Known = None,
     slopes: SlopesRule = "auto", relaxation: RelaxationName | None = None, **options: Any,
-) -> RateFit | SharedSpeedsFit:  # fmt: skip
-    """Fit w0, the parameters of a law of w over the speed of the edge, E* and the contact point.
-
-    Parameters
-    ----------
-    body : Case, Problem, Solution or path
-        As of `identify`.
-    measured : iterable of Curve or path
-        Retractions with time at one or several speeds, fitted together.
-    law : str, optional
-        "power" or "log".
-    free : iterable of str, optional
-        More parameters: "P0".
-    fix : mapping, optional
-        Known ones, ``{"n": "0.5"}``.
-    slopes : str, optional
-        As of `transform`.
-    relaxation : str, optional
-        "sls", "power" or "prony": whole force curves of a viscoelastic specimen.
-    **options
-        start, level, confidence, segment as of ``jkr fit --law``.
-
-    Returns
-    -------
-    RateFit or SharedSpeedsFit
-        ``estimates``, the ``law``, and its ``band(v)`` over speeds [m/s]; of a viscoelastic specimen the ``fits`` of
-        the curves.
-
-    Raises
-    ------
-    InputError
-        Where the curves cannot be fitted.
-    """
-
-    of_bulk = {**given(slopes), "relaxation": relaxation} if relaxation else {}
-    check_options("identify_law", RELAXATION if relaxation else LAW, options, **of_bulk)
-    source = body_of(body, slopes)
-    curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
-    if relaxation:
-        names = (relaxation, fix or {}, free, source.problem.E_star, source.range_of_case, law)
-        result = one_thread()(shared_speeds_fit)(source, curves, relaxation_settings(*names, **options))
-        return replace(result, body=body_words(body, source))
-    settings = rate_settings(source, law, free, fix or {}, **options)
-    return replace(one_thread()(rate_fit)(source, curves, settings), body=body_words(body, source))
+) -> Answer:  # fmt: skip
+    """Deprecated: `fit` with ``law``."""
+    instead("identify_law", f'call fit with law="{law}"')
+    return fit(body, tuple(measured), free, fix, slopes, law=law, relaxation=relaxation, **options)
 
 
 @checked
 def identify_relaxation(
     body: Body, measured: OneCurve, law: RelaxationName = "sls", fix: Known = None, slopes: SlopesRule = "auto",
     free: Sequence[str] = (), **options: Any,
-) -> RelaxationFit:  # fmt: skip
-    """Fit the modulus, the parameters of a law of relaxation and the contact point to a curve with time.
-
-    Parameters
-    ----------
-    body : Case, Problem, Solution or path
-        As of `identify`.
-    measured : Curve or path
-        One curve of t, delta, P.
-    law : str, optional
-        "sls", "power" or "prony".
-    fix : mapping, optional
-        Known values, ``{"ratio": "0.3"}``.
-    slopes : str, optional
-        As of `transform`.
-    free : sequence of str, optional
-        More parameters: ``["w"]`` for a retraction with adhesion, with ``fix`` ``{"stress": "300 Pa"}`` or "range".
-    **options
-        level, confidence, terms as of ``jkr fit --relaxation``.
-
-    Returns
-    -------
-    RelaxationFit
-        ``estimates``, the law as ``relaxation``, and the modelled ``response``.
-
-    Raises
-    ------
-    InputError
-        Where the curve cannot be fitted.
-    """
-
-    check_options("identify_relaxation", RELAXATION, options, **given(slopes), relaxation=law)
-    source = body_of(body, slopes)
-    curve = curve_of(measured, None)
-    names = (law, fix or {}, free, source.problem.E_star, source.range_of_case)
-    result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(*names, **options))
-    return replace(result, body=body_words(body, source))
+) -> Answer:  # fmt: skip
+    """Deprecated: `fit` with ``relaxation``."""
+    instead("identify_relaxation", f'call fit with relaxation="{law}"')
+    return fit(body, measured, free, fix, slopes, relaxation=law, **options)

@@ -20,6 +20,7 @@ WING = Wing(
         "law over speed": "viscoelastic.rate_fit:law_along",
         "summary of a law over speed": "viscoelastic.report:through_summary",
         "words of a law over speed": "viscoelastic.report:through_words",
+        "fit of laws": "viscoelastic.functions:fit_laws",
         "fit of a law over speed": "viscoelastic.fits:fit_law",
         "fit of a law of relaxation": "viscoelastic.fits:fit_relaxation",
     },

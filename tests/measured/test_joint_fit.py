@@ -110,7 +110,7 @@ def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
     done = jkr("fit", "gel.toml", *files, "--shared", "E_star,w", "--own", "delta0", *radii, "--json")
     assert done.code == 0, done.err
     told = json.loads(done.out)
-    found = python.identify_joint("gel.toml", files, ["E_star", "w"], ["delta0"], ["2 um", "10 um"])
+    found = python.fit("gel.toml", files, shared=["E_star", "w"], own=["delta0"], tip_radii=["2 um", "10 um"])
     for item in found.shared:
         assert told["shared"][item.name]["value"] == item.value
     assert {path.suffix for path in Path().glob("gel-fit.*")} == {".csv", ".json", ".png", ".svg"}

@@ -75,9 +75,9 @@ def test_python_and_the_command_agree_to_the_last_digit(jkr: Callable, contact: 
     for words in ({"contact": contact}, {"reading": python.Reading(contact=contact)}):
         if contact == "as-is":  # as it stands it is no curve of this body
             with pytest.raises(python.InputError) as error:
-                python.identify("gel.toml", RAW, **words)
+                python.fit("gel.toml", RAW, **words)
             assert str(error.value) in done.err
             continue
         (told,) = json.loads(done.out)["curves"]
-        for item in python.identify("gel.toml", RAW, **words).estimates:
+        for item in python.fit("gel.toml", RAW, **words).estimates:
             assert told["estimates"][item.name]["value"] == item.value

@@ -9,7 +9,7 @@ import pytest
 from force_curves import Instrument, record
 
 from jkrcli.base.errors import InputError
-from jkrcli.measured.functions import identify, look
+from jkrcli.measured.functions import fit, look
 from jkrcli.measured.instruments import constant_errors, constants
 from jkrcli.measured.rigid import Sensitivity, mean
 
@@ -109,6 +109,6 @@ half_space = { E = "150 kPa", nu = 0.5 }
 [loading]
 radius = "1 um"
 """)
-    found = identify(case, path)
+    found = fit(case, path)
     E_star = found.estimate("E_star")
     assert E_star.parts(0.95)["calibration"] == pytest.approx(0.196 * E_star.value, rel=0.02)

@@ -121,8 +121,10 @@ def test_python_fits_as_the_command_does():
     """By a body, curves and radii as text; known values too."""
     curves = [record(R, 0.0, 0) for R in (SMALL, LARGE)]
     solved = jkrcli.solve(START, "closed-form")
-    found = jkrcli.identify_tension(solved, curves, [SMALL, f"{LARGE * 1e6:g} um"], {"w": f"{W} J/m^2"})
+    found = jkrcli.fit(
+        solved, curves, ["surface_tension"], {"w": f"{W} J/m^2"}, tip_radii=[SMALL, f"{LARGE * 1e6:g} um"]
+    )
     plain = tension_fit(START, curves, [SMALL, LARGE], {"w": W})
     assert found.estimate("E_star").value == plain.estimate("E_star").value
     with pytest.raises(jkrcli.InputError, match="give one for each of the 2 files, or one for all, got 3"):
-        jkrcli.identify_tension(solved, curves, [SMALL] * 3)
+        jkrcli.fit(solved, curves, ["surface_tension"], tip_radii=[SMALL] * 3)

@@ -94,7 +94,7 @@ lint: $(READY) ## style and types
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy
 
-docs: $(READY) ## the documentation as a site, every warning an error: build/docs/index.html
+docs: $(READY) ## the documentation as a site, every warning an error: build/docs/index.html; PYODIDE=folder: with jkr in the browser
 	$(VENV)/bin/python -m sphinx --quiet --nitpicky --fail-on-warning --keep-going docs build/docs
 	@echo "documentation: build/docs/index.html"
 

@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # site_parts
 project = "jkr"
 author = "The jkr developers"
 version = release = jkrcli.__version__
-extensions = ["myst_parser", "site_parts.generated", "site_parts.mathml", "site_parts.notebooks"]
+extensions = ["myst_parser", "site_parts.browser", "site_parts.generated", "site_parts.mathml", "site_parts.notebooks"]
 exclude_patterns = ["examples", "peers", "studies", "site_parts"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3

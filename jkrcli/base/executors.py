@@ -15,7 +15,6 @@ What it would replace, the start of processes, is thirty lines of the standard l
 
 import contextlib
 import math
-import multiprocessing
 import os
 import pickle
 import re
@@ -24,16 +23,19 @@ import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future
 from concurrent.futures import wait as wait_for
 from contextlib import AbstractContextManager
 from functools import partial
-from multiprocessing.connection import Connection
-from typing import Any, TypeAlias, TypeVar
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from .. import __version__
 from .errors import InputError, JkrError, SolveError, first_line, installs
 from .process import ONE_THREAD, interrupts_wait, pin_blas
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -87,7 +89,8 @@ def executor(
     count = int(max(1, min(available_cores(), seconds / POOL_WORTH))) if workers is None else workers
     if count < 1:
         raise InputError(f"--workers: must be >= 1, got {count}")
-    pool = _Cluster(scheduler) if scheduler is not None else _Processes(count) if count > 1 else _Here()
+    alone = count == 1 or find_spec("_multiprocessing") is None  # a browser starts no processes
+    pool = _Cluster(scheduler) if scheduler is not None else _Here() if alone else _Processes(count)
     pool.progress, pool.seconds = progress, seconds
     try:
         yield pool
@@ -240,6 +243,9 @@ class _Processes(Pool):
         """The workers hold the reading end of a pipe on which nothing is written: closed here, they end at once."""
         if QUIET not in sys.warnoptions:
             sys.warnoptions.append(QUIET)
+        import multiprocessing
+        from concurrent.futures import ProcessPoolExecutor
+
         context = multiprocessing.get_context("spawn")  # forked libraries of numbers and meshes misbehave
         reading_end, self._lifeline = context.Pipe(duplex=False)
         self._pool = ProcessPoolExecutor(self.workers, context, _begin, (reading_end,))
@@ -267,7 +273,7 @@ class _Processes(Pool):
         self.shutdown(cancel_futures=True)
 
 
-def _begin(lifeline: Connection) -> None:
+def _begin(lifeline: "Connection") -> None:
     """First thing in a worker: Ctrl-C is the parent's to handle (until here it is blocked), and the worker ends when
     the parent does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

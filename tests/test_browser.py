@@ -1,0 +1,165 @@
+"""jkr in a browser: verbs without what Pyodide lacks, and the page that ``make docs`` builds, in Chromium."""
+
+import contextlib
+import http.server
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "site_parts" / "browser_page"
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+BODY = "--radius 5um --E 1MPa --nu 0.5 --w 50mJ/m^2"
+COMMANDS = {  # each with what it prints
+    "jkr new case.toml": "case.toml",
+    "jkr check case.toml": "layered",
+    "jkr run case.toml -o data.h5": "data.h5",
+    "jkr show data.h5": "method",
+    "jkr transform data.h5 --w 50mJ/m^2": ".svg",
+    f"jkr pull-off {BODY}": "1.14 uN",
+    "jkr cycle data.h5": "data-cycle",
+    "jkr profile data.h5 --a 5um": "data-profile",
+    "jkr export data.h5 --dem": "data-dem",
+    "jkr new --example raw-force-curve": "raw-force-curve.txt",
+    "jkr look raw-force-curve.txt": "adhesion force",
+    "jkr fit raw-force-curve.txt --radius 5um --nu 0.5": "E* = ",
+}
+LACKING = {
+    "fcntl",
+    "resource",
+    "termios",
+    "grp",
+    "pwd",
+    "_multiprocessing",
+    "_posixshmem",
+    "psutil",
+    "gmsh",
+    "skfem",
+    "meshio",
+}
+WITHOUT = f"""
+import json, os, subprocess, sys, threading
+
+class Others:
+    def __init__(self, finders):
+        self.finders = finders
+
+    def find_spec(self, name, *more):
+        if name.split(".")[0] not in {LACKING}:
+            return next(filter(None, (finder.find_spec(name, *more) for finder in self.finders)), None)
+
+def no_thread(*_, **__):
+    raise RuntimeError("can't start new thread")
+
+def no_process(*_, **__):
+    raise OSError(138, "emscripten does not support processes.")
+
+sys.meta_path = [Others(sys.meta_path)]
+for name in {LACKING}:
+    sys.modules.pop(name, None)
+threading.Thread.start, subprocess.Popen.__init__ = no_thread, no_process
+for name in ("fork", "forkpty", "posix_spawn", "posix_spawnp"):
+    delattr(os, name)
+sys.path.append({str(PAGE)!r})
+import session
+print(json.dumps([session.run(words) for words in sys.argv[1:]]))
+"""
+
+
+def in_a_browser(*commands: str) -> list[dict[str, Any]]:
+    """What the ``commands`` answer where nothing is there that the browser's Python lacks."""
+    done = subprocess.run([sys.executable, "-c", WITHOUT, *commands], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_verbs_work_without_threads_processes_locks_and_mesher(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for (command, words), answer in zip(COMMANDS.items(), in_a_browser(*COMMANDS), strict=True):
+        assert (answer["code"], words in answer["text"]) == (0, True), f"{command}: {answer['text']}"
+    assert Path("data-w0.05.svg").is_file()
+
+
+def test_mistakes_in_a_browser_are_lines_and_files_are_those_that_are_new(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    new, again, open_, elements = in_a_browser(
+        "new case.toml", "jkr check case.toml", 'pull-off "5', "run case.toml --method fem -o fem.h5"
+    )
+    assert (new["files"], again["files"]) == (["case.toml"], [])
+    assert (open_["code"], elements["code"], elements["files"]) == (2, 2, [])
+    assert "No closing quotation" in open_["text"]
+    assert "gmsh" in elements["text"]
+
+
+@contextlib.contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """The address of a ``folder`` from a server of this machine."""
+
+    class Quiet(http.server.SimpleHTTPRequestHandler):
+        def log_message(self, *_: object) -> None:
+            pass
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}/index.html"
+    finally:
+        server.shutdown()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium and chromium-driver are not installed")
+def test_the_page_runs_commands_or_says_which_part_of_the_runtime_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the folder PYODIDE of a whole release the page answers; with a part of it it names what is missing."""
+    pytest.importorskip("sphinx")
+    webdriver = pytest.importorskip("selenium.webdriver")
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    from site_parts import browser as built
+
+    given = os.environ.get("PYODIDE")
+    built.write(tmp_path / "page", Path(given) if given else None)
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    wait = pytest.importorskip("selenium.webdriver.support.wait").WebDriverWait(browser, 180)
+
+    def state() -> str:
+        return browser.find_element("id", "state").text
+
+    try:
+        with served(tmp_path / "page") as address:
+            for width in (400, 1280):
+                browser.set_window_size(width, 900)
+                browser.get(address)
+                wait.until(lambda _: not state().startswith("Loading"))
+                assert browser.execute_script("return document.documentElement.scrollWidth <= innerWidth")
+            if not given:
+                assert "make docs PYODIDE=folder" in state()
+                assert browser.get_log("browser") == []
+            elif "lacks" in state():
+                assert "numpy" in state()
+            else:
+                browser.find_element("id", "go").click()
+                wait.until(lambda _: state().startswith(("Ready", "Exit")))
+                assert "pull-off force 1.14 uN" in browser.find_element("id", "text").text
+                assert browser.get_log("browser") == []
+            browser.get((tmp_path / "page" / "index.html").as_uri())
+            assert "http.server" in state()
+    finally:
+        browser.quit()

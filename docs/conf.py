@@ -10,7 +10,7 @@ import jkrcli
 sys.path.insert(0, str(Path(__file__).parent))  # site_parts
 
 project = "jkr"
-author = "The jkr developers"
+author = "The jkr contributors"
 version = release = jkrcli.__version__
 extensions = ["myst_parser", "site_parts.browser", "site_parts.generated", "site_parts.mathml", "site_parts.notebooks"]
 exclude_patterns = ["examples", "peers", "studies", "site_parts"]

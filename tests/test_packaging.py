@@ -121,3 +121,40 @@ def test_the_conda_environment_has_the_pinned_packages_and_every_python() -> Non
     assert python.split()[1].split(",")[0] == PROJECT["project"]["requires-python"]
     (pip,) = (entry["pip"] for entry in told["dependencies"] if isinstance(entry, dict))
     assert [(path.parent / line.split()[1]).resolve() for line in pip] == [ROOT / "requirements.txt"]
+
+
+PAPER = (ROOT / "paper.md").read_text(encoding="utf-8")
+SECTIONS = ["Summary", "Statement of need", "State of the field", "Software design", "Research impact statement",
+            "AI usage disclosure", "Acknowledgements", "References"]  # fmt: skip
+
+
+def test_the_paper_has_the_journal_s_form_and_every_reference() -> None:
+    text = PAPER.split("---\n", 2)[2]
+    assert re.findall(r"^# (.+)$", text, re.M) == SECTIONS
+    assert 750 <= len(text.split()) <= 1750
+    cited = set(re.findall(r"@(\w+)", text))
+    assert cited == set(re.findall(r"^@\w+\{(\w+),", (ROOT / "paper.bib").read_text(encoding="utf-8"), re.M))
+
+
+def test_figures_of_the_paper_stand_on_pages_beside_their_commands() -> None:
+    """What a page shows is run by ``test_pages.py``, or names the command that computes it."""
+    pages = "\n".join(page.read_text(encoding="utf-8") for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")])
+    figures = re.findall(r"\d[\d.]*e-\d+|\d+(?:\.\d+)? %|(?<=\| )[\d.]+(?= \|)", PAPER)
+    assert len(figures) >= 10
+    assert [figure for figure in figures if figure not in pages] == []
+    targets = set(re.findall(r"^([a-z-]+):", MAKEFILE, re.M))
+    assert set(re.findall(r"`make ([a-z-]+)", PAPER)) <= targets
+
+
+def test_a_release_has_one_version_date_and_author() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    version, date = (re.search(rf"^{key}: (.+)$", citation, re.M) for key in ("version", "date-released"))
+    assert version is not None
+    assert date is not None
+    heading = re.search(r"^## (.+) \((.+)\)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
+    assert heading is not None
+    assert heading.groups() == (version[1], date[1])
+    author = "The jkr contributors"
+    assert f"- name: {author}\n" in PAPER
+    assert f'- name: "{author}"\n' in citation
+    assert PROJECT["project"]["authors"] == [{"name": author}]

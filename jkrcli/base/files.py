@@ -44,6 +44,7 @@ TABLES = (  # how the first line of a table of ours begins: CSV has no place for
     b"curve,law,",
     b"curve,segment,state,",
     b"nu,base,w_R2_over_Estar_h3",
+    b"R_m,w_R2_over_Estar_h3,branch,",
     b"nu,a_over_h,S_ratio,",
     b"h_over_R,k_over_Estar_R,",
     b"h_m,E_Pa,rms_m,",

@@ -122,6 +122,7 @@ def _files(
 
 # Of a wing that knows what a measured force means, where it is there
 force_options: options.Options = offered("options of a measured pull-off") or options.several()
+sizes_option: options.Options = offered("option of particles of all sizes") or options.several()
 find_option: options.Options = offered("option of the inverse question") or options.several()
 
 
@@ -320,6 +321,7 @@ def fields(file: Path, state: options.State, component: str | None, output: Outp
 
 @options.verb("file")
 @click.option("--dem", is_flag=True, help="For particle codes: a C header and a table of load and radius over overlap.")
+@sizes_option
 @click.option("--nanite", is_flag=True, help="For nanite and PyJibe: a fit model of E, w and the contact point.")
 @click.option("--w", "work", type=options.WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
 @click.option("--name", help="Of the law or model, in what is written and of its file [default: FILE's].")
@@ -329,23 +331,23 @@ def fields(file: Path, state: options.State, component: str | None, output: Outp
 @options.output_options(json="Print the summary as JSON.")
 def export(
     file: Path, dem: bool, nanite: bool, work: float | None, name: str | None, slopes: str, limits: Limits,
-    output: Output,
+    output: Output, sizes: tuple[float, float] | None = None,
 ) -> None:  # fmt: skip
     """Write the adhesive contact of FILE, a case or a solution, as a law that another program can use.
 
     With --dem: force and contact radius over the overlap of two particles on the stable branch, the state after first
     touch, and where contact is lost under displacement and under load control. Writes <name>-dem.h (C99 and C++:
     table, function, test vectors and a check that compiles alone; several laws go into one program) and <name>-dem.csv;
-    says what JKR of a half-space would do. With --nanite: model_jkr_<name>.py, JKR of this body with E, w and contact
+    says what JKR of a half-space would do. With --sizes one law for particles of all sizes, energy lost in a collision
+    too. With --nanite: model_jkr_<name>.py, JKR of this body with E, w and contact
     point to fit; --w is where a fit begins. What is written may be used and passed on under any terms.
 
     \b
-    jkr export coating.h5 --dem --w "50 mJ/m^2"
+    jkr export coating.h5 --dem --sizes "1 um..100 um"
     jkr export layer.h5 --nanite
     """
-    if dem == nanite:
-        raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe), or --nanite, for "
-                         "nanite and PyJibe")  # fmt: skip
+    if dem == nanite or (nanite and sizes):
+        raise InputError("export: say for what: --dem, for particle codes, --sizes too, or --nanite, for PyJibe")
     if name is not None and not re.fullmatch(r"[A-Za-z0-9][\w-]*", name, re.ASCII):
         raise InputError(f"export: --name takes letters, digits, - and _, got {name!r}")
     output.folder(Path())
@@ -360,9 +362,9 @@ def export(
     targets = output.files(folder / stem, endings, [file])
     inputs.begin_curves("export", [solution], [(w,)], limits)
     curve = analyse(solution, [w], slopes)[0]
-    result: Exported | NaniteModel = Exported.of(curve, name) if dem else NaniteModel.of(curve, name)
+    law = offered("law of particles of all sizes")(sizes, limits) if sizes else Exported if dem else NaniteModel
+    result = law.of(curve, name)
     with together():
         write_text(targets[endings[0]], result.code)
-        if dem:
-            targets.write(result.columns)
+        targets.write(result.columns if dem else None)
     give(result, output.json, f"  written    {targets}")

@@ -277,3 +277,24 @@ find_option = options.several(
                  help='With --load: the value of a number of the case that gives this pull-off force, such as '
                  'indenter.radius="1 um..1 mm".'),
 )  # fmt: skip
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr export --sizes``: a contact law of particles of all sizes.
+
+
+class Sizes(options.ParsedType):
+    """Two lengths that rise, LOW..HIGH."""
+
+    name = "LOW..HIGH"
+
+    def parsed(self, text: str) -> tuple[float, float]:
+        low, _, high = text.partition("..")
+        sizes = options.LENGTH_ABOVE_0.parsed(low), options.LENGTH_ABOVE_0.parsed(high or low)
+        if not sizes[0] < sizes[1]:
+            raise ValueError(f'must be two radii that rise, such as "1 um..100 um", got "{text}"')
+        return sizes
+
+
+sizes_option = click.option("--sizes", type=Sizes(), help='With --dem: one law for reduced radii R1 R2/(R1 + R2) of '
+                            '"1 um..100 um", of a paraboloid.')  # fmt: skip

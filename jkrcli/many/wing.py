@@ -11,13 +11,15 @@ WING = Wing(
         "study": Verb("More", "", "Maps and studies over many bodies.", "many.verbs"),
         "bench": Verb("More", "study", "Time the stages of a run.", "many.verbs"),
     },
-    options={"fit": ("--sample", "--report"), "pull-off": ("--find",)},
+    options={"fit": ("--sample", "--report"), "pull-off": ("--find",), "export": ("--sizes",)},
     functions={"study_map": "many.maps", "find_value": "many.inverse"},
     offers={
         "samples of a fit": "many.samples:Samples",
         "report of a fit": "many.lab_report:LabReport",
         "option of the inverse question": "many.verbs:find_option",
         "the inverse question": "many.inverse:find_by_words",
+        "option of particles of all sizes": "many.verbs:sizes_option",
+        "law of particles of all sizes": "many.particles:OfSizes",
     },
 )
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -166,10 +165,7 @@ class NaniteModel(Result):
             why = "a flat end, whose contact does not begin at a point"
         if why:
             raise InputError(f"{result.path}: export --nanite does not represent {why}")
-        try:
-            DemLaw.of(result.curve)
-        except InputError as error:
-            raise InputError(f"{result.path}: {error}") from None
+        Exported.of(result)  # a law of one branch
         made = cls(result, model_name(name))
         if made.error > NANITE_ERROR:
             raise InputError(
@@ -319,9 +315,9 @@ class DemLaw:
             raise InputError(f"the state after first touch is needed: {stiff.jump_in}")
         load = None if isinstance(soft.pull_off, Unknown) else soft.pull_off
         for rows in ((DEM_FEWEST - 1) * 2**step + 1 for step in range(MOST_SOLVES)):
-            delta, P, a = _branch(curve, stiff.pull_off, np.linspace(0, 1, rows))
+            delta, P, a = stable_branch(curve, stiff.pull_off, np.linspace(0, 1, rows))
             between = (np.arange(rows - 1) + 0.5) / (rows - 1)
-            exact = _branch(curve, stiff.pull_off, between)
+            exact = stable_branch(curve, stiff.pull_off, between)
             error = max(float(np.abs(interpolated(column, between) - values).max() / np.abs(values).max())
                         for column, values in zip((P, a), exact[1:], strict=True))  # fmt: skip
             if error <= DEM_ERROR:
@@ -334,10 +330,10 @@ class DemLaw:
 
 def interpolated(column: Array, x: Array) -> Array:
     """The column of rows at equal steps of x in 0 ... 1 at ``x`` (n,), by the cubic through the four next rows."""
-    last = column.size - 1
+    last = len(column) - 1
     first = np.clip(np.floor(x * last).astype(int) - 1, 0, last - 3)
     s = x * last - first
-    weights: Sequence[Array] = (
+    weights = (
         -(s - 1) * (s - 2) * (s - 3) / 6,
         s * (s - 2) * (s - 3) / 2,
         -s * (s - 1) * (s - 3) / 2,
@@ -346,10 +342,10 @@ def interpolated(column: Array, x: Array) -> Array:
     return np.asarray(sum(weight * column[first + i] for i, weight in enumerate(weights)))
 
 
-def _branch(curve: EquilibriumCurve, tear_off: CriticalPoint, x: Array) -> tuple[Array, Array, Array]:
+def stable_branch(curve: EquilibriumCurve, tear_off: CriticalPoint, x: Array) -> tuple[Array, Array, Array]:
     """delta, P and a of the stable branch at fractions ``x`` of sqrt(delta - delta_tear)."""
-    first, last = tear_off.place, float(curve.places[-1])
-    span = float(curve.at(np.array([last]))[0][0]) - tear_off.delta
+    first, last = tear_off.place, curve.places[-1]
+    span = curve.at(last)[0] - tear_off.delta
     delta = tear_off.delta + span * x**2
     ends = np.full_like(x, first), np.full_like(x, last)
     places = np.where(x == 0, first, zeros_between(lambda place: curve.at(place)[0] - delta, *ends, 0.0))

@@ -147,7 +147,7 @@ VALUES: dict[str, tuple[str, ...]] = {  # what another value of an option is, wh
     "--noise": ("P=3 uN",),
     "--use": ("delta,P",), "--window": ("7",), "--only": ("1",), "--show-case": ("1",), "--hours": ("0",),
     "--contact-shape": ("any",), "--roughness": ("rms=9nm,longest=1um,shortest=100nm,hurst=0.8",),
-    "--surface-energy": ("20 mJ/m^2",),
+    "--surface-energy": ("20 mJ/m^2",), "--sizes": ("0.8 mm..1.2 mm",),
     "--rms": ("50 nm",), "--modulus": ("2 MPa",), "--longest": ("9 um",), "--shortest": ("50 nm",), "--hurst": ("0.7",),
     "--q": ("3",), "--beta": ("0.1",), "--ratio": ("3",), "--mu": ("3",),
 }  # fmt: skip

@@ -20,7 +20,8 @@ from jkrcli.many.verbs import STUDIES
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
-PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
+GENERATED = ROOT / "docs" / "reference" / "verbs"  # by ``make docs``
+PAGES = [README, *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.parent != GENERATED)]
 GIVEN = ("cases", "docs", "tests", "Makefile")  # what a page may name
 BLOCK = re.compile(r"(?:^<!-- (?P<mark>not run: [^\n]+) -->\n)?^```(?P<kind>\w+)\n(?P<text>.*?)^```$", re.M | re.S)
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+)\)")
@@ -118,7 +119,7 @@ def test_pages_for_users_stay_short() -> None:
     # 18,000 and what nodes of any mesh, the level of errors, names of laws, triangles of fields, what acts beside the
     # contact, samples with their report, calibration, force curves of a relaxing body at three speeds, and particles of
     # all sizes are said by
-    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 19_710
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 20_110
 
 
 @pytest.mark.parametrize("verb", [*VERBS, *(f"study {name}" for name in STUDIES)])

@@ -1,37 +1,59 @@
-"""Directives ``case-keys``, ``verbs`` and ``python-reference``: parts of pages made from the program."""
+"""Directives ``case-keys``, ``verbs`` and ``python-reference``, and a page for each verb, made from the program."""
 
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import click
 from docutils import nodes
 from sphinx.application import Sphinx
+from sphinx.config import Config
 from sphinx.util.docutils import SphinxDirective
 
 import jkrcli
 from jkrcli.cli import GROUPS, jkr
-from jkrcli.cli.options import ALL
+from jkrcli.cli.options import GROUPS as OPTIONS
 from jkrcli.many.verbs import STUDIES
+
+VERBS = Path("reference", "verbs")  # pages that are written anew by every build, one for each verb
 
 
 def verbs() -> str:
-    """Every verb with its help as it is printed, in groups."""
-    return "\n\n".join(_groups())
-
-
-def _groups() -> Iterator[str]:
+    """Every verb with a line on it, by groups, and the tree of their pages."""
+    parts = []
     for title, group in GROUPS.items():
-        yield f"## {title}"
-        for verb in group:
-            yield f"### jkr {verb}\n\n```text\n{_help(verb)}\n```"
-            if verb == "study":
-                yield from (f"#### jkr study {name}\n\n```text\n{_help(verb, name)}\n```" for name in STUDIES)
+        rows = "".join(f"| [`jkr {verb}`](verbs/{verb}.md) | {_plain(text)} |\n" for verb, text in group.items())
+        parts.append(f"## {title}\n\n| verb | |\n|---|---|\n{rows}")
+    pages = "\n".join(f"verbs/{verb}" for group in GROUPS.values() for verb in group)
+    return "\n".join([*parts, f"```{{toctree}}\n:hidden:\n\n{pages}\n```"])
+
+
+def write_verbs(app: Sphinx, config: Config) -> None:
+    """Write a page for each verb; what stands there already stays untouched."""
+    folder = Path(app.srcdir, VERBS)
+    folder.mkdir(exist_ok=True)
+    pages = {f"{verb}.md": _page(verb) for group in GROUPS.values() for verb in group}
+    for old in folder.glob("*.md"):
+        if old.name not in pages:
+            old.unlink()
+    for name, text in pages.items():
+        path = folder / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def _page(verb: str) -> str:
+    parts = [f"# jkr {verb}\n\n{_help(verb)}\n"]
+    if verb == "study":
+        parts += [f"## jkr study {name}\n\n{_help(verb, name)}\n" for name in STUDIES]
+    return "\n".join(parts)
 
 
 def _help(*words: str) -> str:
-    """What ``jkr WORDS --help`` prints."""
+    """What ``jkr WORDS --help-all`` says, as paragraphs, examples and tables of options."""
     command: click.Command = jkr
     context = click.Context(jkr, info_name="jkr", **jkr.context_settings)
     for word in words:
@@ -39,12 +61,37 @@ def _help(*words: str) -> str:
         found = command.get_command(context, word)
         assert found is not None
         command, context = found, click.Context(found, info_name=word, parent=context)
-    context.meta[ALL] = True
-    return command.get_help(context)
+    usage = " ".join(command.collect_usage_pieces(context))
+    text, _, examples = inspect.cleandoc(command.help or "").partition("\b\n")
+    parts = [_plain(text.strip()), f"```sh\njkr {' '.join(words)} {usage}\n```"]
+    parts += [f"Examples:\n\n```sh\n{examples.strip()}\n```"] if examples else []
+    return "\n\n".join([*parts, *_options(command, context)])
+
+
+def _options(command: click.Command, context: click.Context) -> Iterator[str]:
+    """Tables of the options of a verb, by their groups."""
+    groups: dict[str, list[str]] = {title: [] for title in ("Options", *OPTIONS)}
+    for parameter in command.get_params(context):
+        record = parameter.get_help_record(context) if isinstance(parameter, click.Option) else None
+        if record is not None:
+            name = max(parameter.opts, key=len).removeprefix("--")
+            group = next((title for title, names in OPTIONS.items() if name in names), "Options")
+            groups[group].append(f"| `{record[0].replace('|', BAR)}` | {_plain(record[1])} |\n")
+    for title, rows in groups.items():
+        if rows:
+            yield f"| {title} | |\n|---|---|\n{''.join(rows)}"
+
+
+BAR = "\\|"
+
+
+def _plain(text: str) -> str:
+    """Text of the help whose characters mean nothing else on a page."""
+    return re.sub(r"([<>*_$|`\[\]~])", r"\\\1", text)
 
 
 class Verbs(SphinxDirective):
-    """The verbs from their help."""
+    """The verbs, each with a link to its page."""
 
     def run(self) -> list[nodes.Node]:
         return self.parse_text_to_nodes(verbs(), allow_section_headings=True)
@@ -88,6 +135,7 @@ def _parameters(thing: Callable[..., object]) -> str:
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
+    app.connect("config-inited", write_verbs)
     app.add_directive("verbs", Verbs)
     app.add_directive("case-keys", CaseKeys)
     app.add_directive("python-reference", PythonReference)

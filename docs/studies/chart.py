@@ -277,7 +277,7 @@ PANELS = (
 
 def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) -> Figure:
     """Four panels, P(delta) above and the pull-off force below; a thin line goes from the true to the stated error; the
-    thick line is the Pareto front of this program. Peers of the same run are filled, stored ones open."""
+    grey steps are the Pareto front of this program. Peers of the same run are filled, stored ones open."""
     with drawing(WIDE, 6.0) as figure:
         axes = figure.subplots(2, 2, sharey=True)
         for place, panel in zip(axes.ravel(), PANELS, strict=True):
@@ -295,7 +295,6 @@ def _draw(axes: Axes, panel: ChartPanel, points: Sequence[Measured], peers: Sequ
     theirs = [spot for peer, x, y in named if (spot := _spot(x, y, None, f"{peer.name} {peer.version}", peer.now))]
     axes.set(xscale="log", yscale="log", title=panel.title, xlabel="CPU seconds")
     best = [ours[i] for i in front([(spot.x, spot.y) for spot in ours])]
-    axes.plot([s.x for s in best], [s.y for s in best], "-", color="0.6", lw=4, zorder=1, label="best of jkr")
     for name, (color, marker) in LOOKS.items():
         _scatter(axes, [spot for spot in ours if spot.family == name], name, color, marker)
     for name, marker in zip(dict.fromkeys(spot.family for spot in theirs), PEER_MARKERS, strict=False):
@@ -303,8 +302,12 @@ def _draw(axes: Axes, panel: ChartPanel, points: Sequence[Measured], peers: Sequ
     axes.axhline(1e-3, color=BLACK, lw=0.8, ls=":", zorder=1, label="error of 0.001")  # what auto asks for
     axes.set_ylim(LEAST / 2, 1.0)
     if ours or theirs:
-        axes.set_xlim(*log_ends(np.array([spot.x for spot in (*ours, *theirs)]), least=10.0, margin=1.3))
+        ends = log_ends(np.array([spot.x for spot in (*ours, *theirs)]), least=10.0, margin=1.3)
+        axes.set_xlim(*ends)
         log_ticks(axes.xaxis)
+        if best:  # the steps that no result of jkr is left of and below, from the upper edge to the right one
+            x, y = [*(s.x for s in best), ends[1]], [1.0, *(s.y for s in best)]
+            axes.step([x[0], *x], [*y, y[-1]], "-", where="post", color="0.6", lw=2.5, zorder=1, label="best of jkr")
 
 
 def _family(point: Measured) -> str:

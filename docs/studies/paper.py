@@ -135,8 +135,10 @@ def gel_figure(solved: Solved, measured: Measured | None = None) -> Figure:
         delta, P = exact.delta / delta_unit, exact.P / P_unit
         words = f"w = {pretty(show(curve.w, 'work'))}"
         lines.append(Line(curve.delta / delta_unit, curve.P / P_unit, words, "o", color))
-        lines.append(Line(delta, P, UNNAMED if lowest[1] else "exact layer", "-", color))
+        lines.append(Line(delta, P, UNNAMED, "-", color))
         lowest = [min(lowest[0], float(delta.min())), min(lowest[1], float(P.min()))]
+    nowhere = np.array([np.nan])
+    lines.append(Line(nowhere, nowhere, "exact layer, in the colour of w", "-", "0.5"))
     if measured is not None:
         lines.append(Line(measured[0] / delta_unit, measured[1] / P_unit, "measured", "x", BLACK))
     whole = Panel(f"displacement δ ({pretty(delta_name)})", f"load P ({pretty(P_name)})", lines)

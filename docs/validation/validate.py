@@ -247,8 +247,9 @@ def page() -> tuple[str, list[Row]]:
     parts = [
         "# Validation tables",
         "`make validation` writes this table and fails where a relative difference exceeds its limit in "
-        "`docs/validation/validate.py`. Bonded layers on a rigid substrate, κ = S/2E*a, q = w R²/E* h³; viscoelastic: "
-        "r = 1/4 + 3/4 exp(-t), E* = R = 1, depth 1 at t = 1 and back; λ = 3: w/E∞*R = 0.05, E∞/E0 = 0.1.",
+        "`docs/validation/validate.py`. Bonded layers on a rigid substrate, κ = S/2E\\*a, q = w R²/E\\* h³; "
+        "viscoelastic: r = 1/4 + 3/4 exp(-t), E\\* = R = 1, depth 1 at t = 1 and back; λ = 3: w/E∞\\*R = 0.05, "
+        "E∞/E0 = 0.1.",
         "\n".join([HEAD, *(row.line for row in rows)]),
         "## Sources",
         "\n".join(["| | |\n|---|---|", *(f"| {short} | {full} |" for short, full in SOURCES.items())]),

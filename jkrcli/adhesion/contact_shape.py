@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError, Unknown
+from .curve import CONTROLS
 
 # theory: R1/R2 of the radii of curvature; what the least energy over all ellipses changes of the pull-off force, under
 # load and under displacement control
@@ -59,25 +60,23 @@ class ContactShape:
         margin = BETWEEN if self.ratio > 1 else 0.0
         return min(0.0, *ends) - margin, max(0.0, *ends) + margin
 
-    def words(self, controls: Mapping[str, float]) -> str:
+    def words(self, controls: Mapping[str, float] = CONTROLS) -> str:
         """What is known, by the names of ``controls`` with their stiffnesses [N/m]."""
-        found, parts = [(name, self.change(stiffness)) for name, stiffness in controls.items()], list[str]()
-        for name, change in found:
-            if isinstance(change, Unknown):
-                parts = [str(change)]
-            else:
-                parts.append(f"{100 * change[0]:+.2g} to {100 * change[1]:+.2g} % ({name})")
-        what = "any" if self.ratio is None else f"ellipse, R1/R2 = {self.ratio:g}"
-        return f"contact shape {what}: what other shapes change of the pull-off force: {', '.join(parts)}"
-
-    def summary(self, controls: Mapping[str, float]) -> dict[str, Any]:
-        """The shape, and what is not known of it, by the names of ``controls``."""
         found = {name: self.change(stiffness) for name, stiffness in controls.items()}
+        known = [f"{100 * one[0]:+.2g} to {100 * one[1]:+.2g} % ({name})" for name, one in found.items()
+                 if not isinstance(one, Unknown)]  # fmt: skip
+        what = "any" if self.ratio is None else f"ellipse, R1/R2 = {self.ratio:g}"
+        shapes = f"contact shape {what}: what other shapes change of the pull-off force"
+        return f"{shapes}: {', '.join(known) or self.change(0.0)}"
+
+    def summary(self) -> dict[str, Any]:
+        """The shape, and what is not known of it."""
+        found = {name: self.change(stiffness) for name, stiffness in CONTROLS.items()}
         return {
             "shape": "any" if self.ratio is None else "ellipse",
             "radii_ratio": self.ratio,
             "pull_off_change": {name: None if isinstance(one, Unknown) else list(one) for name, one in found.items()},
-            "reason": next((str(one) for one in found.values() if isinstance(one, Unknown)), ""),
+            "reason": str(found["load"]) if isinstance(found["load"], Unknown) else "",
         }
 
 
@@ -97,5 +96,4 @@ def ratio_of(name: str) -> float | None:
 def refuse_no_disc(facts: Mapping[str, Any], what: str) -> None:
     """InputError where the contact is no disc, of ``what`` is solved for discs alone."""
     if facts.get("contact_shape", DISC) != DISC:
-        raise InputError(f"{what}: is solved for contacts that are discs, and this one was imported as contact-shape "
-                         f"{facts['contact_shape']}")  # fmt: skip
+        raise InputError(f"{what}: is solved for contacts that are discs, this one is {facts['contact_shape']}")

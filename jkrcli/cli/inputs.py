@@ -208,13 +208,15 @@ def announce_files(verb: str, paths: Sequence[Path]) -> None:
 
 def read_series(path: Path) -> Solution:
     """What the series file at ``path`` holds; a file that damage could have changed unnoticed is warned of."""
+    from ..adhesion.contact_shape import ContactShape
     from ..case.store import NO_DIGEST, read_solution
 
     solution = read_solution(path)
     if NO_DIGEST in solution.warnings:
         warn(f"{path}: {NO_DIGEST}")
-    if shape := solution.facts.get("contact_shape"):
-        note(f"{path}: contact shape {shape}: only transform and pull-off state what other shapes would change")
+    shape = ContactShape.of(solution.facts, solution.problem.is_half_space)
+    if shape and click.get_current_context().info_name not in ("transform", "pull-off"):  # which state it
+        warn(f"{path}: {shape.words()}; no error here includes it")
     return solution
 
 

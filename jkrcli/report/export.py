@@ -106,11 +106,12 @@ class Exported(Result):
 
     def words(self) -> list[str]:
         law, result = self.law, self.result
-        w, end = result.w, show(law.delta[-1], "length")
+        w = result.w
         lines = [
             f"tear-off at {format_state(law.tear_off, 'P delta')} (displacement control), w = {show(w, 'work')}: "
             f"{result.path}",
-            f"  table      {law.delta.size} rows up to {end}, good to {law.error:.1g} between",
+            f"  table      {law.delta.size} rows up to {show(law.delta[-1], 'length')}, "
+            f"good to {law.error:.1g} between",
             f"  function   {self.name}_contact",
             f"  touch      {_state(0.0, law.jump_in.P)}",
         ]

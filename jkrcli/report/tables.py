@@ -161,7 +161,7 @@ def law(result: Analysis) -> dict[str, Any]:
     no disc; nothing for smooth JKR of discs."""
     rough = {} if result.rough is None else result.rough.summary()
     if result.shape is not None:
-        rough["contact_shape"] = result.shape.summary(CONTROLS)
+        rough["contact_shape"] = result.shape.summary()
     return rough | ({} if result.law is None else {"stress_Pa": result.law.stress, "range_m": result.law.length})
 
 
@@ -204,7 +204,7 @@ def format_pull_off(
     and what is known of a contact that is no disc."""
     more = [] if result.rough is None else list(result.rough.words())
     if result.shape is not None:
-        more.append(f"{result.shape.words(CONTROLS)} (model)")
+        more.append(f"{result.shape.words()} (model)")
     return [*_verdict(result, points), *(f"  {line}" for line in more)]
 
 

@@ -52,7 +52,7 @@ from .base.process import one_thread
 from .base.registry import Result
 from .base.units import texts_of
 from .base.wings import absent, is_offered, offered
-from .bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
+from .bodies.indenters import FlatPunch, Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from .bodies.problem import (
     Coated,
     Elastic,
@@ -100,7 +100,7 @@ from .resolve.histories import checked_histories, lost_by_history, rest_of
 from .series import Solution
 
 __all__ = [
-    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "GradedTransverselyIsotropic",
+    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "FlatPunch", "Graded", "GradedTransverselyIsotropic",
     "HalfSpace", "Hybrid", "InputError", "JkrError", "KelvinVoigtSolid", "Layer", "Layered", "Limits", "Linear",
     "Loading", "Paraboloid", "Power", "PowerLaw", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid",
     "Refusal", "Rigid", "Roughness", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid",
@@ -252,8 +252,8 @@ def transform(
     w : float or str
         Work of adhesion [J/m^2], or text with a unit, "40 mJ/m^2".
     slopes : str, optional
-        How dS/da is found: "auto", "exact", "integral", "loocv", "gcv" or, with S of the cubic spline kept,
-        "loocv-kept" and "gcv-kept".
+        How dS/da is found: "auto", "exact", "integral", "loocv", "gcv", "loocv-smoothed" or, with S of the cubic spline
+        kept, "loocv-kept" and "gcv-kept".
     modulus_factor : float, optional
         All moduli times this; nothing is solved again.
     method : str or Method, optional

@@ -184,7 +184,7 @@ def test_a_slopes_rule_of_ones_own_is_named(tmp_path: Path) -> None:
         ("sweep", wrong, "-o", tmp_path / "swept"),
         ("sweep", right, "-o", tmp_path / "swept", "--workers", "1"),
     )
-    assert "|gcv-kept|differences]" in asked.out
+    assert "|loocv-smoothed|differences]" in asked.out
     assert refused.err.startswith(f"jkr: error: {wrong}: outputs.slopes: must be one of auto, exact, integral, loocv")
     assert refused.err.endswith(', differences, got "difference", did you mean "differences"?\n')
     assert done.code == 0, done.err

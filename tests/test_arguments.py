@@ -35,6 +35,7 @@ MADE: dict[str, dict[str, Any]] = {  # right fields of every public dataclass
     "TransverselyIsotropic": {"E_p": 1e6, "E_z": 1e6, "nu_p": 0.3, "nu_zp": 0.3, "G_z": 1e6},
     "Layer": {"material": FILM, "thickness": 1e-6}, "Loading": {"to": "radius", "maximum": 1e-4},
     "LogRate": {"v0": 1e-6, "b": 1e-3}, "PowerRate": {"v0": 1e-6, "n": 0.5}, "Paraboloid": {"R": 1e-3},
+    "FlatPunch": {"R": 1e-3},
     "Sphere": {"R": 1e-3}, "Power": {"top": 1e6, "length": 1e-6, "exponent": 0.5}, "PowerLaw": {"B": 1.0, "d": 2.0},
     "PowerRelaxation": {"time": 1.0, "exponent": 0.3}, "StandardSolid": {"ratio": 0.3, "time": 1.0},
     "KelvinVoigtSolid": {"ratio": 0.3, "retardation": 1.0},

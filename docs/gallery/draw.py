@@ -11,6 +11,8 @@ from pathlib import Path
 
 from PIL import Image
 
+from . import schematics
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 
@@ -27,6 +29,8 @@ def main() -> None:
             subprocess.run(["bash", "-euc", commands], cwd=folder, check=True, env=os.environ | {"PATH": path})
         for picture in re.findall(r"!\[[^\]]*\]\(([^)/]+)\)", page):
             keep(folder, Path(picture))
+        schematics.draw(folder)  # of the theory's page
+        keep(folder, Path("schematics.png"))
 
 
 def keep(folder: Path, picture: Path) -> None:

@@ -248,9 +248,19 @@ class Nonadhesive:
     def parts(self, a: Array) -> Parts:
         """delta_H [m], P_H [N], S [N/m], S' [N/m^2], t [m] at radii within the series, by one evaluation rule."""
         columns, slopes = self.logs
+        place, a = a, self.contact_radii(a)
         delta_H, P_H = np.exp(np.moveaxis(columns(np.log(a - self.series.a0)), -1, 0))
         S, dS = np.exp(np.moveaxis(slopes(np.log(a)), -1, 0))
-        return Parts(delta_H, P_H, S, dS, shift(1.0, a, dS))
+        here = Parts(delta_H, P_H, S, dS, shift(1.0, a, dS))
+        if self.series.rim == math.inf:
+            return here
+        pressed = (place / a - 1) * here.t
+        return here._replace(delta_H=delta_H + pressed, P_H=P_H + S * pressed)
+
+    def contact_radii(self, places: Array) -> Array:
+        """The contact radii [m] at ``places`` [m]: the same up to the rim of a full end, at which the edge is pinned
+        while delta_H goes on as t (place/rim - 1), and P_H as S times that."""
+        return np.minimum(places, self.series.rim)
 
     def rates(self, a: Array) -> Parts:
         """The derivatives of ``parts`` by the radius, each in the unit of its part per m: ``rates(a).dS`` is S''."""
@@ -258,12 +268,18 @@ class Nonadhesive:
 
     def with_rates(self, a: Array) -> tuple[Parts, Parts]:
         """``parts`` and ``rates`` at once."""
-        here, beyond = self.parts(a), a - self.series.a0
+        here, full = self.parts(a), a >= self.series.rim
         columns, slopes = self.logs
+        a = self.contact_radii(a)
+        beyond = a - self.series.a0
         by_delta, by_P = np.moveaxis(columns(np.log(beyond), 1), -1, 0) / beyond
         by_S, by_dS = np.moveaxis(slopes(np.log(a), 1), -1, 0) / a
         by_t = (1 / a - by_dS) / 2
-        return here, Parts(here.delta_H * by_delta, here.P_H * by_P, here.S * by_S, here.dS * by_dS, here.t * by_t)
+        rates = Parts(here.delta_H * by_delta, here.P_H * by_P, here.S * by_S, here.dS * by_dS, here.t * by_t)
+        if full.any():
+            pinned = Parts(here.t / a, here.S * here.t / a, *np.zeros((3, *np.shape(a))))
+            rates = Parts(*(np.where(full, one, other) for one, other in zip(pinned, rates, strict=True)))
+        return here, rates
 
     def between(self, values: Array, a: Array) -> Array:
         """``values`` (n, ...) at the radii of the series, linear between them at the radii ``a``."""
@@ -326,6 +342,27 @@ class Nonadhesive:
             rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], self.bends]))
             self._thinned[first] = self.at_rows(rows)
         return self._thinned[first]
+
+    def spread(self, points: int) -> Array:
+        """So many radii [m], as close to each other as those of the series around them."""
+        a0, rows = self.series.a0, np.arange(len(self.series))
+        a = a0 + np.exp(np.interp(np.linspace(0, rows[-1], points), rows, np.log(self.a - a0)))
+        a[[0, -1]] = self.a[[0, -1]]
+        return a
+
+    def resampled(self, points: int) -> Nonadhesive:
+        """The functions by so many ``points``, with the errors of the rows interpolated."""
+        a, covariance = self.spread(points), self.slopes.covariance
+        here = self.parts(a)
+        errors = {name: self.between(values, a) for name, values in self.series.errors.items()}
+        shared = None if self.series.shift is None else self.between(self.series.shift, a)
+        series = replace(
+            self.series, a=a, delta=here.delta_H, P=here.P_H, S=here.S, dS=here.dS, errors=errors, unresolved=None,
+            shift=shared,
+        )  # fmt: skip
+        of_rows = None if covariance is None else self.between(covariance, a)
+        slopes = replace(self.slopes, S=here.S, dS=here.dS, delta=None, P=None, covariance=of_rows, joint=None)
+        return Nonadhesive(series, slopes, together=self.together)
 
     @cached_property
     def apart(self) -> Nonadhesive:
@@ -538,6 +575,10 @@ class EquilibriumCurve(ABC):
     def attracted_radii(self, places: Array) -> Array:
         """The radii [m] to which the surfaces attract each other at ``places``; the contact radii without a range."""
         return self.contact_radii(places)
+
+    def spaced(self, first: float, last: float, points: int) -> Array:
+        """``points`` places [m] from one to another, even on each smooth part of the curve."""
+        return np.linspace(first, last, points)
 
     @abstractmethod
     def path(self, low: float, high: float) -> tuple[Array, Array]:
@@ -757,10 +798,16 @@ class AdhesiveCurve(EquilibriumCurve):
         """Contact radii of the series [m]."""
         return self.series.a
 
-    @property
+    @cached_property
     def places(self) -> Array:
-        """The contact radii themselves."""
-        return self.series.a
+        """The contact radii themselves, and of a full end one place more: where it is pressed as far as the solution
+        says, at least as deep as it is lost high."""
+        a, rim = self.series.a, self.series.rim
+        if a[-1] < rim:
+            return a
+        root_w, t = math.sqrt(self.w), float(self.nonadhesive.points.t[-1])
+        end = max(2 * root_w, root_w + self.series.pressed / t)
+        return np.append(a, rim * (1 + end)) if end else a
 
     @property
     def columns(self) -> dict[str, Array]:
@@ -776,7 +823,7 @@ class AdhesiveCurve(EquilibriumCurve):
         }
 
     def contact_radii(self, places: Array) -> Array:
-        return places
+        return self.nonadhesive.contact_radii(places)
 
     @cached_property
     def _points(self) -> tuple[Array, Array]:
@@ -818,10 +865,26 @@ class AdhesiveCurve(EquilibriumCurve):
         t = math.sqrt(self.w) * here.t
         return np.abs(here.lagging_rates(rates, t, -t * (rates.dS / (2 * here.dS)))) * shift
 
+    def spaced(self, first: float, last: float, points: int) -> Array:
+        rim, half = self.series.rim, points // 2
+        if points == 2 or not min(first, last) < rim < max(first, last):
+            return np.linspace(first, last, points)
+        return np.append(np.linspace(first, rim, half, endpoint=False), np.linspace(rim, last, points - half))
+
+    def error_at(self, places: Array) -> dict[str, Array]:
+        inside, series = self._inside(places), self.series
+        errors = {name: np.interp(inside, self.a, values) for name, values in self.errors.items()}
+        if errors and series.rim < math.inf:  # and that of S times what a full end is pressed
+            pressed = np.maximum(inside / series.rim - 1, 0.0) * self.nonadhesive.points.t[-1]
+            errors["P"] = errors["P"] + float(series.errors["S"][-1]) * pressed
+        return errors
+
     def point(self, place: float) -> Equilibrium:
-        """The equilibrium at a contact radius [m] within the series."""
+        """The equilibrium at a place [m] of the curve."""
+        place = self.series.rim if abs(place / self.series.rim - 1) <= ROUNDED else place
         delta, P = self.at(np.array(place))
-        return Equilibrium(place, float(delta), float(P))
+        a = float(self.contact_radii(np.array(place)))
+        return Equilibrium(a, float(delta), float(P), along=place if place > a else None)
 
     def thinned(self, first: int) -> Self:
         """The curve through every second point that is known from ``first`` on, the ends and the kinks."""
@@ -968,7 +1031,7 @@ class AdhesiveCurve(EquilibriumCurve):
 
     @cached_property
     def _samples(self) -> Array:
-        x = np.log(self.a - self.series.a0)  # of a, rounding would be felt just beyond a flat end
+        x = np.log(self.places - self.series.a0)  # of a, rounding would be felt just beyond a flat end
         inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(CURVE_SAMPLES) / CURVE_SAMPLES
         return np.append(inner.ravel(), x[-1])
 
@@ -977,7 +1040,7 @@ class AdhesiveCurve(EquilibriumCurve):
 
     @cached_property
     def _joints(self) -> Array:
-        knots, ends = self.nonadhesive.knots.a, self.a[[0, -1]]
+        knots, ends = self.nonadhesive.knots.a, self.places[[0, -1]]
         joints = np.union1d(ends, knots[(knots > ends[0]) & (knots < ends[1])])
         x = np.log(joints - self.series.a0)
         counts = np.ceil(np.diff(x) / CURVE_WORKED).astype(int)

@@ -68,7 +68,7 @@ class Edge:
         lag = (position(here.delta_H, here.P_H, self.stiffness) - x) / self._give(here.S)
         delta, P = here.lagging(lag)
         P = P if self.stiffness != LOAD_CONTROL else np.broadcast_to(x, lag.shape)
-        return EdgeState(delta, P, here.dS * lag**2 / (4 * math.pi * a), lag)
+        return EdgeState(delta, P, here.dS * lag**2 / (4 * math.pi * self.body.contact_radii(a)), lag)
 
     def position_at(self, a: Array, G: float) -> Array:
         """The device's position where the edge at radius ``a`` [m] has the energy release rate ``G``."""
@@ -502,7 +502,7 @@ class Follow(Piece):
     def rows(self, points: int) -> tuple[Array, Array]:
         if self.ramp.is_step or self.place == self.end:
             return np.array([self.first[0]]), np.array([self.place])
-        places = np.linspace(self.place, self.end, points)
+        places = self.curve.spaced(self.place, self.end, points)
         return self.ramp.t + (self._position(places) - self.ramp.x) / self.ramp.rate, places
 
     def at(self, t: Array) -> Array:
@@ -989,8 +989,8 @@ def branch(curve: EquilibriumCurve) -> Array:
     "displacement-control": d(delta)/da > 0 only, held by a device that is stiff enough; "unstable": held by none.
     """
     if curve.w == 0:
-        return np.full(curve.places.size, STABLE)
-    ddelta, dP = curve.rates(curve.places)
+        return np.full(curve.delta.size, STABLE)
+    ddelta, dP = curve.rates(curve.places[: curve.delta.size])
     return np.where(dP > 0, STABLE, np.where(ddelta > 0, GRIPPED, UNSTABLE))
 
 
@@ -1174,6 +1174,8 @@ def first_contact(approach: Path) -> Equilibrium:
     first = curve.point(approach.stretches[0].place)
     if curve.w == 0:
         return first
+    if first.a == curve.series.rim:
+        return replace(first, delta=0.0, P=0.0)
     if k == LOAD_CONTROL:
         return replace(first, P=0.0)
     return replace(first, delta=curve.onset) if k == DISPLACEMENT_CONTROL else first

@@ -19,7 +19,7 @@ import numpy as np
 from ..base.errors import NOTICEABLE, Estimate, InputError, Refusal, Unknown, positive
 from ..base.numerics import MOST_STEPS, ROUNDED, SAME, TINY, UNSEEN, Array, composite_gauss, zeros_between
 from ..base.units import show
-from ..bodies.problem import NO_FINITE_RANGE, Problem, alone, without_side_walls
+from ..bodies.problem import NO_FINITE_RANGE, PUNCH_WITHOUT_RANGE, Problem, alone, without_side_walls
 from ..formulas import Parts
 from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow
 from ..methods.integral.logarithm import LogarithmicAttraction, panels_to
@@ -712,6 +712,8 @@ def unable(problem: Problem, method: str) -> str | None:
         )
     if problem.specimen.surface_tension:
         return NO_FINITE_RANGE
+    if problem.indenter.rim < math.inf:
+        return PUNCH_WITHOUT_RANGE
     if method not in METHODS or not METHODS[method].kernel:
         return (
             f"adhesion of finite range needs the kernel of the contact equation, which the method {method} does not "

@@ -84,6 +84,8 @@ def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) 
     if point.a == curve.a[0]:  # at the rim of a flat end
         below = dict(zip(("delta", "P"), curve.below_first, strict=True))
         return {name: float(error) + below[name] for name, error in curve.error_at(np.array(point.a)).items()}
+    if point.a == curve.series.rim:  # a row of the solution, and no minimum that could lie elsewhere
+        return {name: float(error) for name, error in curve.error_at(np.array(point.a)).items()}
     here = curve.interpolation_at(np.array(point.a))
     if isinstance(here, Unknown):
         return here

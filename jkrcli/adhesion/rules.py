@@ -67,6 +67,10 @@ for _name, _left_out in (("loocv", "leave-one-out"), ("gcv", "generalised")):
     RULES[_name] = Rule(_name, _sentence, _place, optimistic=True, quantised=True)
     _sentence = f"As {_name}, with S kept from the spline P(delta): the paper's examples."
     RULES[f"{_name}-kept"] = Rule(f"{_name}-kept", _sentence, f"{_place}_kept", optimistic=True, quantised=True)
+RULES["loocv-smoothed"] = Rule(
+    "loocv-smoothed", "As loocv, with S' smoothed by a spline of its own.", f"{SLOPES}.loocv:loocv_smoothed",
+    optimistic=True, quantised=True,
+)  # fmt: skip
 
 
 def register(rule: Rule) -> None:

@@ -231,7 +231,8 @@ def judge_solution(
     if isinstance(problem.specimen.base, HalfSpace):
         ends.append(facts.get("depth_m"))
     L = min((float(end) for end in ends if isinstance(end, int | float) and end > 0), default=None)
-    return judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=w, **sizes(problem), z0=z0, L=L,
+    a, delta, _ = series.end
+    return judge(a=a, delta=delta, w=w, **sizes(problem), z0=z0, L=L,
                  end_is_cut=problem.specimen.radius is None, a_pull_off=a_pull_off,
                  effect_of_range=effect_of_range)  # fmt: skip
 
@@ -413,7 +414,7 @@ SHARP_STIFF = 1e8  # choice: Pa; gels and rubbers below it stretch instead of fl
 def yield_warning(problem: Problem, series: Series) -> list[str]:
     """A warning where the mean pressure at the largest radius is one at which stiff bodies yield; confined layers,
     whose pressure is hydrostatic, and gels are left out."""
-    a, P = float(series.a[-1]), float(series.P[-1])
+    a, _, P = series.end
     mean = P / (math.pi * a**2 * problem.E_star)
     confined = a > (problem.specimen.top_thickness or math.inf)
     if mean <= SHARP_PRESSURE or problem.E_star < SHARP_STIFF or confined:

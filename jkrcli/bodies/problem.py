@@ -763,6 +763,11 @@ class Indenter(ABC):
         return math.inf
 
     @property
+    def rim(self) -> float:
+        """Contact radius [m] of a full end, at which the edge is pinned; infinite where contact grows on and on."""
+        return math.inf
+
+    @property
     def tip_radius(self) -> float | None:
         """Radius of curvature at the tip [m]; None where there is none (cone, flat end, blunt power laws)."""
         return None
@@ -846,11 +851,15 @@ class Indenter(ABC):
 # What is pressed on what, and how far: the problem of one contact.
 
 Quantity = Literal["depth", "load", "radius"]
-Spacing = Literal["radius", "depth", "log", "given"]
+Spacing = Literal["radius", "depth", "load", "log", "given"]
 Side = Literal["free", "roller", "clamped"]
 NO_FINITE_RANGE = (
     "adhesion of finite range is not derived with surface tension: leave range, stress and capillary out, or "
     "specimen.surface_tension"
+)
+PUNCH_WITHOUT_RANGE = (
+    "adhesion of finite range is not derived at the sharp edge of a flat punch: leave range, stress and capillary out, "
+    "or give indenter.flat_radius and edge_radius"
 )
 NOT_TOGETHER = {
     ("relaxation", "elastic"): "specimen.relaxation: needs a rigid indenter: an elastic one does not relax with the "
@@ -859,10 +868,13 @@ NOT_TOGETHER = {
     'surface = "sticking" or the relaxation',
     ("relaxation", "tension"): "specimen.relaxation: contact of a viscoelastic specimen is not derived with surface "
     "tension: leave specimen.surface_tension out, or the relaxation",
+    (
+        "relaxation",
+        "rim",
+    ): "specimen.relaxation: contact of a viscoelastic specimen with a sharp-edged flat punch is not "
+    "derived: leave the relaxation out, or give indenter.flat_radius and edge_radius",
     ("tension", "sticking"): "specimen.surface_tension: contact without slip is not derived with surface tension: "
     'leave it out, or take specimen.surface = "sliding"',
-    ("tension", "elastic"): "specimen.surface_tension: contact of an elastic indenter is not derived with surface "
-    "tension: leave it out, or take a rigid indenter (no indenter.E and indenter.nu)",
 }
 MOST_PIECES = 1000  # of E over depth, in all layers; choice: minutes, each is solved by sublayers of its own
 
@@ -1023,7 +1035,7 @@ class Loading:
     """What is prescribed: increments up to ``maximum`` of a quantity [m or N], or the ``values`` themselves.
 
     ``spacing = "radius"``: ``points`` contact radii, evenly spaced between first touch and the largest one;
-    ``"depth"``: evenly spaced displacements (the paper); ``"log"``: radii graded towards first
+    ``"depth"``, ``"load"``: evenly spaced displacements, or loads; ``"log"``: radii graded towards first
     contact, sqrt(a^2 - a0^2) in a geometric sequence over four decades; ``"given"``: increasing ``values``.
     """
 
@@ -1079,6 +1091,7 @@ class Problem:
         specimen = self.specimen
         features = {"elastic": self.indenter.material is not None, "sticking": self.sticks}
         features |= {"relaxation": specimen.relaxation is not None, "tension": specimen.surface_tension > 0}
+        features |= {"rim": self.indenter.rim < math.inf}
         for pair, words in NOT_TOGETHER.items():
             if all(features[name] for name in pair):
                 raise InputError(words)

@@ -527,14 +527,15 @@ class LoadingTable(Table):
     """One of depth, load, radius: its largest value (``points`` of them), or a list of values; one in brackets is a
     list where nothing says how many.
 
-    ``spacing``: even steps of the contact radius or of the depth, or radii that crowd towards first contact ("log").
+    ``spacing``: even steps of the contact radius, the depth or the load, or radii that crowd towards first contact
+    ("log").
     """
 
     depth: one_or_more(Length) | None = None
     load: one_or_more(Force) | None = None
     radius: one_or_more(Length) | None = None
     points: Annotated[int, Field(ge=1, le=100_000)] = 100
-    spacing: Literal["radius", "depth", "log"] = "radius"
+    spacing: Literal["radius", "depth", "load", "log"] = "radius"
 
     @model_validator(mode="wrap")
     @classmethod

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 @options.verb("files...")
 @click.option("--w", "works", multiple=True, type=options.WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option("--points", type=click.IntRange(2, 100_000), help="Rows of the table [default: those of the solution].")
 @options.curve_options
 @options.roughness_options
 @options.into_folder()
@@ -39,8 +40,9 @@ if TYPE_CHECKING:
 @options.limits_options
 @options.output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
-    files: tuple[Path, ...], works: tuple[float, ...], how: options.CurveOptions, roughness: Roughness | None,
-    dimensionless: str | None, own: tuple[tuple[str, float], ...], in_one: bool, limits: Limits, output: Output,
+    files: tuple[Path, ...], works: tuple[float, ...], points: int | None, how: options.CurveOptions,
+    roughness: Roughness | None, dimensionless: str | None, own: tuple[tuple[str, float], ...], in_one: bool,
+    limits: Limits, output: Output,
 ) -> None:  # fmt: skip
     """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a solution, for each work of adhesion.
 
@@ -86,7 +88,7 @@ def transform(
                 summaries.append(tables.curve_summary(curve, scales))
                 lines.append(tables.curve_words(curve))
                 figure = forward.draw_curve(curve, scales) if figures else None
-                target.write(tables.curve_table(curve, scales), summaries[-1], figure)
+                target.write(tables.curve_table(curve, scales, points), summaries[-1], figure)
             if picture is not None:
                 picture.write(figure=forward.draw_curves(curves, users))
             warnings += [f"{curve.path}: {text}" for curve in curves for text in curve.warnings if not output.json]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
 FLAGS = ("shape", "radius", "half_angle", "cap", "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
-    **dict.fromkeys(("sphere", "paraboloid"), ("radius",)),
+    **dict.fromkeys(("sphere", "paraboloid", "flat"), ("radius",)),
     "rounded-cone": ("radius", "half_angle"),
     **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
 }

@@ -267,7 +267,7 @@ ERROR = ("P_err_N", "delta_err_m")
 
 def _at_end(result: Analysis) -> dict[str, Any]:
     series = result.curve.series
-    return {"points": len(series), "a_m": series.a[-1], "delta_H_m": series.delta[-1], "P_H_N": series.P[-1]}
+    return {"points": len(series)} | dict(zip(("a_m", "delta_H_m", "P_H_N"), series.end, strict=True))
 
 
 def _pull_off(result: Analysis) -> dict[str, Any]:

@@ -34,7 +34,7 @@ from . import files as measured
 from .batch import constants_apart, header_errors, read_batch
 from .curve import Curve, Reading
 from .files import folders_of, holds_map
-from .forward_model import FittedBody
+from .forward_model import FittedBody, refuse_full_end
 from .joint import joint_fit, shared_of, with_radii
 from .parameters import ALIAS, Answer
 from .procedure import Failure, fit_all, friction_warnings, memory_of, planned, preferences
@@ -115,6 +115,9 @@ class FitRequest:
     inputs: Sequence[Path]
     samples: Files | None = None
     report: Files | None = None
+
+    def __post_init__(self) -> None:
+        refuse_full_end(self.body)
 
     def curves(self, beside: Sequence[Beside]) -> tuple[list[Curve], list[Beside]]:
         """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""

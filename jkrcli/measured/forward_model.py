@@ -732,6 +732,16 @@ def for_each(radii: Sequence[float], count: int) -> list[float]:
     return list(radii) * (count // len(radii)) if radii else []
 
 
+def refuse_full_end(body: FittedBody) -> FittedBody:
+    """The ``body``; InputError where records under its indenter are not fitted."""
+    if body.problem.indenter.rim < math.inf:
+        raise InputError(
+            "fit: records of a flat punch are not fitted: its P/delta is S (jkr show); w follows from the pull-off "
+            "force (jkr pull-off --load) or from P and a (jkr work)"
+        )
+    return body
+
+
 def body_of(
     source: Case | Problem | Solution | str | Path, rule: str = "auto", limits: Limits | None = None
 ) -> FittedBody:

@@ -25,7 +25,7 @@ from .choices import Use
 from .curve import Curve, Reading
 from .files import from_columns
 from .files import read as read_curves
-from .forward_model import FittedBody, body_of
+from .forward_model import FittedBody, body_of, refuse_full_end
 from .joint import joint_fit, shared_of, with_radii
 from .parameters import ALIAS, Answer, Level
 from .procedure import further
@@ -130,7 +130,7 @@ def fit(
     check_options(kind, options, beside)
     if (measured is None) == (not named):
         raise InputError("fit: give either what was measured or arrays of a, delta, P, t")
-    source = body_of(body, slopes)
+    source = refuse_full_end(body_of(body, slopes))
     result: Answer
     if kind in (LAW, RELAXATION):
         if refused := absent("fit --law"):

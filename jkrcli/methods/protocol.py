@@ -118,9 +118,8 @@ def without_coating(problem: Problem) -> str | None:
     """Why a method that knows no layers of the indenter refuses the problem; None where it has none."""
     if not problem.coatings:
         return None
-    able = [method.name for method in METHODS.values() if method.coating and problem.specimen.radius is None]
-    use = f"use method {' or '.join(able)}, or " if able else ""
-    return f"does not represent layers of the indenter: {use}leave indenter.layers out"
+    able = "layered" if problem.specimen.radius is None else "hybrid"
+    return f"does not represent layers of the indenter: use method {able}, or leave indenter.layers out"
 
 
 def least_first() -> tuple[str, ...]:
@@ -430,7 +429,7 @@ _METHODS = (
     Descriptor(
         "hybrid",
         "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes.",
-        "jkrcli.methods.hybrid:Hybrid", 30, HybridOptions, kernel=True,
+        "jkrcli.methods.hybrid:Hybrid", 30, HybridOptions, kernel=True, coating=True,
     ),
     Descriptor(
         "fem", "Finite elements for stacks of isotropic layers, wide or of finite radius.",

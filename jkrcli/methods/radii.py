@@ -83,6 +83,8 @@ class Search:
         if loading.to == "radius":
             check_radius(self.indenter, loading.maximum)
             return loading.maximum
+        if self.indenter.rim < math.inf:
+            return self.indenter.rim
         start = self._start
         try:
             for accuracy in self.accuracies:
@@ -112,13 +114,13 @@ class Search:
     def _spaced(self, largest: float) -> Array:
         """The radii [m] up to the ``largest``, by the loading's spacing."""
         loading, a0 = self.loading, self.indenter.a0
-        if loading.spacing == "radius":
+        if loading.spacing == "radius" or (self.indenter.rim < math.inf and loading.spacing != "log"):
             return np.linspace(a0, largest, loading.points + 1)[1:]
         if loading.spacing == "log":
             return graded_radii(a0, largest, loading.points)
-        if loading.spacing == "depth":
-            deepest = float(self.responses("depth", self.accuracies[-1])(np.array([largest]))[0])
-            return self._at("depth", deepest * np.arange(1, loading.points + 1) / loading.points, largest)
+        if loading.spacing in ("depth", "load"):
+            end = float(self.responses(loading.spacing, self.accuracies[-1])(np.array([largest]))[0])
+            return self._at(loading.spacing, end * np.arange(1, loading.points + 1) / loading.points, largest)
         return self._at(loading.to, np.array(loading.values), largest)
 
     def _at(self, quantity: Quantity, targets: Array, largest: float) -> Array:
@@ -150,7 +152,7 @@ def graded_radii(a0: float, largest: float, points: int) -> Array:
 
 def check_radius(indenter: Indenter, a: float) -> None:
     """Refuse a contact radius ``a`` [m] that lies within the flat end or beyond the profile."""
-    a0, end = indenter.a0, indenter.r_max
+    a0, end = indenter.a0, min(indenter.r_max, indenter.rim)
     if a <= a0:
         raise InputError(f"loading: contact radius {a:g} m must be larger than the flat end of the indenter ({a0:g} m)")
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -162,7 +162,7 @@ class NaniteModel(Result):
             why = "an elastic indenter: its modulus would change with E: leave indenter.material out"
         elif problem.specimen.surface_tension:
             why = "surface tension, with which loads are not in proportion to E: leave specimen.surface_tension out"
-        elif problem.indenter.a0:
+        elif problem.indenter.a0 or problem.indenter.rim < math.inf:
             why = "a flat end, whose contact does not begin at a point"
         if why:
             raise InputError(f"{result.path}: export --nanite does not represent {why}")

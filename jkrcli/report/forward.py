@@ -189,8 +189,10 @@ def _control(result: Analysis, behaviour: device_path.Stability, error: Errors |
     point = behaviour.pull_off
     digits = tables.digits(point.P, result.large_strains(point)) if isinstance(point, CriticalPoint) else 4
     between = "; interpolated" if not _solved(result, behaviour) and error and not isinstance(error, Unknown) else ""
-    if isinstance(point, CriticalPoint) and result.law is None and result.curve.series.a0 > 0:
-        between = "; at the rim of the flat end" if point.a == result.curve.series.a[0] else between
+    if isinstance(point, CriticalPoint) and result.law is None:
+        series = result.curve.series
+        rims = (series.rim, *series.a[:1] * (series.a0 > 0))
+        between = "; at the rim of the flat end" if point.a in rims else between
     lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {_point(point, digits)}{between}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")

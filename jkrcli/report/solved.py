@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
 def end_of(series: Series) -> dict[str, Any]:
     """How far a series goes, for machines."""
-    return {"points": len(series), "a_m": float(series.a[-1]), "delta_m": float(series.delta[-1]),
-            "P_N": float(series.P[-1])}  # fmt: skip
+    return {"points": len(series)} | dict(zip(("a_m", "delta_m", "P_N"), series.end, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +44,7 @@ class SeriesFile(Result):
 
     @property
     def _reached(self) -> str:
-        series = self.solution.series
-        return reached(series.a[-1], series.delta[-1], series.P[-1])
+        return reached(*self.solution.series.end)
 
 
 @dataclass(frozen=True, eq=False)

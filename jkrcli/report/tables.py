@@ -3,7 +3,7 @@
 import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -284,7 +284,8 @@ def validity(result: Analysis, *points: CriticalPoint | Unknown) -> dict[str, An
 
 def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:
     """Whether the ``point`` was solved at its own radius, and is not one between rows; each of finite range was."""
-    return not isinstance(curve, AdhesiveCurve) or is_solved_at(curve.nonadhesive, point.a)
+    at_rim = point.a == curve.series.rim
+    return not isinstance(curve, AdhesiveCurve) or at_rim or is_solved_at(curve.nonadhesive, point.a)
 
 
 def stable_states(result: Analysis) -> dict[str, Any]:
@@ -429,8 +430,10 @@ def own_scales(values: Mapping[str, float]) -> Scales:
 
 
 @TABLES.register(Analysis)
-def curve_table(curve: Analysis, scales: Scales | None = None) -> dict[str, Array]:
-    """The columns of an adhesive curve, with those in units of ``scales``."""
+def curve_table(curve: Analysis, scales: Scales | None = None, points: int | None = None) -> dict[str, Array]:
+    """The columns of an adhesive curve, with those in units of ``scales``, at its radii or at so many ``points``."""
+    if points is not None:
+        curve = replace(curve, curve=AdhesiveCurve(curve.jkr.nonadhesive.resampled(points), curve.w))
     columns = curve_columns(curve.curve) | ({} if scales is None else scales.columns(curve))
     if curve.rough is not None:
         works = {"w_J_per_m2": curve.w, "w_smooth_J_per_m2": curve.rough.w}

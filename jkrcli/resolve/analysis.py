@@ -695,7 +695,8 @@ def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveC
     def wanted(body: Nonadhesive) -> list[float]:
         trial = AdhesiveCurve(body, curve.w)
         trial.find_critical(controls)
-        return [point.a for k in controls if isinstance(point := trial.pull_off(k), CriticalPoint)]
+        points = [point for k in controls if isinstance(point := trial.pull_off(k), CriticalPoint)]
+        return [point.a for point in points if point.a < curve.series.rim]
 
     return AdhesiveCurve(refined(curve.nonadhesive, further, wanted), curve.w)
 
@@ -790,7 +791,13 @@ def is_solved_at(body: Nonadhesive, a: float) -> bool:
 def radius_under(solution: Solution, load: float, w: float, request: RangeRequest) -> float:
     """The contact radius [m] under a ``load`` [N] on the stable branch of the curve for ``w`` [J/m^2]."""
     curve = analyse(solution, [w], request=request)[0].curve
-    return curve.point(stable_radius(curve, load)).a
+    point = curve.point(stable_radius(curve, load))
+    if point.a == curve.series.rim:
+        raise InputError(
+            f"load: {show(load, 'load')} is carried by the full end, at whose edge G may be below w: --a "
+            f"{show(point.a, 'length')} is the state in which it lets go"
+        )
+    return point.a
 
 
 def profile_columns(solution: Solution, a: float, w: float, request: RangeRequest) -> dict[str, Array]:
@@ -798,6 +805,8 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     by finite elements where the surfaces stick or the kernel of a cylinder does not give them."""
     problem = solution.problem
     refuse_no_disc(solution.facts, "profile")
+    if problem.coatings:  # refused
+        return _columns(problem, a, w)
     if request:
         law = request.law(w)
         body = FiniteRangeBody.of(solution).body

@@ -79,9 +79,10 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
     E_star = modulus_factor * softest
     a, delta_H, P_H = half_space_radii(problem.indenter, E_star)
     _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
-    widest = float(a[P <= 0].max(initial=a[0]))
+    widest = min(float(a[P <= 0].max(initial=a[0])), problem.indenter.rim)
     layers = problem.layers
-    reach = min(REACH_FURTHER * sum(layer.thickness for layer in layers), widest) if layers else widest
+    grows = layers and problem.indenter.rim == math.inf
+    reach = min(REACH_FURTHER * sum(layer.thickness for layer in layers), widest) if grows else widest
     while True:
         far = _to(problem, reach)
         yield resolve_with(far, method=Layered(LEFT_OUT_ACCURACY)) if layers else resolve_with(far)
@@ -92,7 +93,7 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
 
 def _to(problem: Problem, a: float) -> Problem:
     """The problem to little more than the contact radius ``a`` [m], by rows that crowd towards first touch."""
-    end = min(ROOM * a, REACH_INSIDE * problem.indenter.r_max)
+    end = min(ROOM * a, REACH_INSIDE * problem.indenter.r_max, problem.indenter.rim)
     return replace(problem, loading=Loading("radius", end, ROWS, "log"))
 
 
@@ -100,7 +101,7 @@ def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, A
     """Contact radii from atoms to the end of the indenter [m], ``ROWS`` per decade, with delta_H [m] and P_H [N] on a
     half-space."""
     least, most = REACH_RADII
-    end = min(most, REACH_INSIDE * indenter.r_max)
+    end = min(most, REACH_INSIDE * indenter.r_max, indenter.rim)
     a = indenter.a0 + np.geomspace(least, end - indenter.a0, round(ROWS * math.log10(most / least)))
     columns = indenter.half_space(a, E_star)
     if columns is None:

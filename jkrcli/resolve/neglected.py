@@ -100,7 +100,7 @@ def preview_effects(problem: Problem, works: tuple[float, ...], z0: float) -> Ef
     body = replace(without_side_walls(problem), loading=replace(loading, points=max(loading.points, 100)))
     solution = resolve_with(body, method=Layered(LEFT_OUT_ACCURACY), longest=PATIENCE)
     series = solution.series
-    a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
+    a, delta, P = series.end
     adhesion, functions = [], Nonadhesive.of(series, "exact")
     for w in works:
         refuse_wetting(w, body.specimen.surface_tension)
@@ -116,9 +116,13 @@ def preview_effects(problem: Problem, works: tuple[float, ...], z0: float) -> Ef
         adhesion.append((w, point, judged))
     matter = None  # relative difference of the load to that of a half-space of the top material at the same depth
     if problem.layers:
-        half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
+        full = series.rim < math.inf
+        to = Loading("radius", a, 1) if full else Loading("depth", delta, 1)
+        half_space = alone(replace(problem, sticks=False, loading=to))
         with contextlib.suppress(Refusal):  # a half-space would need more of the profile than there is
-            matter = float(P / resolve_with(half_space, method=Layered(LEFT_OUT_ACCURACY)).series.P[-1] - 1)
+            other = resolve_with(half_space, method=Layered(LEFT_OUT_ACCURACY)).series
+            loads = (series.stiffness, other.stiffness) if full else (series.P, other.P)
+            matter = float(loads[0][-1] / loads[1][-1] - 1)
     return EffectsPreview(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
 
 
@@ -205,7 +209,9 @@ class Neighbours:
 
     def with_(self, name: str, key: str, **otherwise: Any) -> NeglectedEffect:
         """The body with ``otherwise`` in place of its fields."""
-        loading = Loading("depth", self.expected.delta, DENSE, "log")
+        rim = self.body.indenter.rim
+        to_rim = Loading("radius", rim, DENSE, "log") if rim < math.inf else None
+        loading = to_rim or Loading("depth", self.expected.delta, DENSE, "log")
         method = Layered(LEFT_OUT_ACCURACY)
         try:
             other = resolve_with(self.body, method=method, longest=PATIENCE, loading=loading, **otherwise).series
@@ -228,6 +234,8 @@ class Neighbours:
 def _at(series: Series, depth: float) -> tuple[float, float]:
     """P [N] and S [N/m] of a series at a depth [m] that it reaches."""
     assert series.S is not None
+    if series.rim < math.inf:  # of a full end in proportion to the depth
+        return float(series.S[-1]), float(series.S[-1])
     z = np.log(series.delta)
     load, stiffness = (math.exp(cubic_spline(z, np.log(y))(np.log(depth))) for y in (series.P, series.S))
     return load, stiffness

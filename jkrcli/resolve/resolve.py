@@ -19,7 +19,7 @@ from ..base.numerics import ROUNDED, Array, zeros_between
 from ..base.process import PATIENCE, duration
 from ..base.units import show
 from ..bodies.indenters import Sphere
-from ..bodies.problem import Loading, Problem, without_side_walls
+from ..bodies.problem import PUNCH_WITHOUT_RANGE, Loading, Problem, without_side_walls
 from ..formulas import adhesive_half_space, shift
 from ..methods.layered import contact as stack
 from ..methods.layered import no_slip, solver
@@ -142,24 +142,25 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     radii = a0 + (largest - a0) * np.append(
         np.geomspace(STICKING_EFFECT_SMALLEST, 1.0, STICKING_EFFECT_RADII), STICKING_EFFECT_BEYOND
     )
-    radii = radii[radii < body.indenter.r_max]
+    radii = radii[(radii < body.indenter.r_max) & (radii <= body.indenter.rim)]
     try:
         solved: list[Series] = []
         for contact in pair:
             result: Any = contact.solved(radii, contact.plan(radii, STICKING_EFFECT_ACCURACY))  # type: ignore[arg-type]
-            solved.append(Series(radii, result.delta, result.P, result.S, result.dS, a0=a0))
+            solved.append(Series(radii, result.delta, result.P, result.S, result.dS, a0=a0, rim=body.indenter.rim))
         sliding, sticking = solved
         pulled = [w for w in works if w > 0]
         pull_off = pull_off_ratios(sticking, sliding, pulled) if pulled else {}
     except JkrError as error:
         return Unknown(f"effect of no slip unknown: {error}")
     last = min(STICKING_EFFECT_RADII, radii.size) - 1
+    stiffness = float(sticking.stiffness[last] / sliding.stiffness[last])
+    if body.indenter.rim < math.inf:
+        return StickingEffect(largest, stiffness, stiffness, pull_off, stiffness)
     depth = min(sliding.delta[last], sticking.delta[-1])
-    assert sliding.S is not None
-    assert sticking.S is not None
     load = _punch_at(sticking, sticking.P, depth) / _punch_at(sliding, sliding.P, depth)
-    at_depth = _punch_at(sticking, sticking.S, depth) / _punch_at(sliding, sliding.S, depth)
-    return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off, at_depth)
+    at_depth = _punch_at(sticking, sticking.stiffness, depth) / _punch_at(sliding, sliding.stiffness, depth)
+    return StickingEffect(largest, load, stiffness, pull_off, at_depth)
 
 
 def _punch_at(series: Series, column: Array, depth: float) -> float:
@@ -384,6 +385,8 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     h = min(point.a, problem.top_thickness)
     if math.pi * z0**2 * problem.E_star / (4 * w) < RANGE_EFFECT_NARROW * h:
         return 0.0
+    if problem.indenter.rim < math.inf:
+        return Unknown(PUNCH_WITHOUT_RANGE)
     try:
         pull_off = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
     except JkrError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -92,6 +93,8 @@ class Series:
     radius; where the radius has an error itself, those of a and P are at equal displacement (``errors_at_radius`` has
     them at equal radius).
     ``a0, S0``: contact radius and slope at first touch (both 0 for round indenters; ``S0 = None``: unknown).
+    ``rim``: contact radius [m] of a full end, whose edge is pinned; ``pressed``: the displacement [m] up to which it is
+    pressed there.
     ``kinks``: radii [m] at which the indenter's slope bends, and delta and P with it; ``bends``: those that are meant,
     and not what is left between the points of a table.
     ``own``: of columns that were read, the exact solution of the bodies they are claimed to be of, where there is one:
@@ -110,6 +113,8 @@ class Series:
     errors: Mapping[str, Array] = field(default_factory=dict)
     a0: float = 0.0
     S0: float | None = 0.0
+    rim: float = math.inf
+    pressed: float = 0.0
     own: Series | None = None
     coarser: CoarseSeries | None = None
     kinks: tuple[float, ...] = ()
@@ -147,6 +152,13 @@ class Series:
     def stiffness(self) -> Array:
         """S [N/m], of differences where it is not known."""
         return np.gradient(self.P, self.delta) if self.S is None else self.S
+
+    @property
+    def end(self) -> tuple[float, float, float]:
+        """Contact radius [m], displacement [m] and load [N] up to which it goes."""
+        if self.rim < math.inf:
+            return float(self.a[-1]), self.pressed, self.pressed * float(self.stiffness[-1])
+        return float(self.a[-1]), float(self.delta[-1]), float(self.P[-1])
 
     @property
     def errors_at_radius(self) -> Mapping[str, Array]:
@@ -315,6 +327,14 @@ class Solution:
     kernel: KeptKernel | None = None
     touches: Series | None = None
     solver: Any = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        series, loading = self.series, self.problem.loading
+        if (
+            rim := self.problem.indenter.rim
+        ) < math.inf:  # what is prescribed besides a radius is borne by the full end
+            pressed = {"depth": loading.maximum, "load": loading.maximum / float(series.stiffness[-1])}
+            object.__setattr__(self, "series", replace(series, rim=rim, pressed=pressed.get(loading.to, 0.0)))
 
     def __repr__(self) -> str:
         a = self.increments.a

@@ -9,7 +9,7 @@ from jkrcli.adhesion.rules import slopes_function
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
 from jkrcli.base.errors import InputError, Refusal
-from jkrcli.formulas import hertz, thin_incompressible_layer, thin_layer
+from jkrcli.formulas import hertz, thin_incompressible_layer, thin_incompressible_slopes, thin_layer
 from jkrcli.series import Series
 from studies.noise_cells import noisy
 
@@ -165,3 +165,27 @@ def test_estimate_is_no_smaller_than_the_distance_from_the_integral_fit() -> Non
     assert judged.error >= distance >= alone.error
     np.testing.assert_array_equal(judged.dS, alone.dS)
     assert slopes(series, "auto").method == "integral"
+
+
+def test_smoothing_the_slope_of_s_further_takes_a_third_of_its_error_on_a_thin_layer() -> None:
+    """S' of an incompressible layer grows as a^4; loads with noise, 10 series, and the stated errors hold."""
+    a = half_space(60).a[15:]
+    exact = Series(a, *thin_incompressible_layer(a, 1e9, 1e-6, R))
+    _, slope = thin_incompressible_slopes(a, 1e9, 1e-6)
+    off = {"loocv": list[float](), "loocv-smoothed": list[float]()}
+    held = 0
+    for seed in range(10):
+        raw = noisy(exact, 1e-5, seed)
+        for rule, errors in off.items():
+            found = slopes_function(rule)(Series(raw.a, raw.delta, raw.P))
+            errors.append(float(np.sqrt(np.mean((found.dS / slope - 1)[10:] ** 2))))
+            if rule == "loocv-smoothed":
+                held += np.count_nonzero(np.abs(found.dS - slope) <= 2 * np.sqrt(found.covariance[:, 3, 3]))
+    assert np.median(off["loocv-smoothed"]) < 0.4 * np.median(off["loocv"])  # measured: 0.29
+    assert held >= 0.95 * 450
+
+
+def test_smoothing_further_leaves_a_power_as_it_is() -> None:
+    plain, further = (slopes_function(rule)(half_space(60)) for rule in ("loocv", "loocv-smoothed"))
+    np.testing.assert_allclose(further.dS, plain.dS, rtol=1e-6)
+    np.testing.assert_array_equal(further.S, plain.S)

@@ -11,6 +11,7 @@ from scipy.integrate import quad
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import (
+    FlatPunch,
     Indenter,
     Paraboloid,
     PowerLaw,
@@ -26,6 +27,7 @@ GRID = np.linspace(0, 0.5 * R, 31)
 SHAPES = [
     Sphere(R),
     Paraboloid(R),
+    FlatPunch(R),
     PowerLaw(0.7, 1.0),
     PowerLaw(1e12, 3.3),
     RoundedFlat(0.1 * R, 0.3 * R),
@@ -202,7 +204,7 @@ def test_wrong_shapes_are_refused(build, line: str) -> None:
 
 
 def test_a0_and_tip_radius() -> None:
-    assert [shape.a0 for shape in SHAPES[:-1]] == pytest.approx([0, 0, 0, 0, 0.1 * R, 0, 0, 0])
+    assert [shape.a0 for shape in SHAPES[:-1]] == pytest.approx([0, 0, 0, 0, 0, 0.1 * R, 0, 0, 0])
     assert 0.1 * R < SHAPES[-1].a0 < 0.2 * R  # where the parabola through the last three points meets the flat end
     assert RoundedCone(R, 0.5).tip_radius == R
     assert Sphere(R).tip_radius == Paraboloid(R).tip_radius == R

@@ -11,7 +11,16 @@ from hypothesis import strategies as st
 
 from jkrcli.base import units
 from jkrcli.base.errors import counted
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.indenters import (
+    FlatPunch,
+    Paraboloid,
+    PowerLaw,
+    Pyramid,
+    RoundedCone,
+    RoundedFlat,
+    Sphere,
+    TableProfile,
+)
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Rigid, Specimen
 from jkrcli.case import models
 from jkrcli.case.models import load_case, parse_case
@@ -67,6 +76,7 @@ def test_template_is_a_valid_case_and_so_are_its_commented_options() -> None:
             "shape='rounded-cone'\nradius='20 nm'\nhalf_angle='20 deg'\ncap='parabola'",
             RoundedCone(2e-8, np.radians(20), cap="parabola"),
         ),
+        ("shape='flat'\nradius='1 mm'", FlatPunch(1e-3)),
         ("shape='flat'\nflat_radius='1 um'\nedge_radius='2 nm'", RoundedFlat(1e-6, 2e-9)),
         ("shape='table'\nr=[0,1,2]\nf=[0,1,4]", TableProfile((0.0, 1.0, 2.0), (0.0, 1.0, 4.0))),
         ("shape='sphere'\nradius=1\nE='1 GPa'\nnu=0.5", Sphere(1.0, Elastic(1e9, 0.5))),

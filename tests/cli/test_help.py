@@ -186,7 +186,7 @@ def test_completion_works_in_bash() -> None:
     )
     assert set(completed("bash", words.format("jkr p", 1))) == {v for v in VERBS if v.startswith("p")}
     assert "--slopes" in completed("bash", words.format("jkr transform --s", 2))
-    assert completed("bash", words.format("jkr transform --slopes lo", 3)) == ["loocv", "loocv-kept"]
+    assert completed("bash", words.format("jkr transform --slopes lo", 3)) == ["loocv", "loocv-kept", "loocv-smoothed"]
 
 
 @pytest.mark.slow

@@ -45,7 +45,10 @@ def _gel(tmp_path):
         ),
         (("30 mN/m", "-1 mN/m"), "specimen.surface_tension: must be >= 0, got -1 mN/m"),
         ((TENSION, TENSION + '\nsurface = "sticking"'), 'leave it out, or take specimen.surface = "sliding"'),
-        (('radius = "5 um"', 'radius = "5 um"\nE = "1 MPa"\nnu = 0.3'), "leave it out, or take a rigid indenter"),
+        (
+            ("[indenter]", 'method = "fem"\n[indenter]\nE = "1 MPa"\nnu = 0.3'),
+            "an elastic indenter on a surface under tension is not represented by a rigid profile: use method layered",
+        ),
         (("[adhesion]", '[adhesion]\nrange = "10 nm"'), "leave range, stress and capillary out, or specimen.surface"),
         (
             ("[indenter]", 'method = "hybrid"\n[indenter]'),

@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import quad
 
 from jkrcli import formulas
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
+from jkrcli.bodies.indenters import FlatPunch, Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.methods.closed_form import CLOSED_FORM_ROUND_OFF, ClosedForm
 
 E_STAR, R = 7.0e5, 2e-3
-SHAPES = [Sphere(R), Paraboloid(R), PowerLaw(0.3, 1.0), PowerLaw(5e6, 4.0), RoundedFlat(0.1 * R, R)]
+SHAPES = [Sphere(R), Paraboloid(R), FlatPunch(R), PowerLaw(0.3, 1.0), PowerLaw(5e6, 4.0), RoundedFlat(0.1 * R, R)]
 
 
 @pytest.mark.parametrize("indenter", SHAPES, ids=lambda shape: type(shape).__name__)
@@ -107,9 +107,9 @@ def test_tabor_number_of_the_papers_cases() -> None:
 
 
 @pytest.mark.parametrize("quantity", ["depth", "load", "radius"])
-@pytest.mark.parametrize("spacing", ["radius", "depth", "given"])
+@pytest.mark.parametrize("spacing", ["radius", "depth", "load", "given"])
 def test_loading_reaches_what_was_asked(quantity: str, spacing: str) -> None:
-    if (quantity, spacing) == ("radius", "depth"):
+    if quantity == "radius" and spacing in ("depth", "load"):
         return
     top = {"depth": 1e-2 * R, "load": 1e-2 * E_STAR * R**2, "radius": 0.1 * R}[quantity]
     loading = (
@@ -121,11 +121,17 @@ def test_loading_reaches_what_was_asked(quantity: str, spacing: str) -> None:
         if quantity == "radius" and indenter.a0 > 0:
             loading = Loading(quantity, 0.3 * R, 10, "radius")
         series = ClosedForm()(Problem(indenter, Specimen((), HalfSpace(Elastic(E_STAR, 0.0))), loading)).series
+        end = dict(zip(("radius", "depth", "load"), series.end, strict=True))
+        assert end[quantity] == pytest.approx(loading.maximum, rel=1e-12)
+        if indenter.rim < np.inf and quantity != "radius":  # borne by the full end, whatever the spacing
+            np.testing.assert_allclose(np.diff(series.a), series.a[0], rtol=1e-9)
+            continue
         column = {"depth": series.delta, "load": series.P, "radius": series.a}[quantity]
-        assert column[-1] == pytest.approx(loading.maximum, rel=1e-12)
         if loading.spacing == "given":
             np.testing.assert_allclose(column, loading.values, rtol=1e-11)
         if loading.spacing == "depth":
             np.testing.assert_allclose(np.diff(series.delta), series.delta[0], rtol=1e-9)
+        if loading.spacing == "load":
+            np.testing.assert_allclose(np.diff(series.P), series.P[0], rtol=1e-9)
         if loading.spacing == "radius":
             np.testing.assert_allclose(np.diff(series.a), series.a[0] - indenter.a0, rtol=1e-9)

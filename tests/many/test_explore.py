@@ -193,3 +193,12 @@ def test_a_missing_library_is_one_line(jkr: Callable, gel: Path, monkeypatch: py
     outcome = jkr("explore", "gel.h5")
     assert outcome.code == 2
     assert outcome.err == f"jkr: error: explore: needs the optional package plotly: {installs('explore')}\n"
+
+
+def test_a_flat_punch_is_not_drawn(jkr: Callable) -> None:
+    Path("punch.toml").write_text(
+        'indenter = { shape = "flat", radius = 1e-3 }\nspecimen.half_space = { E = 1e6, nu = 0.5 }\n'
+        "loading.radius = 1e-3\nadhesion.w = 0.05\n"
+    )
+    jkr("run", "punch.toml")
+    assert "draws no full end" in jkr("explore", "punch.h5").err

@@ -30,6 +30,7 @@ ACROSS = {"E_p": "2 MPa", "E_z": "1 MPa", "nu_p": 0.3, "nu_zp": 0.2, "G_z": "0.5
 GRADED = {"thickness": "10 um", "E": {"law": "linear", "top": "1 MPa", "bottom": "2 MPa"}, "nu": 0.4}
 SPHERE = {"shape": "sphere", "radius": "9 um"}
 FLAT = {"shape": "flat", "radius": None, "flat_radius": "5 um", "edge_radius": "1 mm"}
+PUNCH = {"shape": "flat", "radius": "10 um"}
 TABLE = {"shape": "table", "radius": None, "r": ["0 um", "1 um", "5 um"], "f": ["0 um", "0.1 um", "1 um"]}
 LARGER = {"r": ["0 um", "1 um", "50 um"], "f": ["0 um", "0.1 um", "10.9 um"]}
 ROD = cylinder("1.06 um", layer("80 um", nu=0.1), layer("160 um", "2.5 kPa", 0.3), side="roller", base="frictionless")
@@ -137,6 +138,12 @@ KINDS = {
         LAYERED, RIGID),
     "fem: elastic indenter on a cylinder": kind(RIGID_ONLY + "use method hybrid, or a rigid indenter",
         fem(indenter=ELASTIC, specimen=cylinder("60 um")), HYBRID, RIGID),
+    "fem: flat punch": kind("method fem: contact radii of nodes do not meet the sharp edge of a flat punch: use method "
+        "layered, or give indenter.flat_radius and edge_radius", fem(indenter=PUNCH), LAYERED, {"indenter": FLAT},
+        near=None),
+    "fem: flat punch on a cylinder": kind("method fem: contact radii of nodes do not meet the sharp edge of a flat "
+        "punch: use method hybrid, or give indenter.flat_radius and edge_radius",
+        fem(indenter=PUNCH, specimen=cylinder("60 um")), HYBRID, {"indenter": FLAT}, near=None),
     "fem: first order": kind("method fem: nu = 0.5 needs second-order elements: set mesh.order = 2",
         fem({"order": 1}, specimen=RUBBER), {"mesh": {"order": 2}}),
     "fem: displacements": kind(

@@ -4,7 +4,8 @@ A not-a-knot cubic spline through the points P_H(delta_H) and the first touch (0
 S at first touch is imposed by an infinite weight (0 for round indenters, S0 where it is known); a smoothing spline of
 S(a) with leave-one-out cross-validation gives S' as its derivative. The values of S are either kept from the cubic
 spline, as in the paper's examples ("loocv-kept"), or re-evaluated by the smoothing spline, the paper's optional step
-("loocv"). Everything is scaled by the data's own ranges: the paper's dimensionless form up to constant factors.
+("loocv"); S' may be smoothed further, as the paper says ("loocv-smoothed"). Everything is scaled by the data's own
+ranges: the paper's dimensionless form up to constant factors.
 
 Known limits: noise is amplified before any smoothing sees it, and the smoothing spline is a natural one (S'' = 0 at
 both ends), so that S' is biased at the last points wherever S is not a straight line there; the bias is estimated and
@@ -254,6 +255,7 @@ LOOCV_FEWEST = 5  # points; theory: leaving one out must leave a cubic
 # random replicas of the noise; tuned on noisy series, by `make constants`: half as many move stated errors by an
 # eighth, as 1/sqrt(2 * 64) says
 LOOCV_PROBES = 64
+LOOCV_SMOOTHED = 0.2  # choice: of the radius, over which "loocv-smoothed" smooths S' once more
 DIFFERENCES = 6  # order of those that tell noise from a smooth S(a); tuned on exact and noisy series, by `make noise`
 MEDIAN_SQUARE = 0.4549  # theory: of a normal number of variance 1
 
@@ -262,12 +264,14 @@ KEPT = "S kept from the cubic spline P(delta)"
 REEVALUATED = "S re-evaluated by the smoothing spline"
 
 
-def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) -> Slopes:
+def loocv(
+    series: Series, criterion: Criterion = "loocv", keep_S: bool = False, smooth_dS: bool = False
+) -> Slopes:  # fmt: skip
     """Find S and S' at the radii of ``series``, shape (n,); refused below 5 points or where S' is not positive.
 
     Parameters: ``criterion``: what the smoothing parameter minimises; ``keep_S``: keep S of the cubic spline P(delta),
-    the paper's default, instead of re-evaluating it by the smoothing spline, its optional step. Source: the paper's
-    Fig. 2 and App. B.
+    the paper's default, instead of re-evaluating it by the smoothing spline, its optional step; ``smooth_dS``: smooth
+    S' by a spline of its own, a further step that the paper names. Source: the paper's Fig. 2, Sec. 3 and App. B.
     """
     if len(series) < LOOCV_FEWEST:
         raise Refusal(
@@ -281,6 +285,13 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
         weights = np.append(math.inf, weights)
     spline = smoothing_spline(a, ordinates, weights, criterion=criterion)
     S, dS = raw if keep_S else spline(series.a), spline(series.a, 1)
+    further, plain = None, dS
+    if smooth_dS and (dS > 0).all():
+        # log S' over log a, which powers are straight lines in; it has no scatter of its own left to choose lambda by
+        x = np.log(series.a)
+        lam = (LOOCV_SMOOTHED * (x.size - 1) / (math.sqrt(2) * float(x[-1] - x[0]))) ** 4
+        further = smoothing_spline(x, np.log(dS), smoothing_lambda=lam)
+        dS = np.exp(further.g)
     bad = (dS <= 0) | (S <= 0)
     if bad.any():
         radii = ", ".join(f"{a:.4g}" for a in series.a[bad][:5]) + (", ..." if bad.sum() > 5 else "")
@@ -297,7 +308,7 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
     probe = max(x[-1] - 4 * length, (x[0] + x[-1]) / 2)
     curvature = float(spline(np.array(probe), 2))
     bias = curvature * (h / (2 * math.sqrt(3)) + layer) * np.exp(-(x[-1] - series.a) / length)
-    covariance = _covariance(series, spline, weights, dS, bias, keep_S)
+    covariance = _covariance(series, spline, weights, dS, np.hypot(bias, dS - plain), keep_S, further)
     flags: tuple[str, ...] = ()
     if (relative := abs(bias[-1]) / dS[-1]) >= NOTICEABLE:
         reached = int(np.sum(np.abs(bias) / dS > NOTICEABLE))
@@ -311,9 +322,8 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
         "upper": ", its upper bound: S(a) is a straight line",
     }.get(spline.at_bound or "", "")
     reason = f"{KEPT if keep_S else REEVALUATED}; lambda = {spline.smoothing_lambda:.2g}{bound}"
-    return Slopes(
-        S, dS, "loocv", error, spline.smoothing_lambda, flags, reason, covariance=covariance, derived=not keep_S
-    )
+    derived = not (keep_S or smooth_dS)
+    return Slopes(S, dS, "loocv", error, spline.smoothing_lambda, flags, reason, covariance=covariance, derived=derived)
 
 
 def gcv(series: Series) -> Slopes:
@@ -324,6 +334,11 @@ def gcv(series: Series) -> Slopes:
 def loocv_kept(series: Series) -> Slopes:
     """Find S' as ``loocv`` does and keep S of the cubic spline: the paper's examples."""
     return replace(loocv(series, keep_S=True), method="loocv-kept")
+
+
+def loocv_smoothed(series: Series) -> Slopes:
+    """Find S and S' as ``loocv`` does and smooth S' once more."""
+    return replace(loocv(series, smooth_dS=True), method="loocv-smoothed")
 
 
 def gcv_kept(series: Series) -> Slopes:
@@ -349,7 +364,10 @@ def divided_differences(x: Array, y: Array, order: int) -> Array:
     return y
 
 
-def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Array, bias: Array, keep_S: bool) -> Array:
+def _covariance(
+    series: Series, spline: SmoothingSpline, weights: Array, dS: Array, bias: Array, keep_S: bool,
+    further: SmoothingSpline | None,
+) -> Array:  # fmt: skip
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S'): replicas of the noise, end bias, and the series' own errors.
 
     The noise is taken as independent and of one relative size on a, delta and P. White noise is sent through the same
@@ -373,6 +391,8 @@ def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Arr
     else:
         size = math.sqrt(np.sum(scatter**2) / np.mean(np.sum((raw - smooth) ** 2, axis=0)))
     of_S = raw if keep_S else smooth
+    if further is not None:
+        slope = linear_fit(further, np.ones(len(series)), slope / dS[:, None])[0] * dS[:, None]
     replicas = size * np.stack([delta - growth * a, P - S * growth * a, of_S, slope], axis=1)
     covariance = np.einsum("nip,njp->nij", replicas, replicas) / LOOCV_PROBES
     covariance[:, 3, 3] += bias**2

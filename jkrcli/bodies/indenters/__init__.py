@@ -4,7 +4,7 @@ import importlib
 import pkgutil
 
 from ..problem import SHAPES, Indenter, shape
-from .analytic import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere
+from .analytic import FlatPunch, Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere
 from .table import TableProfile
 
 for _module in pkgutil.iter_modules(__path__):

@@ -1,4 +1,4 @@
-"""Indenters whose profile is a formula: sphere, paraboloid, power law and cone, flat end with a rounded edge."""
+"""Indenters whose profile is a formula: sphere, paraboloid, power law and cone, flat punch, rounded flat end."""
 
 from __future__ import annotations
 
@@ -149,7 +149,61 @@ def of_half_angle(half_angle: HalfAngle, material: Solid | None) -> PowerLaw:
     return PowerLaw(1 / math.tan(half_angle), 1.0, material)
 
 
+# theory: height of a plane end over its radius, below the rounding of any displacement that adhesion causes
+PLANE = 1e-30
+
+
+@dataclass(frozen=True)
+class FlatPunch(_Round):
+    """Flat punch of radius ``R`` [m] with a sharp edge, at which the full contact is pinned (Kendall 1971).
+
+    An edge that has receded to a < R is that of a smaller punch, delta_H = P_H = 0: the limit f = PLANE r^2/R of a
+    paraboloid whose height vanishes.
+    """
+
+    noun: ClassVar[str] = "flat punch"
+
+    @property
+    def rim(self) -> float:
+        return self.R
+
+    @property
+    def tip_radius(self) -> None:  # type: ignore[override]
+        return None
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        return {"shape": "flat", "radius": self.R}
+
+    def f(self, r: Array) -> Array:
+        return PLANE * np.asarray(r, dtype=float) ** 2 / self.R
+
+    def slope(self, r: Array) -> Array:
+        return 2 * PLANE * np.asarray(r, dtype=float) / self.R
+
+    def abel(self, x: Array) -> Array:
+        return 2 * PLANE * np.asarray(x, dtype=float) ** 2 / self.R
+
+    def abel_slope(self, x: Array) -> Array:
+        return 4 * PLANE * np.asarray(x, dtype=float) / self.R
+
+    def half_space(self, a: Array, E_star: float) -> tuple[Array, Array]:
+        return formulas.hertz(a, E_star, self.R / (2 * PLANE))
+
+
 @shape("flat")
+def flat_end(
+    radius: Length | None = None, flat_radius: Length | None = None, edge_radius: Length | None = None,
+    *, material: Solid | None,
+) -> FlatPunch | RoundedFlat:  # fmt: skip
+    """The flat end of a case file: with a sharp edge at ``radius``, or an ``edge_radius`` around ``flat_radius``."""
+    if radius is not None and flat_radius is None and edge_radius is None:
+        return FlatPunch(radius, material)
+    if radius is None and flat_radius is not None and edge_radius is not None:
+        return RoundedFlat(flat_radius, edge_radius, material)
+    raise InputError("a flat end needs radius (sharp edge), or flat_radius and edge_radius (rounded edge)")
+
+
 @dataclass(frozen=True)
 class RoundedFlat(Indenter):
     """Flat end of radius ``b`` with a parabolic edge of radius ``edge_radius``: f = (r - b)^2/(2 edge_radius) outside.
@@ -164,6 +218,10 @@ class RoundedFlat(Indenter):
 
     def __post_init__(self) -> None:
         read_fields(self)
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        return {"shape": "flat", "flat_radius": self.b, "edge_radius": self.edge_radius}
 
     @property
     def a0(self) -> float:

@@ -77,6 +77,10 @@ def payload(result: Analysis, measured: Sequence[Any], slopes_option: str = "aut
     ``slopes_option``: as asked for on the command line that is reproduced.
     """
     curve, problem, tension = result.jkr, result.problem, result.problem.specimen.surface_tension
+    if curve.series.rim < math.inf:
+        raise InputError(
+            f"{result.path}: explore draws no full end, at which the edge of a flat punch is pinned: jkr cycle"
+        )
     shown, total = _thinned(measured)
 
     # What the CSV file needs beside: the nonadhesive columns, as they were solved and as the slopes' fit sees them
@@ -165,10 +169,8 @@ def start_work(body: Nonadhesive) -> float:
 def _table(body: Nonadhesive) -> dict[str, list[float]]:
     """delta_H, P_H, S and the shift t of w = 1 with their derivatives by the radius, at the rows of the series and at
     radii between them, even in the logarithm of a - a0."""
-    a0, rows = body.series.a0, body.series.a
-    position = np.arange(EVERY * (len(rows) - 1) + 1) / EVERY
-    a = a0 + np.exp(np.interp(position, np.arange(len(rows)), np.log(rows - a0)))
-    a[::EVERY] = rows
+    a = body.spread(EVERY * (len(body.a) - 1) + 1)
+    a[::EVERY] = body.a
     here, rates = body.with_rates(a)
     names = {"delta": "delta_H", "P": "P_H", "S": "S", "t": "t"}
     columns = {key: getattr(here, name) for key, name in names.items()}

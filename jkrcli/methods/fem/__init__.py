@@ -209,6 +209,11 @@ class FEM(FEMOptions):
         specimen = problem.specimen
         if reason := without_coating(problem):
             return reason
+        if problem.indenter.rim < math.inf:
+            return (
+                "contact radii of nodes do not meet the sharp edge of a flat punch: use method "
+                f"{'layered' if specimen.radius is None else 'hybrid'}, or give indenter.flat_radius and edge_radius"
+            )
         if problem.sticks and (reason := self._unable_to_stick(problem)):
             return reason
         if self.tolerance is not None and (self.spacing, self.growth) != (FEMOptions.spacing, FEMOptions.growth):
@@ -216,10 +221,11 @@ class FEM(FEMOptions):
                 "mesh.spacing and mesh.growth follow from mesh.tolerance: leave them out, or leave out the tolerance "
                 "(--tolerance)"
             )
-        if problem.indenter.material is not None and not specimen.is_half_space:
+        if problem.indenter.material is not None and (not specimen.is_half_space or specimen.surface_tension):
             other = "layered" if specimen.radius is None else "hybrid"
+            body = "surface under tension" if specimen.surface_tension else "layered or finite body"
             return (
-                "an elastic indenter on a layered or finite body is not represented by a rigid profile: "
+                f"an elastic indenter on a {body} is not represented by a rigid profile: "
                 f"use method {other}, or a rigid indenter"
             )
         if specimen.radius is not None and isinstance(specimen.base, HalfSpace):

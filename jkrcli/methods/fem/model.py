@@ -645,6 +645,10 @@ def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float |
             loading = problem.loading
             if loading.spacing == "given" and loading.to == "load":
                 increments = solve_loads(contact, loading.values)
+            elif loading.spacing == "load":
+                end = solve_depths(contact, depths_of(problem, touches)[-1:])
+                steps = np.arange(1, loading.points) / loading.points
+                increments = [*solve_loads(contact, end[0].P * steps), *end]
             else:
                 increments = solve_depths(contact, depths_of(problem, touches))
         with clock("edge correction"):

@@ -215,7 +215,7 @@ def _no_radius(problem: Problem, reach: float) -> str:
 
 def _unable(problem: Problem) -> str | None:
     specimen = problem.specimen
-    if reason := without_tension(problem) or without_coating(problem):
+    if reason := without_tension(problem) or (without_coating(problem) if problem.specimen.radius is None else None):
         return reason
     if problem.sticks:
         return f"the correction is for frictionless contact: use method {kernel.instead(problem.indenter, specimen)}"

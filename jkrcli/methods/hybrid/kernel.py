@@ -15,7 +15,7 @@ from ...base.numerics import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array
 from ...base.process import duration
 from ...base.units import show
 from ...bodies.indenters import Indenter
-from ...bodies.problem import AnyGraded, HalfSpace, Specimen, contact_modulus
+from ...bodies.problem import AnyGraded, Coated, HalfSpace, Specimen, contact_modulus
 from ...series import KeptKernel
 from ..integral.finite_range import Attraction, panels_for
 from ..integral.fredholm import EquationResult, Panels, Quadrature, rule, solve, tolerance_remedy
@@ -493,7 +493,9 @@ class AdaptiveKernel:
         region = Region.of(self.specimen, reach, cut)
         error = HYBRID_PARAMETERS * self.tolerance / math.sqrt(_stiffening(region))
         count = count_for(region, error) + step.more
-        wide = Region.of(self.wide.specimen, reach, cut) if region.changing else None
+        # of a coated indenter the exact part has the layers of both bodies
+        apart = region.changing or isinstance(self.indenter.material, Coated)
+        wide = Region.of(self.wide.specimen, reach, cut) if apart else None
         return KernelLevels(region, count, self.E_star / self.specimen.surface.E_star, wide)
 
     def guard(self, levels: KernelLevels, degree: int) -> None:
@@ -622,7 +624,7 @@ class AdaptiveKernel:
         if cuts and region.algebraic:
             cut[-1] = np.maximum(cut[-1], HYBRID_STEEPER_CUT * cut[2])
             cut = np.maximum(cut, cut[:-1].max()) if region.higher_order else cut
-        least = HYBRID_NO_CLAIM * self.tolerance + (GRADED if levels.wide is not None else 0.0)
+        least = HYBRID_NO_CLAIM * self.tolerance + (GRADED if region.changing else 0.0)
         elements = np.hypot(HYBRID_SAFETY / falls * last, accident) + rounding + least
         steeper = np.minimum(HYBRID_STEEPER * elements[:-1].max(axis=0), HYBRID_ALLOWED * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)

@@ -188,14 +188,17 @@ class Quadrature:
         return min(plans, key=lambda plan: plan.nodes)
 
     @classmethod
-    def crowded(cls, radii: Array, a0: float, scale: float, tolerance: float, strength: float) -> Quadrature:
+    def crowded(
+        cls, radii: Array, a0: float, scale: float, tolerance: float, strength: float,
+        orders: Iterable[int] = range(QUADRATURE_UNSMOOTH_NODES, QUADRATURE_MOST_NODES + 1),
+        most_cuts: float = QUADRATURE_MOST_CUTS,
+    ) -> Quadrature:  # fmt: skip
         """Quadrature as by ``cheapest``, with panels that crowd before each radius, for a kernel -``strength`` ln |x -
         t| [1/m]."""
-        orders = range(QUADRATURE_UNSMOOTH_NODES, QUADRATURE_MOST_NODES + 1)
         plain = cls.cheapest(radii, a0, scale, tolerance, orders)
         wide = min(float(np.max(np.diff(radii, prepend=0.0))), plain.widest)
         excess = QUADRATURE_EDGE * strength * wide / math.sqrt(tolerance)
-        cuts = min(math.ceil(math.log(max(excess, 1.0)) / -math.log(QUADRATURE_SHRINK)), QUADRATURE_MOST_CUTS)
+        cuts = int(min(math.ceil(math.log(max(excess, 1.0)) / -math.log(QUADRATURE_SHRINK)), most_cuts))
         return cls(plain.order, plain.widest, plain.nodes + plain.order * cuts * radii.size, cuts)
 
     def finer(self) -> Quadrature:

@@ -10,7 +10,7 @@ import numpy as np
 from ...base.errors import InputError, Refusal
 from ...base.numerics import Array
 from ...base.process import StageClock
-from ...bodies.problem import Loading, Problem, Specimen, stacks, without_side_walls
+from ...bodies.problem import Loading, Problem, stacks, without_side_walls
 from ...formulas import shift
 from ...series import ErrorBudget, Solution
 from ..integral.density import Density, disc_warnings, nonsmooth_part, refuse_shrinking
@@ -19,7 +19,7 @@ from ..protocol import Forecast, LayeredOptions
 from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
 from .no_slip import StuckLayeredContact, why_unsupported
 from .spectrum import spectrum_seconds
-from .surface_tension import TENSE_TOLERANCE, SurfaceTensionSolver
+from .surface_tension import ELASTIC_TIP_TOLERANCE, TENSE_TOLERANCE, SurfaceTensionSolver, TenseTipSolver
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 FIRST = 1e-12  # relative accuracy of S at first touch; choice: one radius costs nothing
@@ -48,12 +48,16 @@ class Layered(LayeredOptions):
                 f"the specimen has a finite radius of {radius:g} m, this method knows only laterally "
                 f"unbounded ones; use the method {other}, or leave the radius out"
             )
+        if problem.specimen.surface_tension and problem.indenter.material and problem.specimen.is_graded:
+            return "surface tension of a graded layer under an elastic indenter is not derived: take a rigid indenter"
         return why_unsupported(problem.indenter, problem.specimen) if problem.sticks else None
 
-    def attainable(self, specimen: Specimen) -> float:
-        """The tolerance that holds for ``specimen``."""
-        least = max(GRADED if specimen.is_graded else 0.0, TENSE_TOLERANCE if specimen.surface_tension else 0.0)
-        return max(self.tolerance, least)
+    def attainable(self, problem: Problem) -> float:
+        """The tolerance that holds for the ``problem``."""
+        specimen, tense = problem.specimen, 0.0
+        if specimen.surface_tension:
+            tense = TENSE_TOLERANCE if problem.indenter.material is None else ELASTIC_TIP_TOLERANCE
+        return max(self.tolerance, GRADED if specimen.is_graded else 0.0, tense)
 
     def forecast(self, problem: Problem) -> Forecast:
         """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast.
@@ -62,7 +66,7 @@ class Layered(LayeredOptions):
         """
         contact: Any = _contact(problem)
         seconds = spectrum_seconds(problem)
-        tolerance, loading, largest = self.attainable(problem.specimen), problem.loading, largest_radius(problem)
+        tolerance, loading, largest = self.attainable(problem), problem.loading, largest_radius(problem)
         radii = np.linspace(problem.indenter.a0, largest, max(loading.points, 1) + 1)[1:]
         plan: Any = contact.plan(radii, tolerance / LAYERED_MARGIN)
         contact.guard(radii, plan)
@@ -73,7 +77,7 @@ class Layered(LayeredOptions):
         other, checking = contact.checking(some, plan, tolerance)
         other.guard(some, checking)
         check = other.flops(some, checking)
-        each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
+        each_is_looked_for = loading.spacing in ("depth", "load") or (loading.to != "radius" and loading.values)
         operations = float(contact.flops(radii, plan)) * (SEARCHES if each_is_looked_for else 1) + float(check)
         memory = 8 * 6 * max(plan.nodes + radii.size / groups, checking.nodes + some.size) ** 2 / 2**20
         return Forecast(seconds + operations / FLOPS_PER_SECOND, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
@@ -87,7 +91,7 @@ class Layered(LayeredOptions):
         contact = _contact(problem)
         with clock("spectrum"):
             _ = contact.spectrum.panels  # now rather than at the first solve
-        tolerance = self.attainable(problem.specimen)
+        tolerance = self.attainable(problem)
         with clock("radii"):
             radii = search(contact, problem.loading, max(SEARCH, 0.01 * tolerance)).radii
         with clock("solve"):
@@ -132,7 +136,8 @@ def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -
 
 def _contact(problem: Problem) -> SolvedContact:
     kind: Any = StuckLayeredContact if problem.sticks else LayeredContact
-    kind = SurfaceTensionSolver if problem.specimen.surface_tension else kind
+    if problem.specimen.surface_tension:
+        kind = SurfaceTensionSolver if problem.indenter.material is None else TenseTipSolver
     return kind(problem.indenter, problem.specimen)
 
 

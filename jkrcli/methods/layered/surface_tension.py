@@ -30,10 +30,11 @@ from ... import formulas
 from ...base.errors import Refusal, counted
 from ...base.numerics import Array, EvenCubic, PiecewiseCubic, cubic_spline
 from ...base.units import show
-from ...bodies.problem import AnyGraded, Specimen
+from ...bodies.problem import AnyGraded, Specimen, stacks
 from ..integral.fredholm import (
     ContactResult,
     Panels,
+    Quadrature,
     crowded,
     crowded_rule,
     gauss,
@@ -42,7 +43,7 @@ from ..integral.fredholm import (
     phase_allowed,
     rule,
 )
-from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers, logarithms
+from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers, LayeredContact, logarithms
 from .spectrum import COUNT, LayeredSpectrum, Tail, compliance, divided, regularised, resolved, surface_series
 
 # --------------------------------------------------------------------------------------------------
@@ -407,3 +408,74 @@ class SurfaceTensionSolver(IndenterOnLayers):
 @lru_cache(maxsize=8)
 def _spectrum(specimen: Specimen) -> TenseSpectrum:
     return TenseSpectrum(specimen)
+
+
+# --------------------------------------------------------------------------------------------------
+# An elastic or coated tip on such a surface: its compliance 2 g_i/(E*_i k) adds to that of the specimen.
+#
+# Over many wave numbers the tip alone gives way: with E*_i in front
+#
+#     g = g_i + (E*_i/E*) g_s/(1 + kappa g_s k) = 1 + (E*_i/E*)/(1 + kappa k) + what decays with the layers,
+#
+# the equation is one of the second kind again with a logarithm in its kernel, as under a graded modulus, of which
+# S, S', delta_H and P_H are found: no tension acts at the edge itself, within some 2 Ups/E*_i of it.
+
+# The least tolerance, and nodes on a panel; tuned on tips as stiff as the specimen to 1e4 times, by `make constants`
+ELASTIC_TIP_TOLERANCE, ELASTIC_TIP_ORDERS = 1e-5, range(8, 11)
+
+
+@dataclass(frozen=True)
+class TensionTail:
+    """The share ``ratio``/(1 + kappa k) of a surface under tension, E*_i/E* the ``ratio``; ``finest``: the length [m]
+    over which it varies."""
+
+    ratio: float
+    kappa: float
+    finest: float
+
+    @property
+    def strength(self) -> float:
+        """The factor of the kernel's logarithm [1/m]."""
+        return self.ratio / self.kappa
+
+    def __call__(self, k: Array) -> Array:
+        return self.ratio / (1 + self.kappa * k)
+
+    def transform(self, s: Array) -> Array:
+        """int_0^inf cos(ks) dk of it [1/m] at s > 0 [m]."""
+        return self.strength * formulas.displacement(s / self.kappa)
+
+
+@dataclass(frozen=True, eq=False)
+class TenseTipSpectrum(LayeredSpectrum):
+    """Spectrum g - 1 of a surface under tension and an elastic tip, by the E* of the tip."""
+
+    def __call__(self, k: Array) -> Array:
+        (g, excess), y = compliance(self.specimen, k), self.tail.kappa * k
+        of_tip = stacks(self.specimen, self.indenter)[bool(self.specimen.layers) :]  # its coating, where it has one
+        own = self.tail.ratio * excess / ((1 + y * g) * (1 + y))
+        return sum((compliance(body, k)[1] for body in of_tip), own)
+
+    @cached_property
+    def tail(self) -> TensionTail:  # type: ignore[override]
+        assert self.indenter is not None
+        kappa, surface = self.specimen.tension_length, self.specimen.surface
+        return TensionTail(self.indenter.E_star / surface.E_star, kappa, min(kappa, self.specimen.top_thickness))
+
+
+class TenseTipSolver(LayeredContact):
+    """An elastic tip on a layered specimen with surface tension, solved at given radii."""
+
+    @property
+    def E_star(self) -> float:
+        """That of the tip [Pa]."""
+        assert self.indenter.material is not None
+        return self.indenter.material.E_star
+
+    @cached_property
+    def spectrum(self) -> TenseTipSpectrum:
+        return TenseTipSpectrum(self.specimen, self.indenter.material)
+
+    def together(self, radii: Array, tolerance: float) -> Quadrature:
+        own = radii, self.indenter.a0, self.scale, tolerance, self.spectrum.tail.strength
+        return Quadrature.crowded(*own, ELASTIC_TIP_ORDERS, math.inf)

@@ -134,6 +134,9 @@ def _draw(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
     changes = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
     for first, last in itertools.pairwise(changes):  # to the first point of the next part: no gaps
         axes.plot(*line[:, first : last + 1], BRANCHES[str(words[first])][0], markevery=SPACING, **style)
+    if curve.places.size > line.shape[1]:  # the full end
+        full = [_xy(curve.point(float(place)), units, x, y) for place in (curve.series.rim, curve.places[-1])]
+        axes.plot(*np.transpose(full), "-", **style)
     point = result.pull_off["load"]
     if isinstance(point, CriticalPoint):
         axes.plot(*_xy(point, units, x, y), "o", color=plots.BLACK, ms=4, zorder=3, label="pull-off (load control)")

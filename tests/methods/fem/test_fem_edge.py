@@ -258,3 +258,16 @@ def test_a_convergence_study_meshes_every_level_once(monkeypatch):
     found = converge(UNIT, FEM(spacing=0.1, growth=0.3), 1e-3, 2)
     assert meshed == [0.2, 0.1]
     assert 0 < found.time_exponent < 3
+
+
+def test_increments_are_even_in_load():
+    """As the paper words it: each the same part of the largest load, which the depth asks for."""
+    asked = replace(COATING, loading=Loading("depth", 0.05, 25, "load"))
+    other = replace(COATING, loading=Loading("depth", 0.05, 25, "depth"))
+    by_load, by_depth = (FEM(spacing=0.1, growth=0.3, contact="incremental", estimate_error=False)(one).raw
+                         for one in (asked, other))  # fmt: skip
+    np.testing.assert_allclose(np.diff(by_load.P), by_load.P[0], rtol=1e-8)
+    assert by_load.delta[-1] == pytest.approx(0.05, rel=1e-12)
+    assert by_load.P[-1] == pytest.approx(by_depth.P[-1], rel=1e-9)
+    between = np.exp(np.interp(np.log(by_load.delta[3:]), np.log(by_depth.delta), np.log(by_depth.P)))
+    np.testing.assert_allclose(by_load.P[3:], between, rtol=2e-3)

@@ -1,0 +1,232 @@
+"""Flat punch with a sharp edge: Kendall's pull-off on a half-space (J. Phys. D 4 (1971) 1186), G = w at the full end on
+any stack, and the edge that recedes on a thin incompressible layer, against a solution of its own in Hankel space."""
+
+import json
+import math
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import spherical_jn
+
+import jkrcli
+from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from jkrcli.adhesion.device_path import cycle, stability_under, turning_radius
+from jkrcli.bodies.indenters import FlatPunch
+from jkrcli.resolve.analysis import analyse
+
+E, W = 1e6, 0.05
+E_STAR = E / 0.75  # nu = 1/2
+H = 1e-3
+LAYER = 'layers = [{ E = "1 MPa", nu = 0.5, thickness = "1 mm" }]'
+CASE = """
+indenter = {{ shape = "flat", radius = {R} }}
+specimen = {{ {specimen} }}
+loading = {{ {loading} }}
+adhesion = {{ w = 0.05 }}
+"""
+
+
+def on_layer(R: float, loading: jkrcli.Loading | None = None) -> jkrcli.Problem:
+    specimen = jkrcli.Specimen((jkrcli.Layer(jkrcli.Elastic(E, 0.5), H),))
+    return jkrcli.Problem(FlatPunch(R), specimen, loading or jkrcli.Loading("radius", R, 100, "log"))
+
+
+@cache
+def spectrum(terms: int) -> tuple[np.ndarray, ...]:
+    """Wave numbers, weights and g of a bonded incompressible layer of h = 1, over that of its half-space."""
+    x, weights = np.polynomial.legendre.leggauss(40)
+    edges = np.append(0.0, np.geomspace(1e-3, 25.0, terms))
+    k = (edges[:-1, None] + np.diff(edges)[:, None] * (x + 1) / 2).ravel()
+    y = np.exp(-2 * k)  # g = (sinh 2k - 2k)/(cosh 2k + 1 + 2k^2), exponentials that decay alone
+    return k, (np.diff(edges)[:, None] * weights / 2).ravel(), (1 - y**2 - 4 * k * y) / (1 + y**2 + (2 + 4 * k**2) * y)
+
+
+def stiffness(a_over_h: float, terms: int = 16) -> float:
+    """S/(2 E* a) of a flat end on the layer: pressures whose Hankel transforms are spherical Bessel functions
+    j_2n(ka) make the potential energy stationary (Galerkin), A_mn = int g j_2m j_2n d(ka)."""
+    k, weights, g = spectrum(60)
+    j = np.array([spherical_jn(2 * n, k * a_over_h) for n in range(terms)])
+    A = np.diag(math.pi / (2 * (4 * np.arange(terms) + 1))) + (j * (weights * a_over_h * (g - 1))) @ j.T
+    return float(math.pi / 2 * np.linalg.inv(A)[0, 0])
+
+
+def slope(a_over_h: float) -> float:
+    """S'/(2 E*) of it."""
+    step = 1e-3 * a_over_h
+    S = [(a_over_h + i * step) * stiffness(a_over_h + i * step) for i in (-2, -1, 1, 2)]
+    return (S[0] - 8 * S[1] + 8 * S[2] - S[3]) / (12 * step)
+
+
+def controls(jkr: Callable, R: float, specimen: str, *options: str, loading: str = 'depth = "10 um"') -> list[dict]:
+    Path("punch.toml").write_text(CASE.format(R=R, specimen=specimen, loading=loading))
+    return json.loads(jkr("pull-off", "punch.toml", "--json", *options).out)["results"][0]["controls"]
+
+
+def test_the_reference_is_the_published_stiffness() -> None:
+    published = {0.5: 1.932934, 0.7: 2.522355, 1.0: 3.618736, 2.0: 9.149450, 5.0: 50.139738}
+    for a, value in published.items():
+        assert stiffness(a) == pytest.approx(value, rel=2e-7)  # their seven digits
+
+
+@pytest.mark.parametrize("loading", ["radius = 20e-6", 'depth = "1 um"\nspacing = "depth"', 'load = "1 mN"'])
+@pytest.mark.parametrize(("E_nu", "R", "w"), [((5e6, 0.45), 20e-6, 0.05), ((70e9, 0.2), 20e-6, 1.0)])
+def test_kendalls_pull_off_under_either_control(jkr: Callable, E_nu, R: float, w: float, loading: str) -> None:
+    E, nu = E_nu
+    specimen = f"half_space = {{ E = {E}, nu = {nu} }}"
+    text = CASE.replace("{{ {loading} }}", "{{ " + loading.replace("\n", ", ") + " }}")
+    Path("punch.toml").write_text(text.format(R=R, specimen=specimen).replace("w = 0.05", f"w = {w}"))
+    found = json.loads(jkr("pull-off", "punch.toml", "--json").out)["results"][0]["controls"]
+    E_star = E / (1 - nu**2)
+    for one in found:
+        assert one["pull_off"]["a_m"] == R
+        assert one["pull_off"]["P_N"] == pytest.approx(-math.sqrt(8 * math.pi * w * E_star * R**3), rel=1e-10)
+        assert one["pull_off"]["delta_m"] == pytest.approx(-math.sqrt(2 * math.pi * w * R / E_star), rel=1e-10)
+        assert one["pull_off"]["P_err_N"] < 1e-13 * abs(one["pull_off"]["P_N"])
+        assert one["jump_in"] == {"P_N": 0, "delta_m": 0, "a_m": R}
+    # all of the elastic energy at pull-off is lost: S delta^2/2 = 2 pi R^2 w
+    assert found[1]["energy_lost_J"] == pytest.approx(2 * math.pi * R**2 * w, rel=1e-10)
+
+
+@pytest.mark.parametrize("R_over_h", [0.2, 0.45, 1.0, 5.0])
+def test_pull_off_from_a_layer_is_that_of_the_reference(jkr: Callable, R_over_h: float) -> None:
+    """Load control: P = S sqrt(4 pi w a/S') at a = R. Displacement control: where S'/a is least, or at the rim."""
+    R = R_over_h * H
+    loaded, held = controls(jkr, R, LAYER, loading=f'radius = {R}, spacing = "log"')
+    t = math.sqrt(4 * math.pi * W * R / (2 * E_STAR * slope(R_over_h)))
+    S = 2 * E_STAR * R * stiffness(R_over_h)
+    assert loaded["pull_off"]["P_N"] == pytest.approx(-S * t, rel=1e-8)
+    fold = brentq(lambda a: slope(1.001 * a) / 1.001 - slope(0.999 * a) / 0.999, 0.3, 0.7, xtol=1e-9)
+    assert fold == pytest.approx(0.4619, abs=1e-4)
+    a = min(fold, R_over_h)
+    t = math.sqrt(4 * math.pi * W * a * H / (2 * E_STAR * slope(a)))
+    assert held["pull_off"]["a_m"] == pytest.approx(a * H, rel=1e-5)  # the difference of the reference is flat there
+    assert held["pull_off"]["delta_m"] == pytest.approx(-t, rel=1e-8)
+    assert held["pull_off"]["P_N"] == pytest.approx(-2 * E_STAR * a * H * stiffness(a) * t, rel=3e-5)
+    for one in (loaded, held):
+        assert one["pull_off"]["P_err_N"] < 1e-7 * abs(one["pull_off"]["P_N"])
+
+
+def test_energy_of_a_cycle_is_what_the_receding_edge_and_the_last_jump_take() -> None:
+    """Energy lost = w pi (R^2 - a^2) down to the fold at a, and S delta^2/2, all that is stored there."""
+    R = 5 * H
+    curve = analyse(jkrcli.solve(on_layer(R), "layered"), [W])[0].curve
+    held = stability_under(curve, DISPLACEMENT_CONTROL)
+    a, delta = held.pull_off.a, held.pull_off.delta
+    S = 2 * E_STAR * a * stiffness(a / H)
+    lost = W * math.pi * (R**2 - a**2) + S * delta**2 / 2
+    assert held.energy_lost == pytest.approx(lost, rel=1e-7)
+    assert held.separation == pytest.approx(lost, rel=1e-7)
+    assert abs(held.energy_lost - lost) <= held.energy_lost_error < 1e-4 * lost
+    assert stability_under(curve, LOAD_CONTROL).pull_off.a == R
+
+
+def test_trace_follows_the_full_end_then_the_receding_edge() -> None:
+    R = 5 * H
+    S = 2 * E_STAR * R * stiffness(5.0)
+    curve = analyse(jkrcli.solve(on_layer(R, jkrcli.Loading("load", 2000 * W * R)), "layered"), [W])[0].curve
+    turn = turning_radius(curve, DISPLACEMENT_CONTROL, load=1000 * W * R)
+    columns = cycle(curve, curve, DISPLACEMENT_CONTROL, turn).path.rows(50)
+    full = columns["a_m"] == R
+    np.testing.assert_allclose(columns["P_N"][full], S * columns["delta_m"][full], rtol=1e-8, atol=1e-12)
+    assert columns["P_N"].max() == pytest.approx(1000 * W * R, rel=1e-9)
+    receding = columns["a_m"] < R
+    assert np.count_nonzero(receding) >= 24
+    G = columns["P_N"][receding][0] ** 2  # of the last edge that carries a load: P = S delta, G = S' delta^2/(4 pi a)
+    a = columns["a_m"][receding][0] / H
+    assert G == pytest.approx(4 * math.pi * W * a * H * (2 * E_STAR * a * H * stiffness(a)) ** 2
+                              / (2 * E_STAR * slope(a)), rel=1e-4)  # fmt: skip
+
+
+@pytest.mark.parametrize("stiffness_N_per_m", [LOAD_CONTROL, 1e6, DISPLACEMENT_CONTROL])
+def test_another_w_on_retraction_leaves_the_loading_line(stiffness_N_per_m: float) -> None:
+    """The full end is pinned at whatever w: P = S delta both ways, pull-off goes with the root of w."""
+    R = 0.4 * H
+    solution = jkrcli.solve(on_layer(R, jkrcli.Loading("load", 0.02)), "layered")
+    approach, retraction = (one.curve for one in analyse(solution, [W, 4 * W]))
+    whole = cycle(approach, retraction, stiffness_N_per_m)
+    plain = cycle(approach, approach, stiffness_N_per_m)
+    columns, S = whole.path.rows(20), 2 * E_STAR * R * stiffness(0.4)
+    np.testing.assert_allclose(columns["P_N"], S * columns["delta_m"], rtol=1e-8, atol=1e-15)
+    assert columns["P_N"][-1] == pytest.approx(2 * plain.path.rows(20)["P_N"][-1], rel=1e-9)
+
+
+def test_units_of_length_and_force() -> None:
+    """All lengths times 1e-6 and all forces times 1e-9: every number scales."""
+    length, force = 1e-6, 1e-9
+    bodies = [(H, E, W, 1.0, 1.0), (H * length, E * force / length**2, W * force / length, length, force)]
+    found = []
+    for h, modulus, w, one, unit in bodies:
+        specimen = jkrcli.Specimen((jkrcli.Layer(jkrcli.Elastic(modulus, 0.5), h),))
+        problem = jkrcli.Problem(FlatPunch(2 * h), specimen, jkrcli.Loading("load", 0.1 * unit, 100, "log"))
+        analysed = analyse(jkrcli.solve(problem, "layered"), [w])[0]
+        for point in analysed.pull_off.values():
+            found.append([point.a / one, point.delta / one, point.P / unit])
+        found.append([*analysed.curve.series.end, 0.0][:3] / np.array([one, one, unit]))
+    np.testing.assert_allclose(found[:3], found[3:], rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("specimen", "relation"),
+    [(f"{LAYER}, surface_tension = 0.03", 1e-6), (f'{LAYER}, surface = "sticking"', 1e-7),
+     (f'{LAYER}, radius = "8 mm", side = "free"', 1e-4), (f"{LAYER}, half_space = {{ E = 1e5, nu = 0.3 }}", 1e-8)],
+)  # fmt: skip
+def test_pull_off_of_any_body_is_g_equal_w_at_the_full_end(jkr: Callable, specimen: str, relation: float) -> None:
+    """P = S delta, G = S' delta^2/(4 pi R) = w, S' the slope of S of punches a little larger and smaller."""
+    R, step = 2e-3, 1e-3
+    found = controls(jkr, R, specimen)[0]["pull_off"]
+    S = {}
+    for factor in (1 - step, 1.0, 1 + step):
+        Path("other.toml").write_text(CASE.format(R=R * factor, specimen=specimen, loading=f"radius = {R * factor}"))
+        S[factor] = float(jkrcli.solve("other.toml").series.S[-1])
+    dS = (S[1 + step] - S[1 - step]) / (2 * step * R)
+    assert found["P_N"] == pytest.approx(S[1.0] * found["delta_m"], rel=relation)
+    assert dS * found["delta_m"] ** 2 / (4 * math.pi * R) == pytest.approx(W, rel=max(relation, 1e-5))
+
+
+REFUSED = {
+    ("transform", "--range", "1 nm"): "not derived at the sharp edge of a flat punch",
+    ("run", "--method", "fem", "--force"): "contact radii of nodes do not meet the sharp edge",
+    ("profile", "--load", "1 mN"): "carried by the full end",
+    ("export", "--nanite"): "a flat end, whose contact does not begin at a point",
+}
+
+
+@pytest.mark.parametrize("options", REFUSED, ids=lambda options: options[0])
+def test_what_is_not_derived_is_refused(jkr: Callable, options: tuple[str, ...]) -> None:
+    verb, *rest = options
+    Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading="radius = 1e-3"))
+    file = "punch.toml"
+    if verb == "export":
+        jkr("run", file)
+        file = "punch.h5"
+    assert REFUSED[options] in jkr(verb, file, *rest).err
+
+
+def test_viscoelastic_bodies_under_a_punch_are_refused(jkr: Callable) -> None:
+    relaxing = f'{LAYER}, relaxation = {{ law = "sls", ratio = 0.1, time = 1 }}'
+    Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=relaxing, loading="radius = 1e-3"))
+    assert "viscoelastic specimen with a sharp-edged flat punch" in jkr("run", "punch.toml").err
+
+
+def test_a_loading_that_ends_inside_the_punch_says_that_the_rim_is_not_reached(jkr: Callable) -> None:
+    loaded, held = controls(jkr, 1e-3, LAYER, loading="radius = 0.8e-3")
+    assert "pull-off lies outside" in loaded["pull_off"]["reason"]
+    assert held["pull_off"]["a_m"] == pytest.approx(0.4619e-3, rel=1e-4)
+    Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading="radius = 1.1e-3"))
+    assert "lies beyond the profile" in jkr("run", "punch.toml").err
+
+
+def test_the_stated_error_of_a_pressed_punch_holds_the_true_one() -> None:
+    """Far from the load at which it lets go, P = S delta errs as S does."""
+    R = 2 * H
+    rough = analyse(jkrcli.solve(on_layer(R, jkrcli.Loading("depth", 1e-4)), jkrcli.Layered(1e-3)), [W])[0].curve
+    end = np.array(rough.places[-1])
+    (delta, P), error = rough.at(end), float(rough.error_at(end)["P"])
+    exact = 2 * E_STAR * R * stiffness(2.0) * delta
+    assert P > 20 * abs(rough.P.min())
+    assert abs(P - exact) <= error
+    assert error == pytest.approx(float(rough.series.errors["S"][-1]) * delta, rel=0.2)

@@ -1,0 +1,54 @@
+"""``transform --points``: a table of so many rows, on the curve between the rows of the solution."""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import CASES
+
+from jkrcli.adhesion.curve import AdhesiveCurve
+from jkrcli.case import store
+from jkrcli.report.tables import curve_table
+from jkrcli.resolve.analysis import analyse
+
+
+@pytest.fixture(name="gel")
+def _gel(jkr: Callable) -> Path:
+    assert jkr("run", CASES / "gel.toml", "-o", "gel.h5").code == 0
+    return Path("gel.h5")
+
+
+def columns(path: str) -> dict[str, np.ndarray]:
+    rows = list(csv.DictReader(Path(path).read_text().splitlines()))
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0] if name != "branch"}
+
+
+@pytest.mark.parametrize("points", [2, 7, 1000])
+def test_so_many_rows_lie_on_the_curve(jkr: Callable, gel: Path, points: int) -> None:
+    assert jkr("transform", gel, "--w", "35 mJ/m^2", "--points", points, "--no-plots").code == 0
+    table = columns("gel-w0.035.csv")
+    assert table["a_m"].size == points
+    curve = analyse(store.read_solution(gel), [0.035])[0].curve
+    delta, P = curve.at(table["a_m"])
+    np.testing.assert_allclose(table["delta_m"], delta, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(table["P_N"], P, rtol=1e-6, atol=1e-12)
+    assert table["a_m"][[0, -1]] == pytest.approx(curve.a[[0, -1]], rel=1e-15)
+    assert (table["P_err_N"] > 0).all()
+
+
+def test_the_points_of_the_solution_are_its_rows_and_pull_off_does_not_change(jkr: Callable, gel: Path) -> None:
+    result = analyse(store.read_solution(gel), [0.035])[0]
+    rows = len(result.curve.series)
+    assert isinstance(result.curve, AdhesiveCurve)
+    plain, same = curve_table(result), curve_table(result, points=rows)
+    for name in ("a_m", "delta_m", "P_N", "S_N_per_m", "dS_da_N_per_m2", "P_err_N", "delta_err_m"):
+        np.testing.assert_allclose(same[name], plain[name], rtol=1e-7)
+    few, many = (jkr("transform", gel, "--points", n, "--w", "0.035", "--no-plots", "--force").out for n in (5, 500))
+    assert few == many
+
+
+def test_curves_of_finite_range_are_refused(jkr: Callable, gel: Path) -> None:
+    err = jkr("transform", gel, "--w", "0.035", "--range", "1 um", "--points", "50", "--no-plots").err
+    assert "adhesion of finite range is not used here" in err

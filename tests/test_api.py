@@ -52,7 +52,9 @@ DEPRECATED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {  # arguments of
 }
 
 
-@pytest.mark.parametrize("name", DEPRECATED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "identify_law")) for name in DEPRECATED]
+)
 def test_deprecated_doubles_of_fit_warn_where_they_are_called_and_do_the_same(name: str) -> None:
     def tried(function: Callable[..., Any], more: dict[str, Any]) -> Any:
         try:

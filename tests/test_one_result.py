@@ -42,6 +42,9 @@ def _gel(jkr: Callable, tmp_path: Path) -> str:
     series = python.read("gel.h5").series
     rows = np.column_stack([series.a, series.delta, series.P])
     np.savetxt("series.csv", rows, delimiter=",", header="a_m,delta_m,P_N", comments="")
+    specimen = python.Specimen((), python.HalfSpace(python.Elastic(1e5, 0.5)))
+    tip = python.Problem(python.Sphere(5e-6), specimen, python.Loading("radius", 1e-6))
+    python.save(python.solve(tip), "tip.h5")
     return "gel.h5"
 
 
@@ -193,8 +196,8 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         "",
     ),
     "fit of a force curve": (
-        ("fit", "gel.h5", RECORD, "--no-plots", "--force"),
-        lambda: python.fit("gel.h5", RECORD),
+        ("fit", "tip.h5", RECORD, "--no-plots", "--force"),
+        lambda: python.fit("tip.h5", RECORD),
         "",
     ),
     "pull-off map": (

@@ -39,6 +39,7 @@ def test_a_wing_is_names_and_help_alone(wing: str) -> None:
     assert {path.name for path in (PACKAGE / wing).iterdir()} > {"wing.py"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wing", WINGS)
 def test_without_a_wing_the_core_gives_the_same(wing: str, tmp_path: Path) -> None:
     shutil.copytree(PACKAGE, tmp_path / "jkrcli", ignore=shutil.ignore_patterns("__pycache__"))

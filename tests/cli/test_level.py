@@ -72,9 +72,8 @@ def test_standard_deviations_of_inputs_become_half_widths(jkr: Callable) -> None
 
 def test_a_table_of_fits_has_half_widths(jkr: Callable) -> None:
     for level in (0.95, 0.5):
-        words = ("fit", RECORD, *TIP, "--no-plots", "--level", str(level), "-o", str(level))
-
-        assert jkr(*words).code == 0
+        tip = ("--radius", "5 um", "--nu", "0.5")
+        assert jkr("fit", RECORD, *tip, "--no-plots", "--level", str(level), "-o", str(level)).code == 0
         with Path(f"{level}/raw-force-curve-fit.csv").open() as file:
             (row,) = csv.DictReader(file)
         (one,) = json.loads(Path(f"{level}/raw-force-curve-fit.json").read_text())["curves"]

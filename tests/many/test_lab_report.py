@@ -1,11 +1,12 @@
 """The report of a fit: whole in one file, with the reason of each curve that is left out, to be repeated."""
 
+import contextlib
 import hashlib
 import html
+import io
 import json
 import re
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from force_curves import Instrument, record
 from test_samples import SPECIMEN, K, R, read, write
 
 from jkrcli.base.files import is_ours
+from jkrcli.cli import call
 from jkrcli.measured.grade import kind_of
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -21,24 +23,34 @@ FREE = "".join(
 )
 
 
-@pytest.fixture(name="report")
-def _report(jkr: Callable, tmp_path: Path) -> str:
+@pytest.fixture(name="fitted", scope="module")
+def _fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three samples: one has a curve of two moduli, one a curve out of contact and a file that cannot be read."""
+    folder = tmp_path_factory.mktemp("lab")
     for number, name in enumerate(("ctrl", "drug A", "drug<B>")):
-        (tmp_path / name).mkdir()
+        (folder / name).mkdir()
         for i in range(2):
-            write(tmp_path / name / f"c{i}.txt", (1 + number) * 1e-3 * (1 + 0.1 * i), i)
-    (tmp_path / "drug<B>/free.txt").write_text(f"# springConstant: 0.3\npiezo (um),force (pN),segment\n{FREE}")
+            write(folder / name / f"c{i}.txt", (1 + number) * 1e-3 * (1 + 0.1 * i), i)
+    (folder / "drug<B>/free.txt").write_text(f"# springConstant: 0.3\npiezo (um),force (pN),segment\n{FREE}")
     both = {word: record(E_star, R, 4e-4, 2e-3, Instrument(K, 250, 1.5e-6, 94e-9, 2e-10), 1)
             for word, E_star in (("approach", 2e5), ("retract", 1.4e5))}  # fmt: skip
     lines = [f"{z * 1e6:.7g},{P * 1e9:.7g},{word}\n" for word, made in both.items()
              for z, P, own in zip(made["z"], made["P"], made["segment"], strict=True) if own == word]  # fmt: skip
     head = "# springConstant: 0.3\npiezo (um),force (nN),segment\n"
-    (tmp_path / "drug A/two.txt").write_text(head + "".join(lines))
-    (tmp_path / "drug<B>/notes.txt").write_text("measured on Monday\n")
-    done = jkr("fit", *SPECIMEN, "ctrl", "drug A", "drug<B>", "-o", "out", "--uncertain", "stiffness=10%", "--report")
-    assert done.code == 0, done.err
-    assert "report in out/report{.html,.md}" in " ".join(done.out.split())
+    (folder / "drug A/two.txt").write_text(head + "".join(lines))
+    (folder / "drug<B>/notes.txt").write_text("measured on Monday\n")
+    words = ("fit", *SPECIMEN, "ctrl", "drug A", "drug<B>", "-o", "out", "--uncertain", "stiffness=10%", "--report")
+    said = io.StringIO()
+    with contextlib.chdir(folder), contextlib.redirect_stdout(said):
+        assert call(words) == 0
+    assert "report in out/report{.html,.md}" in " ".join(said.getvalue().split())
+    return folder
+
+
+@pytest.fixture(name="report")
+def _report(fitted: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The text of its report, in the folder of the fit."""
+    monkeypatch.chdir(fitted)
     return Path("out/report.html").read_text(encoding="utf-8")
 
 

@@ -78,6 +78,7 @@ def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: l
     assert failed["words"]
 
 
+@pytest.mark.slow
 def test_a_folder_is_shown_whole_with_grades_and_reasons(jkr: Callable, files: list[str]) -> None:
     Path("day").mkdir()
     for i in range(9):

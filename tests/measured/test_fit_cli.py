@@ -154,6 +154,7 @@ def test_one_bad_curve_among_many_is_told_and_skipped(jkr, folder: Path) -> None
     assert (outcome.code, outcome.err) == (2, "jkr: error: few.csv: 5 rows to fit, at least 8 are needed\n")
 
 
+@pytest.mark.slow
 def test_a_map_of_curves_in_one_file_by_two_processes_gives_the_same_table(jkr, folder: Path) -> None:
     lines = ["curve,delta_nm,P_uN"]
     for seed in range(4):

@@ -72,6 +72,7 @@ def hertzian(seed: int, held: int) -> tuple[np.ndarray, np.ndarray]:
     return depth * 1e9, (load + 2e-6 * np.random.default_rng(seed).normal(size=depth.size)) * 1e3
 
 
+@pytest.mark.slow
 def test_a_hold_at_the_turn_is_of_neither_direction(jkr, tmp_path: Path) -> None:
     """Held rows tell nothing of an edge that rests, which does not adhere: with them the search had no end."""
     for seed, held in ((2, 100), (3, 100), (2, 0)):

@@ -47,7 +47,7 @@ def made(error: Callable[[np.ndarray], np.ndarray], seed: int = 1, noise: float 
 
 
 @pytest.mark.parametrize(("name", "error"), [("hysteresis", bowed), ("creep", crept)])
-@pytest.mark.parametrize("amount", [0.0, 0.01, -0.003])
+@pytest.mark.parametrize("amount", [0.0, pytest.param(0.01, marks=pytest.mark.slow), -0.003])
 def test_an_error_of_positions_is_fitted_where_it_is_asked_for(
     name: str, error: Callable[[float], Callable[[np.ndarray], np.ndarray]], amount: float
 ) -> None:

@@ -54,6 +54,7 @@ def test_grade_and_sizes_are_written(noiseless: Fit) -> None:
     assert fit_words(noiseless)[0].endswith(": good")
 
 
+@pytest.mark.slow
 def test_a_direction_that_says_otherwise_is_in_the_error() -> None:
     """Loads of the retraction 1.1 times as large: E* has what leaving a direction out changes."""
     curve = cycled(1)
@@ -65,6 +66,7 @@ def test_a_direction_that_says_otherwise_is_in_the_error() -> None:
     assert abs(item.value / TRUE["E_star"] - 1.05) < 2 * found.grade.sizes["E_star_error"]
 
 
+@pytest.mark.slow
 def test_a_misfit_that_matters_is_to_be_looked_at() -> None:
     curve = cycled(1)
     back = np.arange(len(curve)) > np.argmax(curve.P)

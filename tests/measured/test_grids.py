@@ -137,6 +137,7 @@ def test_a_sparse_map_has_its_cells_at_their_places() -> None:
     np.testing.assert_allclose(np.diff(corners[..., 1], axis=0), 1e-5, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_each_sample_with_places_is_a_map_of_its_own(jkr: Callable, tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     heads = [f"# x: {5 * (i % 2)} um\n# y: {3 * (i // 2)} um\n" for i in range(4)]

@@ -228,7 +228,10 @@ def test_a_right_record_asks_for_nothing() -> None:
     assert "no alternative model is favoured" in fit_words(found)[2]
 
 
-@pytest.mark.parametrize(("kind", "family"), [("cone", "shape of the tip"), ("plastic", "relaxation or flow")])
+@pytest.mark.parametrize(
+    ("kind", "family"),
+    [pytest.param("cone", "shape of the tip", marks=pytest.mark.slow), ("plastic", "relaxation or flow")],
+)
 def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
     found = answer(kind)
     assert family in found.verdict.alternatives.families
@@ -329,12 +332,10 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
     assert np.isfinite(effect.column).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "told"), [
-    ("creep", {}),
-    *(pytest.param(*case, marks=pytest.mark.slow) for case in [
-        ("layer as half-space", {}), ("cone", {"exponent": 1.0}), ("w rising to four times", {}),
-        ("relaxation", {"fall": 0.5}), ("w over the speed", {"n": 0.4}),
-    ]),
+    ("creep", {}), ("layer as half-space", {}), ("cone", {"exponent": 1.0}), ("w rising to four times", {}),
+    ("relaxation", {"fall": 0.5}), ("w over the speed", {"n": 0.4}),
 ])  # fmt: skip
 def test_the_right_alternative_in_full_gives_the_truth(kind: str, told: dict[str, float]) -> None:
     """E* within four standard errors."""
@@ -353,6 +354,7 @@ def test_the_right_alternative_in_full_gives_the_truth(kind: str, told: dict[str
     assert summary([found], "body")["curves"][0]["verdict"]["model"] == found.verdict.tied[0].name
 
 
+@pytest.mark.slow
 def test_a_misfit_does_not_end_the_search_between_the_kinks_of_a_fold() -> None:
     """A cone read as a sphere, its residuals weighted by slow noise: 80 steps to and fro, "not determined"."""
     found = fit(BODY, curve(wrong_records.cone(Drawn.of(np.random.default_rng((151, 5, 5)), 5.0))), usual())
@@ -400,6 +402,7 @@ def test_a_long_range_that_is_possible_widens_w() -> None:
     assert part < 0.2 * known.model["adhesion of finite range"]
 
 
+@pytest.mark.slow
 def test_the_part_of_a_likely_range_is_what_that_range_does() -> None:
     """JKR fitted to a record of the longest range that is likely, 10 nm, is 1.1 % off in w; the part says 1.6 %."""
     neck = (AT.w**2 * R / AT.E**2) ** (1 / 3)
@@ -410,6 +413,7 @@ def test_the_part_of_a_likely_range_is_what_that_range_does() -> None:
     assert item.value - AT.w < part < 2 * (item.value - AT.w)
 
 
+@pytest.mark.slow
 def test_the_other_profile_is_no_answer_where_a_range_explains_as_much() -> None:
     """DMT by the paraboloid, whose sphere fits as well: w was half too high beside 4 %, without a flag."""
     found = fit(BODY, curve(WRONG["DMT"](replace(AT, noise=5 * AT.noise))), usual())
@@ -418,6 +422,7 @@ def test_the_other_profile_is_no_answer_where_a_range_explains_as_much() -> None
     assert w.low - sum((w.model or {}).values()) < AT.w
 
 
+@pytest.mark.slow
 def test_adhesion_of_long_range_is_named() -> None:
     """DMT, the limit of long ranges: its column from JKR explains what is left, by an amount towards it."""
     told = answer("DMT").verdict

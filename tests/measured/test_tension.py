@@ -44,6 +44,7 @@ def record(R, noise, seed):
     return Curve(f"{R * 1e6:g}um", delta=rows + 3e-7, P=load)
 
 
+@pytest.mark.slow
 def test_two_radii_tell_the_tension():
     exact = tension_fit(START, [record(R, 0.0, 0) for R in (SMALL, LARGE)], [SMALL, LARGE], {})
     for name, value in (("E_star", E_STAR), ("surface_tension", TENSION), ("w", W)):

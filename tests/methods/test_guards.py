@@ -231,6 +231,7 @@ def test_every_curve_counts_in_the_memory(jkr: Callable) -> None:
     assert (done.code, "the limit is 0.5 GiB" in done.err) == (2, True)
 
 
+@pytest.mark.slow
 def test_pictures_count_in_the_memory(jkr: Callable) -> None:
     """Of 30 works 0.128 GiB were said and 0.5 used, as pictures waited for the collector."""
     assert jkr("run", CASES / "halfspace.toml", "-o", "h.h5").code == 0

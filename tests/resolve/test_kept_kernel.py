@@ -101,6 +101,7 @@ def test_no_verb_solves_the_kernel_of_a_series_again(jkr: Callable, tmp_path: Pa
     assert not systems
 
 
+@pytest.mark.slow
 def test_other_bodies_and_larger_radii_have_a_kernel_of_their_own(tmp_path: Path, systems: list[int]) -> None:
     solution = stored(CYLINDER, tmp_path / "x.h5")
     method = method_behind(solution)

@@ -27,12 +27,14 @@ def knob(module: str, name: str) -> Knob:
     return Knob(module, name, getattr(importlib.import_module(module), name))
 
 
+@pytest.mark.slow
 def test_no_result_depends_on_a_sample_of_choices() -> None:
     for module, name in SAMPLE.items():
         found = constants.moved(knob(module, name))
         assert (found.verdict, bool(found.read)) == ("nothing moves", True), found
 
 
+@pytest.mark.slow
 def test_numbers_are_varied_wherever_they_are_known() -> None:
     (same,) = (item for item in knobs(["base.numerics"], "choice:") if item.name == "SAME")
     radii = importlib.import_module("jkrcli.methods.radii")
@@ -49,6 +51,7 @@ def test_a_number_that_results_depend_on_is_told_with_where() -> None:
     assert found.cost[0] > 0
 
 
+@pytest.mark.slow
 def test_numbers_are_as_shipped_after_a_study_and_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     held = knob("jkrcli.methods.layered.spectrum", "MINORS_SMALL")
     module = importlib.import_module(held.module)

@@ -14,6 +14,7 @@ def judged_once(monkeypatch):
     record_rivals.timed_scores()
 
 
+@pytest.mark.slow
 def test_the_right_model_leaves_the_noise_and_a_layer_tens_of_it():
     right, layer = (residuals.panel(kind) for kind in ("the right model", "layer as half-space"))
     for one in (right, layer):

@@ -74,6 +74,7 @@ def test_a_relaxing_record_that_adheres_is_named_first() -> None:
     assert RELAXING in "\n".join(alternatives_table(plain))
 
 
+@pytest.mark.slow
 def test_the_model_of_the_answer_is_the_viscoelastic_one() -> None:
     auto = fitted(curve(0.4), model="auto")
     assert auto.verdict is not None
@@ -89,6 +90,7 @@ def test_the_model_of_the_answer_is_the_viscoelastic_one() -> None:
     assert float(np.median(np.abs(auto.residuals))) * auto.scales["P"] == pytest.approx(0.6745 * size, rel=0.1)
 
 
+@pytest.mark.slow
 def test_inputs_and_the_level_are_those_that_were_asked_for() -> None:
     """An uncertain spring constant widens the viscoelastic answer as it does the elastic one; intervals are narrower at
     a lower level."""

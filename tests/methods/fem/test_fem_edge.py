@@ -111,6 +111,7 @@ PAPERS = Problem(Sphere(1e-4), Specimen((), HalfSpace(Elastic(5e9, 0.4))), Loadi
 ZONES = FEM(layout="zones", element="quadrilateral", order=1, depth=2e-3, width=1.2e-3, contact="incremental")
 
 
+@pytest.mark.slow
 def test_increments_on_coarse_zones_are_lost_where_stated():
     """Nine nodes under the contact: 0.6 % off and 3.6 % stated by the radii of nodes, 0.1 and 0.7 % here."""
     error, stated = lost_under_load(replace(ZONES, element_size=2e-6)(PAPERS)).T

@@ -1,6 +1,6 @@
 """The path of a device: what a contact does while the device presses, waits and goes back, turning wherever it may.
 
-The contact is free, or its edge advances, rests, or recedes; it jumps where no stable state goes on. A device of
+The contact is free, or its crack closes, is pinned, or opens; it jumps where no stable state goes on. A device of
 stiffness k holds D = delta + P/k (load control: P). At fixed D the contact at radius a is stable where dD/da > 0, the
 energy release rate then falls as the contact shrinks (Maugis, J. Phys. D 18 (1985) 293). A rule that can be exchanged
 says how the edge moves each way: in equilibrium with a curve, G = w_a or w_r, or of finite range (``EdgeRule``), or at
@@ -432,7 +432,7 @@ class Now(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Rest(Piece):
-    """The edge rests at a place between two times: P, delta and x lie on one straight line. At the place 0 there is no
+    """The crack is pinned between two times: P, delta and x lie on one straight line. At the place 0 there is no
     contact."""
 
     contact: Contact

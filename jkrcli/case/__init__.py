@@ -1,1 +1,1 @@
-"""Case files, series files, sweep files: tables and models, from there to problems, methods and solutions, and back."""
+"""Case files, solution files, sweep files: from there to problems, methods and solutions, and back."""

@@ -849,7 +849,7 @@ ELSEWHERE = {
 @dataclass(frozen=True, eq=False, repr=False)
 class Case:
     """A validated case: ``model`` holds the values in SI, ``source`` the file they came from, ``text`` what stands
-    there where that is a series file, ``remarks`` what may not have been meant as it stands."""
+    there where that is a solution file, ``remarks`` what may not have been meant as it stands."""
 
     model: CaseModel
     source: str

@@ -1,4 +1,4 @@
-"""The series file (HDF5): a solution with its case, written whole under one digest, checked when it is read."""
+"""The solution file (HDF5): a solution with its case, written whole under one digest, checked when it is read."""
 
 import math
 import platform
@@ -152,7 +152,7 @@ def _columns(rows: Series | RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
 
 # ---------------------------------------------------------------------- reading
 def read_solution(path: str | Path, problem: Problem | None = None, with_pressure: bool = False) -> Solution:
-    """Read and check a series file; InputError in one line where it is missing, foreign, truncated or damaged.
+    """Read and check a solution file; InputError in one line where it is missing, foreign, truncated or damaged.
 
     ``problem``: what the file is known to be of, else that of its case; ``with_pressure``: the contact pressures too.
     """
@@ -164,7 +164,7 @@ def read_solution(path: str | Path, problem: Problem | None = None, with_pressur
         raise InputError(f"{path}: is not an HDF5 file{remedy}")
     root = hdf5.tree_of(path, content, () if with_pressure else ("contact",))
     try:
-        # Refuse what is no series file of ours, of another release, or not as it was written.
+        # Refuse what is no solution file of ours, of another release, or not as it was written.
         kind, version = root.attributes.get("format", ""), root.attributes.get("version", 0)
         if kind != SERIES:
             raise InputError(f'{path}: format must be "{SERIES}", got "{kind}"; was this file written by jkr?')

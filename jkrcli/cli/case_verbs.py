@@ -111,7 +111,7 @@ def new(file: Path | None, example: str | None, force: bool) -> None:
 
 
 # --------------------------------------------------------------------------------------------------
-# ``jkr import``: a series that another program computed to a series file.
+# ``jkr import``: a series that another program computed to a solution file.
 
 KEYS = tuple(quantities("computed"))
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went

@@ -1,4 +1,4 @@
-"""What verbs start from: a specimen from options instead of a case file, series files, tables."""
+"""What verbs start from: a specimen from options instead of a case file, solution files, tables."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
 FLAGS = ("shape", "radius", "half_angle", "cap", "modulus", "nu", "thickness", "base")
-SHAPES = {  # by flags, and which of them each needs
+SHAPES = {  # from options, and which of them each needs
     **dict.fromkeys(("sphere", "paraboloid", "flat"), ("radius",)),
     "rounded-cone": ("radius", "half_angle"),
     **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
@@ -64,7 +64,7 @@ def named_flags(body: Flags) -> str:
 
 
 def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
-    """Whether the body is given by flags; InputError where it is also given by ``files``."""
+    """Whether the body is given from options; InputError where it is also given by ``files``."""
     named = named_flags(body)
     if named and files:
         names = ", ".join(map(str, files))
@@ -133,14 +133,14 @@ def number_or_text(text: str | None) -> float | str | None:
 
 
 # --------------------------------------------------------------------------------------------------
-# Series files as the verbs read them, and how far they go, in words.
+# Solution files as the verbs read them, and how far they go, in words.
 
 PER_FILE = 0.012  # CPU seconds to read a series; tuned on 300 files, by `make guards`
 IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
 
 
 def series_file(path: Path) -> Path:
-    """The series file meant by ``path``: itself, or for a case what ``jkr run`` makes of it, ``<case>.h5`` here.
+    """The solution file meant by ``path``: itself, or for a case what ``jkr run`` makes of it, ``<case>.h5`` here.
 
     That is solved now unless it is there already, and says so; a file that jkr did not write is left alone, and so is
     an imported series of another case.
@@ -195,19 +195,19 @@ def _solved(target: Path, case: Case) -> Solution | None:
 
 
 def read_files(verb: str, paths: Sequence[Path]) -> tuple[tuple[Path, ...], list[Solution]]:
-    """The series files that are meant by ``paths``, and what they hold; said beforehand where they are many."""
+    """The solution files that are meant by ``paths``, and what they hold; said beforehand where they are many."""
     announce_files(verb, paths)
     files = tuple(map(series_file, paths))
     return files, [read_series(path) for path in files]
 
 
 def announce_files(verb: str, paths: Sequence[Path]) -> None:
-    """Say what it takes a ``verb`` to read series files, where that is much."""
+    """Say what it takes a ``verb`` to read solution files, where that is much."""
     announce(f"{verb} of {counted(len(paths), 'file')}", PER_FILE * len(paths))
 
 
 def read_series(path: Path) -> Solution:
-    """What the series file at ``path`` holds; a file that damage could have changed unnoticed is warned of."""
+    """What the solution file at ``path`` holds; a file that damage could have changed unnoticed is warned of."""
     from ..adhesion.contact_shape import ContactShape
     from ..case.store import NO_DIGEST, read_solution
 
@@ -237,7 +237,7 @@ def works_of(solution: Solution, option: str = "--w") -> tuple[float, ...]:
 
 
 def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = False) -> tuple[Path, Solution, float]:
-    """The series file that is meant by ``path``, what it holds, and the ``work`` of adhesion [J/m^2] or the first that
+    """The solution file meant by ``path``, what it holds, and the ``work`` of adhesion [J/m^2] or the first that
     its case names, 0, with a note, where it names none; Refusal by a ``verb`` that is not ``ranged``, see
     ``without_range``."""
     from ..adhesion.finite_range import without_range

@@ -271,8 +271,8 @@ class Swept(Result):
         plan, failed, strained = self.plan, self.failed, self.strained
         doubt = f"large strains change the pull-off force in {strained:,} ({STRAINS}): "
         return [
-            f"{counted(plan.count, 'case')}, {len(failed):,} of them failed{f'; {doubt}' if strained else ': '}"
-            f"{plan.title or plan.source}",
+            f"{counted(plan.count, 'case')}{f', {len(failed):,} of them failed' if failed else ''}"
+            f"{f'; {doubt}' if strained else ': '}{plan.title or plan.source}",
             f"  one case  {plan.command(failed[0][0] if failed else 0)}",
         ]
 

@@ -1,1 +1,1 @@
-"""From measured curves to properties: E, w and zero points by fits, w point by point."""
+"""From measured curves to properties: E, w and contact points by fits, w point by point."""

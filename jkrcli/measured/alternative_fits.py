@@ -2,7 +2,7 @@
 fitted.
 
 Those that are likely before the data are followed from the fit without to the largest amount that is possible. The best
-of each family is fitted where the data ask for it; one is taken where its misfit is lower than that of the plain model
+of each family is fitted where the data need it; one is taken where its misfit is lower than that of the plain model
 by more than ``SCORE_TIED``, in chi^2, and what it leaves is no more than the noise of the free rows. Those within as
 much of it cannot be distinguished.
 """

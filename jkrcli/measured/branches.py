@@ -2,7 +2,7 @@
 where it rests.
 
 At position z of a device of stiffness k, delta = z - P/k. An edge that moves follows Eq. 13 (``formulas``) with r =
-sqrt(w/s) for moduli times s. Where the device turns, at contact radius a_m, the edge rests: P = P_m + S(a_m) (delta -
+sqrt(w/s) for moduli times s. At the reversal, at contact radius a_m, the crack is pinned: P = P_m + S(a_m) (delta -
 delta_m), until the energy release rate has come to the w of the other way; then it recedes, down to the fold d(delta +
 P/k)/da = 0. As w -> 0 the load of a moving edge is linear in w, dP/dw = -2 pi a/(d delta_H/da): that goes on below 0.
 
@@ -30,7 +30,7 @@ from .forward_model import FUNCTIONS, Family, grid, on_grid
 # Steps along branches.
 DEVICE_PATH_POLISHED = 4  # theory: steps of Newton's method, which square the error, from a tenth of a step to 1e-16
 DEVICE_PATH_NEAR = 1e-6  # theory: of log a, whose third power is round-off
-DEVICE_PATH_STEP = 0.5  # choice: of log a, the longest step to where the edge rests
+DEVICE_PATH_STEP = 0.5  # choice: of log a, the longest step to where the contact line is pinned
 # theory: the quintic through values and two derivatives at 0 and 1, by powers of the place: of each what it counts
 DEVICE_PATH_QUINTIC = np.array([
     [1.0, 0.0, 0.0, -10.0, 15.0, -6.0], [0.0, 1.0, 0.0, -6.0, 8.0, -3.0], [0.0, 0.0, 0.5, -1.5, 1.5, -0.5],

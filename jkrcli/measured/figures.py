@@ -373,7 +373,7 @@ GROUPS = {"measured": (plots.GREEN, "o"), "advancing": (plots.BLUE, "^"), "reced
 def work_figure(curves: Sequence[WorkAlong], law: Any = None) -> Figure:
     """w over the contact radius; where time was recorded also over the speed of the contact's edge, both logarithmic.
 
-    Points are the rows of all curves, those whose edge advances and recedes told apart; a ``law`` has its band.
+    Points are the rows of all curves, those whose contact line closes and opens told apart; a ``law`` has its band.
     """
     groups = _groups(curves)
     timed = "measured" not in groups

@@ -1,4 +1,4 @@
-"""``jkr fit``: E*, w and the zero points from measured curves."""
+"""``jkr fit``: E*, w and the contact point from measured curves."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ acts beside the contact (``free_rows``); all scatter is in the load:
 
     reading(z) = offset + tilt (z - z_touch) + B(z) + P(z - z0; s, w, k)
 
-P is 0 where a row is free. On approach the edge advances with its own w; from the turning point on it rests, then
+P is 0 where a row is free. On approach the contact line closes with its own w; from the turning point on it rests, then
 recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
 ``turn`` of its own. Each direction has its own base line (drag, drift of the load). On request positions err by a
 drift, hysteresis or creep, 0 at the turning point: in one direction alone they cannot be separated from another
@@ -582,7 +582,7 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
 
 class OnPath(NamedTuple):
     """Loads of the contact at all rows of a stretch with their derivatives by ln s, own q and z, (4, rows), and where
-    its edge rests by the root of q before and by the turn, (6, rows), or loads alone, (1, rows); ``edges``: the branch
+    it is pinned by the root of q before and by the turn, (6, rows), or loads alone, (1, rows); ``edges``: the branch
     and the resting edge that they are on, if these are kept."""
 
     columns: Array
@@ -1147,7 +1147,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> Flow[ForceCurveFit
 
     Starts compete on a few rows: the first alone, and unless it leaves no more than noise all side by side. From those
     of the ends that leave least of all rows the search goes on with these. Of a retraction alone all compete at once:
-    only its shape shows how far its edge rests.
+    only its shape shows how far its contact line is pinned.
     """
     wrong = SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
     retracts, ends, best = "turn" in model.names, list[Least](), None

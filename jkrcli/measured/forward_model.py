@@ -746,7 +746,7 @@ def body_of(
     source: Case | Problem | Solution | str | Path, rule: str = "auto", limits: Limits | None = None
 ) -> FittedBody:
     """The body of a case, a problem, a solution, or a file, its slopes by ``rule``. A case may be solved anew to the
-    radii that the data ask for, which has exact slopes; a solution, and what has others, ends where it ends."""
+    radii that the data need, which has exact slopes; a solution, and what has others, ends where it ends."""
     if isinstance(source, str | Path):
         source = load_case(source) if Path(source).suffix == ".toml" else read_solution(source)
     if isinstance(source, Solution):

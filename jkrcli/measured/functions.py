@@ -79,7 +79,7 @@ def fit(
     Parameters
     ----------
     body : Case, Problem, Solution or path
-        What was measured on: a case or problem (solved to the radii that the data ask for), a solution, or its file.
+        What was measured on: a case or problem (solved to the radii that the data need), a solution, or its file.
     measured : Curve, path, DataFrame or mapping, or a sequence of curves or paths, optional
         A file, or columns named as in a table ("delta_um", "P (nN)").
     free : iterable of str, optional
@@ -139,7 +139,7 @@ def fit(
         curves = [each for item in several for each in curves_of(item, reading)]
         result = one_thread()(offered("fit of laws"))(source, curves, law, relaxation, free, fix or {}, **options)
         return replace(result, body=body_words(body, source))
-    if reading is not None:  # a fit finds zero points itself, with the rest
+    if reading is not None:  # a fit finds contact points itself, with the rest
         options = {"contact": reading.contact} | options
         reading = replace(reading, contact="as-is")
     curves = [curve_of(item, reading) for item in several]

@@ -490,7 +490,7 @@ def another_modulus(record: FittedRecord) -> Change | None:
 
 
 def slope_at_rest(record: FittedRecord) -> Change | None:
-    """S (1 + amount) of the line on which the edge rests, about the turn."""
+    """S (1 + amount) of the line along which the crack is pinned, about the turn."""
     part, rests = record.retraction, record.radii[-1][1]
     if part is None or np.count_nonzero(rests) < 3:
         return None

@@ -98,7 +98,7 @@ def drift_left_out(fit: ForceCurveFit) -> AddedParameter:
 
 
 def another_modulus(fit: ForceCurveFit) -> AddedParameter:
-    """Change of ln s on the way back against the way in that the data ask for: one step of a search with a modulus for
+    """Change of ln s on the way back against the way in that the data need: one step of a search with a modulus for
     each direction."""
     off, J = fit.model.residuals(fit.x, 0.0)
     back = np.arange(off.size) >= fit.model.stretches[0].P.size
@@ -397,7 +397,7 @@ def raw_force_curve(curve: Curve, settings: Settings) -> Flow[ForceCurve | None]
             "unloading: measure below the load at which it begins to"
         )
     if not (required or _raw(record)):
-        # Without a base line: that of a device, on which an edge rests where it turns
+        # Without a base line: that of a device, on which a contact line is pinned where it turns
         of_device = record.curve.stiffness is not None and record.directions and not beyond_the_record(settings)
         if settings.contact != "auto" or not of_device:
             return None
@@ -729,7 +729,7 @@ RECORD_HALF = 0.5  # choice: of the range of the load, from the largest on, over
 RECORD_RIGID = 0.02
 RANGE_IN_LAYER = 0.1  # choice: of its thickness, a ring of attraction that is as on a half-space
 RECORD_DIFFERS = 0.01  # choice: of a modulus, a difference that is none
-# Where a search ends at rest in noise though the edge recedes: w of the retraction to begin anew with.
+# Where a search ends at rest in noise though the contact line opens: w of the retraction to begin anew with.
 RECORD_RECEDES = (1.05, 1.2, 1.6)  # tuned on curves of large noise, by `make dirt`: of what its last row holds
 RECORD_BEFORE = 0.4  # tuned on the same, by `make dirt`: of it, w of the approach
 
@@ -1043,7 +1043,7 @@ def _repels(best: ForceCurveFit, kind: str) -> bool:
 
 
 def _apart(best: ForceCurveFit) -> bool:
-    """Whether the data ask for another modulus on the way back than on the way in."""
+    """Whether the data need another modulus on the way back than on the way in."""
     if "ln_s" not in best.names:
         return False
     if best.sigma > FIT_ENOUGH * best.model.noise:

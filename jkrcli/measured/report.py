@@ -966,10 +966,9 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
 def _direction_words(item: Direction) -> list[str]:
     approach = item.segment.kind == "approach"
     base = item.base
-    line = (
-        f"base line of {base.rows} rows: noise {show(base.noise, 'load', 3)}, "
-        f"tilt {show(base.tilt, 'stiffness', 3)}, waviness {show(base.waviness, 'load', 3)}"
-    )
+    wavy = f", waviness {show(base.waviness, 'load', 3)}" if base.waviness else ""
+    noise, tilt = show(base.noise, "load", 3), show(base.tilt, "stiffness", 3)
+    line = f"base line of {base.rows} rows: noise {noise}, tilt {tilt}{wavy}"
     if isinstance(item.touch, Unknown):
         return [item.touch.reason, line]
     if not item.based:

@@ -950,7 +950,7 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
 
 # ---------------------------------------------------------------------- bodies and radii
 def _of_a_branch(body: FittedBody, points: Points, settings: Settings) -> Minimum:
-    """The best fit, on the body solved anew to other radii where the data ask for it and it may be.
+    """The best fit, on the body solved anew to other radii where the data need it and it may be.
 
     InputError where no curve of the body comes near the data, or where they leave the radii of its series.
     """

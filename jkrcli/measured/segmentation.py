@@ -1,6 +1,6 @@
 """The parts of a force curve by its numbers alone: directions, base line, first touch, jumps, pull-off.
 
-The body is unknown here, and zero points are arbitrary. Each direction is read from its far end, where the indenter is
+The body is unknown here, and zeros are arbitrary. Each direction is read from its far end, where the indenter is
 free: there the load is a straight line, and what leaves that line is contact or adhesion.
 """
 
@@ -1154,7 +1154,7 @@ def with_zero_points(curve: Curve) -> Curve:
 
 
 def _approach(curve: Curve) -> Direction:
-    """The approach of a curve; InputError where it shows no zero points."""
+    """The approach of a curve; InputError where it shows no contact points."""
     side = segment_force_curve(curve).direction(APPROACH)
     if side is None:
         segments = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""

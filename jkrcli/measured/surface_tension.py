@@ -1,4 +1,4 @@
-"""Surface tension, E*, w and zero points from records by indenters of one or more radii on the same body, together.
+"""Surface tension, E*, w and contact points from records by indenters of one or more radii on the same body, together.
 
 One radius separates them poorly: what tension carries goes like a, what elasticity carries like a^2 and more, and E*
 and the zero point make up for most of it. Two radii do. The family of curves is tabulated over the length 2 Ups/E* and
@@ -57,7 +57,7 @@ TENSION_FIT_FARTHEST = 80.0  # theory: of logs of SI values, far beyond matter a
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TensionFit(Answer):
-    """E_star, surface_tension, w and the zero points, ``covariance`` in the units of their search; ``scatter`` of the
+    """E_star, surface_tension, w and the contact point, ``covariance`` in the units of their search; ``scatter`` of the
     load [N]; ``loads``: fitted loads [N] of each of the ``records``; ``mixed``: by name what those of one radius do not
     separate from the tension, with the correlation; ``level`` of the intervals."""
 

@@ -148,7 +148,7 @@ def work(
 
 
 # --------------------------------------------------------------------------------------------------
-# ``jkr fit``: E*, w and the zero points from measured curves.
+# ``jkr fit``: E*, w and the contact point from measured curves.
 
 
 class NamesType(options.ParsedType):

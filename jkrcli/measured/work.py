@@ -126,7 +126,7 @@ def typical(works: Sequence[WorkAlong]) -> float:
 class Evaluation:
     """``work_along`` of any curve, or of its rows of one ``segment``, with everything else settled; can be sent.
 
-    ``fitted, settings``: by which raw records get their zero points, base lines and rows in contact; the noise of
+    ``fitted, settings``: by which raw records get their contact points, base lines and rows in contact; the noise of
     their load is that of the base line, where ``noise`` says nothing else.
     """
 
@@ -156,7 +156,7 @@ def evaluation_of(
     segment: str | None = None, noise: Mapping[str, float] | None = None, window: int = 11,
 ) -> Evaluation:  # fmt: skip
     """What gives w along any curve: on a ``solution`` with its functions ``unit``, moduli times ``modulus_factor``, by
-    the pair of quantities ``use`` ("a,P"); of raw records base line, zero points and rows are fitted first."""
+    the pair of quantities ``use`` ("a,P"); of raw records base line, contact points and rows are fitted first."""
     check_window(window)
     body, contact = body_of(solution), "as-is" if reading.zero else reading.contact
     own = segment in (None, "approach", "retract")

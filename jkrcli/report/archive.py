@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import __version__
 from ..base import hdf5
-from ..base.errors import LEVEL, InputError, accuracy, counted
+from ..base.errors import LEVEL, InputError, accuracy, counted, known
 from ..base.files import as_json, read_bytes, write_bytes
 from ..base.numerics import Array, half_width
 from ..base.units import show
@@ -198,7 +198,7 @@ def _words(solution: Solution) -> list[str]:
         f"  written   by: {solution.record.command_line or 'unknown'}",
     ]
     lines += [f"  warning   {warning}" for warning in solution.warnings]
-    lines += [f"  error     {name}: {_number(value)}" for name, value in solution.budget.as_dict().items()]
+    lines += [f"  error     {name}: {_number(value)}" for name, value in vars(solution.budget).items() if known(value)]
     lines += [f"  fact      {name}: {_number(_plain(value))}" for name, value in solution.facts.items()]
     for name, seconds in solution.timings.items():
         lines.append(f"  time      {name}: {f'{seconds:.3f}' if isinstance(seconds, int | float) else seconds} s CPU")

@@ -165,7 +165,8 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
     lines += [f"  model: {'; '.join(changes)}"] if changes else []
     unknown = [error for error in errors if isinstance(error, Unknown)]
     worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=None)
-    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} ({AT_LEVEL} confidence)"])
+    told = isinstance(worst, Unknown) or (worst or 0.0) >= tables.PRINTED
+    return lines + ([f"  pull-off: {accuracy(worst)} ({AT_LEVEL} confidence)"] if told else [])
 
 
 def no_depth(history: LoadingHistory) -> dict[str, Any]:

@@ -246,7 +246,7 @@ def _verdict(
         each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
         model = "" if change is None else f"{strain_words(change)} (model), "
         return [*lines, f"  pull-off: {model}{name} {each} ({AT_LEVEL} confidence)"]
-    if errors:
+    if noticed or (errors and change is not None):
         return [*lines, f"  pull-off: {error_words(max(errors.values()), change, name)}"]
     unknown = dict.fromkeys(half.reason for _, half in there.values() if isinstance(half, Unknown))
     return lines + ([f"  pull-off: {name} {'; '.join(unknown)}"] if unknown else [])
@@ -472,16 +472,13 @@ def _of_curve(result: Analysis) -> Iterator[str]:
         yield f"Tabor number {tabor:.3g}: {result.validity.regime}"
     yield from _comparison(result)
     budget, slopes = result.budget, result.curve.slopes
-    parts = f"(solution {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
     largest, name = result.curve.interpolation_error, result.problem.indenter.error_name
-    upto = "" if isinstance(largest, Unknown) else "up to "
-    yield f"curve: {accuracy(budget.total, name)} {parts}; interpolation error {upto}{_estimate(largest)}"
-    below = result.solution.facts.get("rows_below", 0)
-    more = f", {below} of them at smaller radii, for pull-off" if below else ""
-    yield (
-        f"solution: {counted(len(result.curve.series), 'point')} kept{more}, {result.dropped} dropped; "
-        f"slopes {slopes.method} ({slopes.reason})"
-    )
+    yield f"curve: {accuracy(budget.total, name)}; {accuracy(largest, 'interpolation error')}"
+    if slopes.method != "exact" or result.dropped:
+        yield (
+            f"slopes {slopes.method} ({slopes.reason}), {accuracy(budget.smoothing, 'error')}; "
+            f"{counted(len(result.curve.series), 'point')}, {result.dropped} dropped"
+        )
 
 
 def _comparison(result: Analysis) -> Iterator[str]:
@@ -500,7 +497,3 @@ def _comparison(result: Analysis) -> Iterator[str]:
             f"the pull-off force of a sphere is {comparison.parabola:.2%} smaller than 1.5 pi w R of the paraboloid "
             "(Eq. 18): physics, no error"
         )
-
-
-def _estimate(value: Estimate) -> str:
-    return str(value) if isinstance(value, Unknown) else "above 100 %" if value > 1 else f"{value:.1e}"

@@ -98,7 +98,7 @@ class Analysis(Reported):
 
     @property
     def path(self) -> Path:
-        """The series file, as messages name it."""
+        """The solution file, as messages name it."""
         return self.solution.record.path
 
     @property

@@ -208,7 +208,7 @@ def sticking(effect: StickingEffect | Unknown) -> dict[str, Any] | str:
 
 
 def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
-    """What a series file keeps of it."""
+    """What a solution file keeps of it."""
     if isinstance(effect, Unknown):
         return {"sticking_over_sliding": str(effect)}
     return {"sticking_over_sliding_load": effect.load, "sticking_over_sliding_S": effect.stiffness}

@@ -85,7 +85,7 @@ class RateOptions:
 
     @property
     def timed(self) -> bool:
-        """Whether they say what the device does over time, to a body that relaxes."""
+        """Whether they say what the device does over time, to a viscoelastic body."""
         return self.rate is None and (self.speed is not None or self.program is not None)
 
     def refuse_in_limits(self, ranged: bool) -> None:
@@ -148,7 +148,7 @@ rate_options = options.as_one("rates", RateOptions)
 
 
 def cycled(asked: AskedCycle, rates: RateOptions, history: LoadingHistory | None = None) -> Result:
-    """The cycle without adhesion on a body that relaxes; else with a w that depends on the speed of the edge where the
+    """The cycle without adhesion on a viscoelastic body; else with a w that depends on the speed of the edge where the
     ``rates`` say so, of a viscoelastic specimen at the moduli after a loading ``history``, or quasi-static."""
     from ..resolve.analysis import analyse, nonadhesive, with_solved_points
     from .rate import RateContact, rate_law_of

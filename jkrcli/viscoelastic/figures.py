@@ -85,7 +85,7 @@ def _delta_and_P(imposed: Array, response: Array, fit: RelaxationFit) -> tuple[A
 
 
 def _work_over_speed(axes: Axes, fit: RelaxationFit, speeds: Sequence[float]) -> None:
-    """The energy release rate G = w(v) with which the edge recedes, with its band, a tenfold beyond the ``speeds``."""
+    """The energy release rate G = w(v) with which the crack opens, with its band, a tenfold beyond the ``speeds``."""
     v = np.geomspace(min(speeds) / 10, 10 * max(speeds), 60)
 
     def logs(p: Mapping[str, float]) -> Array:

@@ -1,4 +1,4 @@
-"""What the Python interface offers of contact over time: adhesion over the speed of the edge, bodies that relax.
+"""What the Python interface offers of contact over time: adhesion over the speed of the edge, viscoelastic bodies.
 
 Adhesion that depends on the speed of the contact's edge, over time:
 

@@ -48,7 +48,7 @@ ADHESION_POWERS = (0.1, 1.5)
 POWER = "n"
 
 # How finely histories are followed.
-RELAXATION_PIECES = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
+RELAXATION_PIECES = 60  # choice: of the way of the tip in each direction, for the history of a viscoelastic body
 RELAXATION_COARSER = 2  # choice: steps joined in histories, 1e-5 of the loads
 RELAXATION_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
 RELAXATION_TIMES = 50  # choice: instants of each direction at which those loads are solved; splines between them
@@ -184,7 +184,7 @@ def _instants(record: FittedRecord, which: int) -> tuple[Array, Array, Array]:
 
 
 def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation]) -> Loads:
-    """Loads [N] of all rows of a stretch of a body that relaxes by a ``law`` of the unknowns, by its whole history."""
+    """Loads [N] of all rows of a stretch of a viscoelastic body by a ``law`` of the unknowns, by its whole history."""
     t, x = _program(record)
     from .relaxation import RelaxingContact
 

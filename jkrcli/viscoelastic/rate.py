@@ -283,7 +283,7 @@ class ByLaw(device_path.EdgeRule):
         return float(self.edge.body.a[0])
 
     def speed(self, excess: float) -> float:
-        """da/dt [m/s] where G is ``w (1 + excess)``, within what numbers hold; 0 where the edge rests."""
+        """da/dt [m/s] where G is ``w (1 + excess)``, within what numbers hold; 0 where the contact line is pinned."""
         if not (excess < 0 if self.grows else excess > 0):
             return 0.0
         beyond = self.w * excess if not self.grows else -self.w * excess / (1 + excess) if excess > -1 else math.inf
@@ -427,7 +427,7 @@ HISTORY_FLOOR = 0.5
 
 @dataclass(frozen=True, eq=False)
 class RateContact(device_path.Contact):
-    """A contact whose edge recedes by ``law`` above ``w0`` [J/m^2], in a device of ``stiffness`` [N/m].
+    """A contact whose contact line opens by ``law`` above ``w0`` [J/m^2], in a device of ``stiffness`` [N/m].
 
     It advances where G is below ``w_advance`` <= w0 [J/m^2]: by ``law_advance``, or, None, at once to equilibrium.
     ``tolerance``: relative, of the integrator's steps; ``evaluations`` of the edge's speed, the most of one motion;
@@ -491,7 +491,7 @@ class RateContact(device_path.Contact):
 
     def turning(self, load: float | None, depth: float | None, speed: float) -> float:
         """The device's position where the approach comes to ``load`` [N] or ``depth`` [m]; both None: to the end of the
-        series. ``speed`` of the approach [m/s, under load control N/s], on which it depends where the edge advances by
+        series. ``speed`` of the approach [m/s, under load control N/s], on which it depends where the crack closes by
         a law. InputError where it does not come there."""
 
         if self.law_advance is None:

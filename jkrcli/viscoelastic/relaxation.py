@@ -1,4 +1,4 @@
-"""Contact of bodies that relax, without adhesion: E(t) = E r(t), one function for all layers, constant nu.
+"""Contact of viscoelastic bodies, without adhesion: E(t) = E r(t), one function for all layers, constant nu.
 
 The pressure is a sum of flat ends. Inside every smaller radius a flat end moves the surface rigidly, on any body, so
 that only the last one matters (Ting, J. Appl. Mech. 33 (1966) 845; here for layers, gradings, cylinders, any tip).
@@ -684,7 +684,7 @@ class Falling:
 
 
 # --------------------------------------------------------------------------------------------------
-# What a device records over time that presses a body that relaxes: programs, turns, and the table of it all.
+# What a device records over time that presses a viscoelastic body: programs, turns, and the table of it all.
 
 
 @dataclass(frozen=True, eq=False)

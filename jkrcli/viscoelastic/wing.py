@@ -1,4 +1,4 @@
-"""What the wing of contact over time registers: adhesion over the speed of the edge, bodies that relax, their fits."""
+"""What the wing of contact over time registers: adhesion over speed, viscoelastic bodies, their fits."""
 
 from ..base.wings import Verb, Wing
 

@@ -183,7 +183,7 @@ points = {points}
 
 
 @pytest.mark.parametrize(("points", "method"), [(60, "layered"), (4, "layered"), (4, "hybrid")])
-def test_the_summary_and_the_printed_line_hold_it(jkr, points: int, method: str) -> None:
+def test_the_summary_holds_it_and_what_is_far_below_the_digits_is_not_printed(jkr, points: int, method: str) -> None:
     """Of four points interpolation knows no error: the points of exact methods are solved."""
     Path("x.toml").write_text(CASE.format(points=points), encoding="utf-8")
     assert jkr("run", "x.toml", "--method", method).code == 0
@@ -192,8 +192,7 @@ def test_the_summary_and_the_printed_line_hold_it(jkr, points: int, method: str)
     controls = json.loads(Path("x-w0.01.json").read_text(encoding="utf-8"))["pull_off"].values()
     worst = max(found["P_err_N"] / abs(found["P_N"]) for found in controls if "P_err_N" in found)
     assert 0 < worst < 1e-4
-    said = float(outcome.out.partition("pull-off: numerical error below ")[2].split()[0])
-    assert worst <= said < 10 * worst
+    assert "pull-off: numerical error" not in outcome.out  # far below what is read off
 
 
 def test_smoothing_splines_are_measured_against_the_other_slopes(monkeypatch: pytest.MonkeyPatch) -> None:

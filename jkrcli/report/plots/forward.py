@@ -399,7 +399,7 @@ def _edge(axes: Axes, a: float) -> None:
 
 
 # --------------------------------------------------------------------------------------------------
-# Figures of contacts over time: of a device's history, of adhesion that depends on speed, of bodies that relax.
+# Figures of contacts over time: of a device's history, of adhesion that depends on speed, of viscoelastic bodies.
 
 RATE_PHASES = {
     "advance": (plots.BLUE, "-", "contact line closes"),

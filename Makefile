@@ -98,7 +98,7 @@ docs: $(READY) ## the documentation as a site, every warning an error: build/doc
 	$(VENV)/bin/python -m sphinx --quiet --nitpicky --fail-on-warning --keep-going docs build/docs
 	@echo "documentation: build/docs/index.html"
 
-validation: $(READY) #: tables against published and independent values: docs/validation/tables.md (a minute)
+validation: $(READY) #: tables against published and independent values: docs/project/validation-tables.md (a minute)
 	$(VENV)/bin/python -m docs.validation.validate
 
 gallery: $(READY) #: the pictures of docs/gallery from the commands that stand there

@@ -19,7 +19,7 @@ import numpy as np
 import jkrcli as jkr
 from jkrcli.adhesion.device_path import stability_under
 
-HERE = Path(__file__).parent
+PAGE = Path(__file__).parents[1] / "project" / "validation-tables.md"
 HAYES = "Hayes 1972"
 MAUGIS = "Maugis 1978"
 JKR = "JKR 1971"
@@ -259,6 +259,6 @@ def page() -> tuple[str, list[Row]]:
 
 if __name__ == "__main__":
     text, wrong = page()
-    (HERE / "tables.md").write_text(text, encoding="utf-8")
+    PAGE.write_text(text, encoding="utf-8")
     print(text)
     sys.exit("".join(f"beyond its tolerance: {row}\n" for row in wrong) or 0)

@@ -46,7 +46,7 @@ FIT_STEP = 1e-6  # theory: of the unknowns, for derivatives: the root of what th
 FIT_CONVERGED = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
 FIT_COARSER = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
 FIT_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
-RANGE = "the numbers leave the range of arithmetic"
+RANGE = "arithmetic overflow"
 FAILURES = (JkrError, FloatingPointError, OverflowError, ValueError)  # of a history far from any record
 
 

@@ -14,7 +14,7 @@ FAST = (validate.sphere, validate.layers, validate.tension, validate.relaxation,
     [pytest.param(one, marks=() if one in FAST else pytest.mark.slow, id=one.__name__) for one in validate.SECTIONS],
 )
 def test_rows_are_within_their_tolerances_and_on_the_page(section: object) -> None:
-    page = (validate.HERE / "tables.md").read_text(encoding="utf-8")
+    page = validate.PAGE.read_text(encoding="utf-8")
     for row in section():  # type: ignore[operator]
         assert row.difference <= row.tolerance, row
         assert re.search(rf"^\| {re.escape(row.what)} \|", page, re.M), f"{row.what}: run make validation"

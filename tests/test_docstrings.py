@@ -12,7 +12,8 @@ from jkrcli.bodies.problem import Indenter
 from jkrcli.measured.model_changes import AlternativeModel
 from jkrcli.methods.protocol import Method
 
-FUNCTIONS = {name: getattr(jkr, name) for name in jkr.__all__ if inspect.isfunction(getattr(jkr, name))}
+OFFERED = {name: getattr(jkr, name) for name in jkr.__all__ if inspect.isfunction(getattr(jkr, name))}
+FUNCTIONS = {name: one for name, one in OFFERED.items() if not (one.__doc__ or "").startswith("Deprecated: `fit`")}
 HEAD = re.compile(r"^([A-Z]\w+)\n-+$", re.M)
 
 

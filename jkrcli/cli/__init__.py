@@ -192,7 +192,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
             raise InputError(f"the command line holds {len(words):,} words, at most {MOST_WORDS:,} are read")
         # Say that ``ulimit -v`` leaves little: libraries that find no room wait for it, or end in words of their own.
         if (most := process.address_space()) < LITTLE:
-            warn(f"the address space is limited to {most / 2**20:.0f} MiB: libraries may not load, or hang; "
+            warn(f"the address space is limited to {most // 2**20:.0f} MiB: libraries may not load, or hang; "
                  "raise ulimit -v")  # fmt: skip
         # Say that a date for reproducible builds is none: libraries end in a ValueError of their own over it.
         try:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import FuncFormatter, LogLocator
 
 from ..base.numerics import Array
 from ..report.plots import (
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 LINES = ("-", "--", ":", "-.")
 GOLDEN = (math.sqrt(5) - 1) / 2  # theory: its multiples fill an interval evenly
+WRITTEN = 1e4  # choice: of the ends of an axis, below which its ticks are numbers as people write them
 LETTER = 0.0135  # choice: width of a letter of the words beside lines, in shares of the axes
 
 
@@ -208,7 +210,8 @@ class Line:
 class Panel:
     """One pair of axes; limits None: all of the data.
 
-    ``logs``: logarithmic axes, "", "x", "y" or "xy"; a logarithmic x axis has its ticks at the first line's points.
+    ``logs``: logarithmic axes, "", "x", "y" or "xy"; ``at_points``: a logarithmic x axis has its ticks at the first
+    line's points, else where people write numbers.
     ``right``: a line of another quantity, and the label of its own axis.
     """
 
@@ -217,6 +220,7 @@ class Panel:
     lines: Sequence[Line]
     title: str = ""
     logs: str = ""
+    at_points: bool = True
     xlim: tuple[float | None, float | None] | None = None
     ylim: tuple[float | None, float | None] | None = None
     right: tuple[str, Line] | None = None
@@ -242,6 +246,7 @@ def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
 def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "x" in panel.logs:
         axes.set_xscale("log")
+    if "x" in panel.logs and panel.at_points:
         # Those of the points whose labels have room beside each other
         x = panel.lines[0].x
         room, ticks = 0.15 * math.log(float(x.max() / x.min())), [float(x.max())]
@@ -271,6 +276,12 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         _line(axes, replace(line, x=np.empty(0), y=np.empty(0)))  # for the legend
     if "y" in panel.logs:
         log_ticks(axes.yaxis)
+    if "x" in panel.logs and not panel.at_points:
+        log_ticks(axes.xaxis)
+        low, high = axes.get_xlim()
+        if 100 <= high / low < WRITTEN:  # 0.02, 0.05, 0.1, not powers of ten
+            axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < WRITTEN / 10 else (1,)))
+            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
 
 

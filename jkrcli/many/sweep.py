@@ -39,13 +39,17 @@ from .sweep_plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, 
 # The figure of a sweep: its results over the axis with the most values, a line for each value of the next.
 
 PULL_OFF = re.compile(r"pull_off\.(load|displacement)\.(P|delta|a)")
+RATIO_WORDS = {
+    "pull_off.load.over_pi_w_R": r"pull-off force / $\pi w R$", "ratios.h_over_R": "$h/R$",
+    "ratios.a_over_h_at_pull_off": "$a/h$ at pull-off", "ratios.w_R2_over_Estar_h3": r"$w R^2 / (E^* h^3)$",
+}  # fmt: skip
 MARKS = "os^Dvx"  # of lines in this order: one that covers another shows it
 DIMENSIONS = {"_N": "load", "_J_per_m2": "work", "_Pa": "modulus", "_m": "length"}
 
 
 def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | None:
-    """Forces where there are some, else the first results, at most two of them; other axes at their first value, which
-    the title says. None where no axis or no result is a number."""
+    """Forces where there are some, over a quantity of a layer those in pi w R, else the first results, at most two of
+    them; other axes at their first value, which the title says. None where no axis or no result is a number."""
     numbers = {name: np.array(values, dtype=float) for name, values in table.items()
                if all(value is None or isinstance(value, int | float) for value in values)}  # fmt: skip
     # The first column of each axis that holds several numbers
@@ -55,10 +59,14 @@ def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | Non
         axes += [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
     axes.sort(key=lambda name: -np.unique(numbers[name]).size)
     results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
-    results = ([name for name in results if name.endswith(".P_N")] or results)[:2]
-    if not axes or not results:
+    results = [name for name in results if name not in (plan.over, STRAINS)] or results
+    forces = (".over_pi_w_R", ".P_N") if plan.over else (".P_N", ".over_pi_w_R")
+    chosen = ([name for name in results if name.endswith(force)] for force in forces)
+    results = (next(filter(None, chosen), None) or results)[:2]
+    if not axes or not results or (plan.over and plan.over not in numbers):
         return None
     x, *others = axes
+    x = plan.over or x
     first = {name: numbers[name][0] for name in others[1:]}
     rows = np.logical_and.reduce([np.isfinite(numbers[x]), *(numbers[name] == at for name, at in first.items())])
     shown = {name: values[rows] for name, values in numbers.items()}
@@ -77,7 +85,8 @@ def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, styl
         lines.append(figures.Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
     wide = 0 < 5 * along.min() < along.max()
     title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
-    return figures.Panel(x_label, y_label, lines, title, logs="x" if wide else "")
+    written = all(float(f"{value:.2g}") == float(f"{value:.9g}") for value in np.unique(along))  # 0.3, 2, 50
+    return figures.Panel(x_label, y_label, lines, title, logs="x" if wide else "", at_points=written)
 
 
 def _scaled(columns: Mapping[str, Array], column: str) -> tuple[Array, str]:
@@ -89,6 +98,8 @@ def _scaled(columns: Mapping[str, Array], column: str) -> tuple[Array, str]:
 
 def _words(stem: str) -> str:
     """What a result or a key is called on an axis: "pull_off.load.P" the load at pull-off; others as they are."""
+    if stem in RATIO_WORDS:
+        return RATIO_WORDS[stem]
     if match := PULL_OFF.fullmatch(stem):
         return f"{looks.LABELS[match[2]]} at pull-off"
     if match := re.fullmatch(r"specimen\.layers\[(\d+)\]\.(\w+)", stem):

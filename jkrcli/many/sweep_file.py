@@ -187,10 +187,12 @@ class SamplesTable(Table):
 
 
 class OutputsTable(Table):
-    """``quantities``: names or groups; ``radii``: the curve there too; ``stiffness``: pull-off by such devices too;
-    ``slopes``: "auto" or a rule's name, checked where the rules are known."""
+    """``quantities``: names or groups; ``over``: the one over which the picture is drawn, else the longest axis;
+    ``radii``: the curve there too; ``stiffness``: pull-off by such devices too; ``slopes``: "auto" or a rule's name,
+    checked where the rules are known."""
 
     quantities: one_or_more(str) = ("pull_off", "pull_off_errors", "validity", "errors")
+    over: str = ""
     radii: one_or_more(Length) = ()
     stiffness: one_or_more(quantity("stiffness", above=0)) = ()
     slopes: str = "auto"

@@ -281,6 +281,16 @@ def _pull_off(result: Analysis) -> dict[str, Any]:
     return load | displacement | {"load.over_pi_w_R": ratio}
 
 
+def _ratios(result: Analysis) -> dict[str, Any]:
+    """h/R, a/h at pull-off under load control and w R^2/(E* h^3), h of the thinner layer that touches."""
+    problem, point = result.problem, result.pull_off["load"]
+    h, R = problem.top_thickness, problem.indenter.tip_radius
+    if not math.isfinite(h) or R is None:
+        return dict.fromkeys(RATIOS, Unknown("there is no layer, or no tip radius"))
+    a = point if isinstance(point, Unknown) else point.a / h
+    return dict(zip(RATIOS, (h / R, a, result.w * R**2 / (problem.E_star * h**3)), strict=True))
+
+
 def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
     columns = tables.point(state)
     return {f"{name}.{key}": Unknown(columns["reason"]) if columns[key] is None else columns[key] for key in POINT}
@@ -316,6 +326,7 @@ def _of_both(keys: Sequence[str]) -> Iterator[str]:
 
 
 VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L", "large_strains")
+RATIOS = ("h_over_R", "a_over_h_at_pull_off", "w_R2_over_Estar_h3")
 STRAINS = "validity.large_strains"  # beside every pull-off force, asked for or not: it is a doubt of the row
 SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
     "solved_by": (
@@ -328,6 +339,7 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
     "pull_off_errors": (_point_errors, (*_of_both(ERROR), "level")),
     "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
     "validity": (_validity, VALIDITY),
+    "ratios": (_ratios, RATIOS),
     "errors": (
         lambda result: result.budget.as_dict(),
         ("discretisation", "truncation", "radius", "smoothing", "total"),
@@ -339,7 +351,11 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
 }
 NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
 NEED_W = ("pull_off", "pull_off_errors", "stability")
-OF_THE_KIND = ("validity.", "comparison.")  # absent by the kind of body, the same in every case: no reason is given
+OF_THE_KIND = (
+    "validity.",
+    "comparison.",
+    "ratios.",
+)  # absent by the kind of body, the same in every case: no reason is given
 ALONG = ("P_N", "delta_m", "P_H_N", "delta_H_m", "S_N_per_m", "dS_da_N_per_m2")
 
 
@@ -438,12 +454,14 @@ class CaseTemplate:
 
 @dataclass(frozen=True)
 class Plan:
-    """All cases of a sweep: the product of its ``axes``, the last one running fastest."""
+    """All cases of a sweep: the product of its ``axes``, the last one running fastest; ``over``: the quantity over
+    which its picture is drawn, "" where that is the longest axis."""
 
     source: str
     title: str
     recipe: CaseTemplate
     axes: tuple[Axis, ...]
+    over: str = ""
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -565,7 +583,7 @@ def load_plan(path: Path) -> Plan:
         points = {key: first.model_dump()["indenter"][key] for key in ("r", "f")}
         rest = {key: value for key, value in indenter.items() if key != "file"}
         self_contained = {**tables, "indenter": rest | points}
-    plan = Plan(source, model.title, CaseTemplate(self_contained, wanted, folder), axes)
+    plan = Plan(source, model.title, CaseTemplate(self_contained, wanted, folder), axes, model.outputs.over)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
@@ -586,6 +604,11 @@ def _wanted(model: SweepModel, source: str) -> Wanted:
         )
     rule = checked_rule(outputs.slopes, f"{source}: outputs.slopes")
     names = names_of(outputs.quantities, source)
+    if outputs.over and outputs.over not in NAMES:
+        hint = did_you_mean(outputs.over, NAMES)
+        raise InputError(f'{source}: outputs.over: must be one quantity, such as ratios.h_over_R, got "{outputs.over}"'
+                         f"{hint}")  # fmt: skip
+    names = tuple(dict.fromkeys((*names, *filter(None, [outputs.over]))))
     if outputs.stiffness or any(name.startswith("pull_off.") for name in names):
         names = tuple(dict.fromkeys((*names, STRAINS)))
     return Wanted(names, outputs.radii, outputs.stiffness, rule)

@@ -93,7 +93,7 @@ def drawn(i: int) -> tuple[str, str, float]:
 
 @pytest.mark.parametrize("i", [0, *(pytest.param(i, marks=pytest.mark.slow) for i in range(1, 40))])
 def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By at most 25 bodies over the bounds and 12 for each solution."""
+    """To 1e-8, by at most 25 bodies over the bounds and 12 for each solution."""
     text, key, true = drawn(i)
     (path := tmp_path / "case.toml").write_text(text)
     solves = list[Any]()
@@ -103,8 +103,8 @@ def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, mon
     w = case.model.adhesion.w[0]
     force = -python.pull_off(solved_for(case.model.problem(), [w]), w).summary()["controls"][0]["pull_off"]["P_N"]
     found = python.find_value(path, key, force, (true / 3.1, true * 2.3))
-    assert min(abs(root.value / true - 1) for root in found.roots) < 1e-7
-    assert len(solves) <= inverse.FIND_SCAN + inverse.FIND_STEPS * len(found.roots) + len(found.roots)
+    assert min(abs(root.value / true - 1) for root in found.roots) < 1e-8
+    assert len(solves) <= 25 + 12 * len(found.roots)
 
 
 @pytest.mark.parametrize(

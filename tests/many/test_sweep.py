@@ -12,7 +12,7 @@ from sweep_files import AXIS, BAD, HALF_SPACE, TWO_LAYERS, R, axis, plan_of, row
 
 from jkrcli.base.errors import InputError
 from jkrcli.formulas import jkr as jkr_curve
-from jkrcli.many.sweep_plan import NAMES, names_of, with_values
+from jkrcli.many.sweep_plan import NAMES, RATIOS, names_of, with_values
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -139,7 +139,8 @@ def test_every_quantity_is_told_or_its_absence_explained(jkr, tmp_path: Path) ->
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS + f"[outputs]\nquantities = {list(groups)}\n")
     row = json.loads(jkr("sweep", "s.toml", "--only", "1", "--json").out)
     absent = {name for name in NAMES if row[name] is None}
-    assert absent == {"validity.delta_over_h", "validity.a_over_h", "validity.a_over_L"}  # a half-space has none
+    of_layers = {f"ratios.{name}" for name in RATIOS}  # a half-space has none
+    assert absent == {"validity.delta_over_h", "validity.a_over_h", "validity.a_over_L", *of_layers}
     assert row["solved_by.method"] == "closed-form"
     assert abs(row["comparison.pull_off"]) < 1e-6
     assert row["stability.energy_lost_J"] > row["stability.work_of_separation_J"] * 0.1 > 0

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.many.sweep import sweep_figure
+from jkrcli.base.errors import InputError
+from jkrcli.many.sweep import alone, sweep_figure
 from jkrcli.many.sweep_plan import Plan, load_plan
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -45,6 +46,40 @@ def test_two_axes_make_a_line_for_each_value_of_the_shorter(tmp_path: Path) -> N
     named = {str(line.get_label()): line for line in figure.axes[0].lines}
     np.testing.assert_allclose(named["nu = 0.3"].get_ydata(), [0, 1, 2])
     np.testing.assert_allclose(named["nu = 0.4"].get_ydata(), [3, np.nan, 5])
+
+
+def test_over_a_ratio_of_lengths_the_force_is_in_pi_w_R(tmp_path: Path) -> None:
+    """Ticks are numbers as people write them."""
+    wide = 'key = "specimen.layers[0].thickness"\nfrom = 1e-4\nto = 1e-2\ncount = 5\nspacing = "log"\n'
+    axes = "".join(f"[[axes]]\n{axis}" for axis in (wide, 'key = "adhesion.w"\nvalues = [0.04]\n'))
+    wanted = '[outputs]\nquantities = ["pull_off.load"]\nover = "ratios.{}"\n'
+    for name, words in (("h_over_R", "$h/R$"), ("a_over_h_at_pull_off", "$a/h$ at pull-off")):
+        (tmp_path / "s.toml").write_text(f'base = "{CASES / "gel.toml"}"\n{axes}{wanted.format(name)}')
+        plan = load_plan(tmp_path / "s.toml")
+        rows = [alone(plan, number).summary() for number in range(plan.count)]
+        columns = {column: [row[column] for row in rows] for column in rows[0]}
+        (axes_drawn,) = sweep_figure(plan, columns).axes
+        (line,) = (held for held in axes_drawn.lines if len(held.get_xdata()) == 5)
+        h, (R, w) = np.array(columns["specimen.layers[0].thickness_m"]), (6e-3, 0.04)
+        a = np.array(columns["pull_off.load.a_m"])
+        order = np.argsort(line.get_xdata())
+        x, expected = np.array(line.get_xdata()), h / R if name == "h_over_R" else a / h
+        np.testing.assert_allclose(x, np.sort(expected), rtol=1e-12)
+        assert axes_drawn.get_xlabel() == words
+        assert axes_drawn.get_ylabel() == r"pull-off force / $\pi w R$"
+        forces = -np.array(columns["pull_off.load.P_N"]) / (np.pi * w * R)
+        np.testing.assert_allclose(np.array(line.get_ydata())[order], forces[np.argsort(expected)], rtol=1e-12)
+        if name == "h_over_R":
+            assert axes_drawn.get_xscale() == "log"
+            format_tick = axes_drawn.xaxis.get_major_formatter()
+            shown = [format_tick(tick) for tick in axes_drawn.xaxis.get_majorticklocs() if 0.02 <= tick <= 2]
+            assert shown == ["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"]
+
+
+def test_over_what_is_no_quantity_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(f'base = "{CASES / "gel.toml"}"\n[[axes]]\n{NU}[outputs]\nover = "h/R"\n')
+    with pytest.raises(InputError, match=r'outputs\.over: must be one quantity, .*got "h/R"'):
+        load_plan(tmp_path / "s.toml")
 
 
 def test_what_holds_no_numbers_has_no_picture(tmp_path: Path) -> None:

@@ -13,9 +13,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
 import pytest
 
-from jkrcli.cli import VERBS
+from jkrcli.cli import VERBS, jkr
 from jkrcli.many.verbs import STUDIES
 
 ROOT = Path(__file__).parents[1]
@@ -128,6 +129,21 @@ def test_pages_for_users_stay_short() -> None:
 @pytest.mark.parametrize("verb", [*VERBS, *(f"study {name}" for name in STUDIES)])
 def test_every_verb_is_used_on_a_page(verb: str) -> None:
     assert any(f"jkr {verb}" in page.read_text(encoding="utf-8") for page in PAGES)
+
+
+def test_every_option_in_a_line_of_text_is_one_of_its_verb() -> None:
+    """Commands in tables are not run; a misspelt option of theirs is found here."""
+    lines = [line for page in PAGES for line in re.findall(r"`jkr ([a-z-]+ [^`]*)`", prose(page))]
+    assert len(lines) >= 30
+    wrong = []
+    for line in lines:
+        verb, *words = line.split()
+        command = jkr.get_command(click.Context(jkr), verb)
+        if isinstance(command, click.Group):
+            command = command.get_command(click.Context(command), words[0])
+        known = {option for parameter in getattr(command, "params", ()) for option in parameter.opts}
+        wrong += [line for word in words if word.startswith("--") and word not in known]
+    assert wrong == []
 
 
 def test_every_picture_exists() -> None:

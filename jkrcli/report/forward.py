@@ -164,8 +164,8 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
             changes += [f"{strain_words(change)} ({one.history.name})"] if change else []
     lines += [f"  model: {'; '.join(changes)}"] if changes else []
     unknown = [error for error in errors if isinstance(error, Unknown)]
-    worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=None)
-    told = isinstance(worst, Unknown) or (worst or 0.0) >= tables.PRINTED
+    worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=0.0)
+    told = isinstance(worst, Unknown) or worst >= tables.PRINTED
     return lines + ([f"  pull-off: {accuracy(worst)} ({AT_LEVEL} confidence)"] if told else [])
 
 

@@ -42,6 +42,7 @@ ROUNDS = 3  # choice: modulus and zero in turn, good to a tenth
 BEGINS = 2  # choice: searches
 # choice: zones over contact radii at least, tolerances of steps, evaluations at most, of a search and of the fit
 SEARCH, FINE = (0.03, 2e-2, 3), (0.012, 2e-2, 12)
+FEW = 4  # choice: evaluations until the misfit is near its least: of 19 records that relax two are enough
 QUICK = 3e-3  # choice: tolerance of steps of a power law, which relaxes at once behind each corner of the program
 LIKE = 1.1  # choice: of a neighbour's scatter, what a fit may leave that begins there
 ROUGH = 0.02  # choice: of the pull-off force, what a search may miss
@@ -106,10 +107,13 @@ def adhering_fit(
         if settings.law != "sls":  # where the record is likeliest by that law, whatever the solid's cost is
             near = near.by_law(settings)
             near = Nearby.of(near.model, Posterior.of(near, 1.0, WITHIN[1], HELD).likeliest())
+        if settings.most is not None:
+            near = _least(near, FEW, (HELD,))
+            off = near.state.residuals[: cycle.t.size]
+            if float(np.mean(off[off != 0] ** 2)) > settings.most:
+                raise SolveError("no history of this specimen leaves as little")
         begun = _least(near, FINE[2], (HELD,) if settings.most is None else (HELD, 1.0))
-        wide, off = begun.model, begun.state.residuals[: cycle.t.size]
-        if settings.most is not None and float(np.mean(off[off != 0] ** 2)) > settings.most:
-            raise SolveError("no history of this specimen leaves as little")
+        wide = begun.model
     found, corrected = _corrected(begun, wide)
     with contextlib.suppress(SolveError, ArithmeticError, ValueError):  # a LinAlgError is one
         if like is None and (other := _with_likely_range(found, wide)) is not None:

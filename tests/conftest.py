@@ -2,14 +2,16 @@
 
 import importlib
 import os
+import shutil
 import signal
 import sys
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import resolve_name
+from typing import Any
 
 import pytest
 
@@ -112,6 +114,36 @@ def _jkr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
         return Outcome(code, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture(name="browser", scope="module")
+def _browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """A headless Chromium with its log, that saves into the folder ``downloads``; skipped where there is none."""
+    webdriver = pytest.importorskip("selenium.webdriver")
+    binary, server = shutil.which("chromium"), shutil.which("chromedriver")
+    if not (binary and server):
+        pytest.skip("chromium and chromium-driver are not installed")
+    options = webdriver.ChromeOptions()
+    options.binary_location = binary
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    downloads = tmp_path_factory.mktemp("downloads")
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(server))
+    driver.downloads = downloads
+    yield driver
+    driver.quit()
+
+
+MEDIA = [("screen", 400), ("screen", 1280), ("print", 720)]  # pixels; A4 within its margins
+
+
+def shown_at(browser: Any, width: int, media: str = "screen") -> None:
+    """Show pages of a ``browser`` on a ``media`` of a ``width`` [pixels]."""
+    metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media})
 
 
 @pytest.fixture(name="tuned")

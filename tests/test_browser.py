@@ -4,7 +4,6 @@ import contextlib
 import http.server
 import json
 import os
-import shutil
 import subprocess
 import sys
 import threading
@@ -14,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import MEDIA, shown_at
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "site_parts" / "browser_page"
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 BODY = "--radius 5um --E 1MPa --nu 0.5 --w 50mJ/m^2"
 COMMANDS = {  # each with what it prints
     "jkr new case.toml": "case.toml",
@@ -119,47 +118,36 @@ def served(folder: Path) -> Iterator[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium and chromium-driver are not installed")
 def test_the_page_runs_commands_or_says_which_part_of_the_runtime_is_missing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, browser: Any
 ) -> None:
     """With the folder PYODIDE of a whole release the page answers; with a part of it it names what is missing."""
     pytest.importorskip("sphinx")
-    webdriver = pytest.importorskip("selenium.webdriver")
     monkeypatch.syspath_prepend(ROOT / "docs")
     from site_parts import browser as built
 
     given = os.environ.get("PYODIDE")
     built.write(tmp_path / "page", Path(given) if given else None)
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
     wait = pytest.importorskip("selenium.webdriver.support.wait").WebDriverWait(browser, 180)
 
     def state() -> str:
         return browser.find_element("id", "state").text
 
-    try:
-        with served(tmp_path / "page") as address:
-            for width in (400, 1280):
-                browser.set_window_size(width, 900)
-                browser.get(address)
-                wait.until(lambda _: not state().startswith("Loading"))
-                assert browser.execute_script("return document.documentElement.scrollWidth <= innerWidth")
-            if not given:
-                assert "make docs PYODIDE=folder" in state()
-                assert browser.get_log("browser") == []
-            elif "lacks" in state():
-                assert "numpy" in state()
-            else:
-                browser.find_element("id", "go").click()
-                wait.until(lambda _: state().startswith(("Ready", "Exit")))
-                assert "pull-off force 1.14 uN" in browser.find_element("id", "text").text
-                assert browser.get_log("browser") == []
-            browser.get((tmp_path / "page" / "index.html").as_uri())
-            assert "http.server" in state()
-    finally:
-        browser.quit()
+    with served(tmp_path / "page") as address:
+        for media, width in MEDIA:
+            shown_at(browser, width, media)
+            browser.get(address)
+            wait.until(lambda _: not state().startswith("Loading"))
+            assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+        if not given:
+            assert "make docs PYODIDE=folder" in state()
+            assert browser.get_log("browser") == []
+        elif "lacks" in state():
+            assert "numpy" in state()
+        else:
+            browser.find_element("id", "go").click()
+            wait.until(lambda _: state().startswith(("Ready", "Exit")))
+            assert "pull-off force 1.14 uN" in browser.find_element("id", "text").text
+            assert browser.get_log("browser") == []
+        browser.get((tmp_path / "page" / "index.html").as_uri())
+        assert "http.server" in state()

@@ -1,20 +1,17 @@
 """The site that ``make docs`` builds, in Chromium: nothing is cut or overlaps on a phone, a screen and paper."""
 
-import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import MEDIA, shown_at
 
 from jkrcli.cli import VERBS
 from jkrcli.many.verbs import STUDIES
 
 ROOT = Path(__file__).parents[1]
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-MEDIA = [("screen", 400), ("screen", 1280), ("print", 720)]  # pixels; A4 within its margins
 FAULTS = """
 const faults = [], visible = [...document.querySelectorAll('.main, .main *')].filter(
   part => part.clientWidth && getComputedStyle(part).visibility !== 'hidden');
@@ -46,21 +43,6 @@ def _site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "html"
 
 
-@pytest.fixture(name="browser", scope="module")
-def _browser() -> Iterator[Any]:
-    webdriver = pytest.importorskip("selenium.webdriver")
-    if not (BROWSER and DRIVER):
-        pytest.skip("chromium and chromium-driver are not installed")
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield driver
-    driver.quit()
-
-
 def pages(site: Path) -> list[Path]:
     """The pages with a text of their own."""
     return sorted(page for page in site.rglob("*.html") if "article" in page.read_text(encoding="utf-8")
@@ -70,9 +52,7 @@ def pages(site: Path) -> list[Path]:
 @pytest.mark.slow
 @pytest.mark.parametrize(("media", "width"), MEDIA)
 def test_nothing_is_cut_or_overlaps_and_no_script_errs(site: Path, browser: Any, media: str, width: int) -> None:
-    metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media})
+    shown_at(browser, width, media)
     found = {}
     for page in pages(site):
         browser.get(page.as_uri())

@@ -2,41 +2,20 @@
 
 import json
 import shlex
-import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CASES
+from conftest import CASES, MEDIA, shown_at
 
 from jkrcli.report.tables import read_curve
 
 pytest.importorskip("plotly")
-webdriver = pytest.importorskip("selenium.webdriver")
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium and chromium-driver are not installed"),
-]
+pytestmark = pytest.mark.slow
 CONTROLS = ("load", "displacement", "machine")  # in the order of the page's command
-
-
-@pytest.fixture(name="browser", scope="module")
-def _browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    downloads = str(tmp_path_factory.mktemp("downloads"))
-    options.add_experimental_option("prefs", {"download.default_directory": downloads})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    driver.downloads = Path(downloads)
-    yield driver
-    driver.quit()
 
 
 @pytest.fixture(name="opened", params=["gel", "halfspace", "coating"])
@@ -48,15 +27,10 @@ def _opened(jkr: Callable, browser: Any, request: pytest.FixtureRequest) -> Any:
 
 
 def _open(jkr: Callable, browser: Any, *words: str) -> Any:
-    window(browser, 1300, 900)
+    shown_at(browser, 1300)
     assert jkr("explore", *words, "-o", "page.html").code == 0
     browser.get(Path("page.html").absolute().as_uri())
     return browser
-
-
-def window(browser: Any, width: int, height: int) -> None:
-    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
 
 def settled(browser: Any) -> None:
@@ -195,7 +169,7 @@ def test_asks_no_network_and_says_nothing(opened: Any) -> None:
 
 def test_works_by_keyboard_alone(opened: Any) -> None:
     """Every control is reached by Tab, has a name, and is not hidden where it has the focus."""
-    window(opened, 400, 800)
+    shown_at(opened, 400)
     reached = []
     for _ in range(40):
         opened.switch_to.active_element.send_keys("\ue004")
@@ -216,9 +190,9 @@ def test_works_by_keyboard_alone(opened: Any) -> None:
     assert {"control", "view"} <= set(reached)
 
 
-@pytest.mark.parametrize("width", [320, 400, 800, 1300])
-def test_fits_any_window(opened: Any, width: int) -> None:
-    window(opened, width, 800)
+@pytest.mark.parametrize(("media", "width"), [*MEDIA, ("screen", 320), ("screen", 800)])
+def test_fits_any_window_and_paper(opened: Any, media: str, width: int) -> None:
+    shown_at(opened, width, media)
     settled(opened)
     assert opened.execute_script("return document.documentElement.scrollWidth") <= width
     for name in ("load-plot", "radius-plot"):

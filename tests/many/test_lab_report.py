@@ -6,10 +6,11 @@ import html
 import io
 import json
 import re
-import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
+from conftest import MEDIA, shown_at
 from force_curves import Instrument, record
 from test_samples import SPECIMEN, K, R, read, write
 
@@ -17,7 +18,6 @@ from jkrcli.base.files import is_ours
 from jkrcli.cli import call
 from jkrcli.measured.grade import kind_of
 
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 FREE = "".join(
     f"{i / 100},{(37 * i) % 11},{'retract' if i > 99 else 'approach'}\n" for i in (*range(100), *range(99, 0, -1))
 )
@@ -118,24 +118,15 @@ def test_the_report_in_markdown_says_the_same(report: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium and chromium-driver are not installed")
-def test_report_and_page_of_curves_fit_a_phone_and_a_screen(report: str) -> None:
-    webdriver = pytest.importorskip("selenium.webdriver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    try:
-        for width in (400, 1280):
-            metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-            for page in ("report.html", "fit-curves.html#8"):
-                browser.get(Path("out").absolute().as_uri() + f"/{page}")
-                assert browser.execute_script("return document.documentElement.scrollWidth") <= width, page
-            assert browser.find_element("id", "place").text == "8 of 9"  # the curve that the report points to
-            assert browser.find_element("id", "picture").size["width"] > 0.6 * width
-        assert browser.get_log("browser") == []
-    finally:
-        browser.quit()
+@pytest.mark.parametrize(("media", "width"), MEDIA)
+def test_report_and_page_of_curves_fit_a_phone_a_screen_and_paper(
+    report: str, browser: Any, media: str, width: int
+) -> None:
+    shown_at(browser, width, media)
+    for page in ("report.html", "fit-curves.html#8"):
+        browser.get(Path("out").absolute().as_uri() + f"/{page}")
+        assert browser.execute_script("return document.documentElement.scrollWidth") <= width, page
+    if media == "screen":  # paper has all curves, small
+        assert browser.find_element("id", "place").text == "8 of 9"  # the curve that the report points to
+        assert browser.find_element("id", "picture").size["width"] > 0.6 * width
+    assert browser.get_log("browser") == []

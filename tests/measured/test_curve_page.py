@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import shown_at
 
 from jkrcli.base.files import is_ours
 from jkrcli.measured import files as measured
@@ -19,7 +20,6 @@ from jkrcli.measured.curve_page import page
 from jkrcli.measured.segmentation import segment_force_curve
 
 RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 
 
 def curves_of(text: str) -> list[dict[str, Any]]:
@@ -133,44 +133,34 @@ def test_four_thousand_curves_make_a_small_page() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not (BROWSER and DRIVER), reason="chromium and chromium-driver are not installed")
-def test_four_thousand_curves_in_a_browser(tmp_path: Path) -> None:
-    webdriver = pytest.importorskip("selenium.webdriver")
+def test_four_thousand_curves_in_a_browser(tmp_path: Path, browser: Any) -> None:
     (tmp_path / "page.html").write_text(many(4000), encoding="utf-8")
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    try:
-        began = time.monotonic()
-        browser.get((tmp_path / "page.html").as_uri())
-        assert browser.find_element("id", "place").text == "1 of 4000"
-        body = browser.find_element("tag name", "body")
-        for key, place in (("n", 2), ("\ue014", 3), ("p", 2), ("\ue010", 4000), ("\ue012", 3999), ("\ue011", 1)):
-            body.send_keys(key)  # arrows, End and Home by their codes
-            assert browser.find_element("id", "place").text == f"{place} of 4000"
-        browser.find_element("id", "next").click()
-        assert browser.find_element("id", "place").text == "2 of 4000"
-        assert time.monotonic() - began < 60  # no hang; a second or two on an idle machine
-        colours = browser.execute_script(
-            "const c = document.getElementById('picture');"
-            "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data, found = new Set();"
-            "for (let i = 0; i < d.length; i += 4) if (d[i + 3] === 255) found.add(`${d[i]},${d[i + 1]},${d[i + 2]}`);"
-            "return [...found]"
-        )
-        assert {"0,114,178", "213,94,0"} <= set(colours)  # approach and retraction are drawn
-        assert "contact point" in browser.find_element("id", "legend").text
-        browser.find_element("id", "all").click()
-        left = "return document.querySelectorAll('#thumbs canvas:not([data-drawn])').length"
-        assert browser.execute_script(left) > 3000  # far below
-        browser.execute_script("dispatchEvent(new Event('beforeprint'))")
-        assert browser.execute_script(left) == 0
-        thumbs = browser.find_elements("css selector", "#thumbs button")
-        assert (len(thumbs), len(browser.find_elements("css selector", "#table tr"))) == (4000, 4001)
-        thumbs[7].click()
-        assert browser.find_element("id", "place").text == "8 of 4000"
-        assert browser.get_log("browser") == []
-    finally:
-        browser.quit()
+    shown_at(browser, 1280)
+    began = time.monotonic()
+    browser.get((tmp_path / "page.html").as_uri())
+    assert browser.find_element("id", "place").text == "1 of 4000"
+    body = browser.find_element("tag name", "body")
+    for key, place in (("n", 2), ("\ue014", 3), ("p", 2), ("\ue010", 4000), ("\ue012", 3999), ("\ue011", 1)):
+        body.send_keys(key)  # arrows, End and Home by their codes
+        assert browser.find_element("id", "place").text == f"{place} of 4000"
+    browser.find_element("id", "next").click()
+    assert browser.find_element("id", "place").text == "2 of 4000"
+    assert time.monotonic() - began < 60  # no hang; a second or two on an idle machine
+    colours = browser.execute_script(
+        "const c = document.getElementById('picture');"
+        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data, found = new Set();"
+        "for (let i = 0; i < d.length; i += 4) if (d[i + 3] === 255) found.add(`${d[i]},${d[i + 1]},${d[i + 2]}`);"
+        "return [...found]"
+    )
+    assert {"0,114,178", "213,94,0"} <= set(colours)  # approach and retraction are drawn
+    assert "contact point" in browser.find_element("id", "legend").text
+    browser.find_element("id", "all").click()
+    left = "return document.querySelectorAll('#thumbs canvas:not([data-drawn])').length"
+    assert browser.execute_script(left) > 3000  # far below
+    browser.execute_script("dispatchEvent(new Event('beforeprint'))")
+    assert browser.execute_script(left) == 0
+    thumbs = browser.find_elements("css selector", "#thumbs button")
+    assert (len(thumbs), len(browser.find_elements("css selector", "#table tr"))) == (4000, 4001)
+    thumbs[7].click()
+    assert browser.find_element("id", "place").text == "8 of 4000"
+    assert browser.get_log("browser") == []

@@ -431,10 +431,20 @@ def own_scales(values: Mapping[str, float]) -> Scales:
 
 @TABLES.register(Analysis)
 def curve_table(curve: Analysis, scales: Scales | None = None, points: int | None = None) -> dict[str, Array]:
-    """The columns of an adhesive curve, with those in units of ``scales``, at its radii or at so many ``points``."""
+    """The columns of an adhesive curve, with those in units of ``scales``, at its radii or at so many ``points``, there
+    with the error between the radii; InputError where that is unknown."""
+    between = dict[str, Array]()
     if points is not None:
-        curve = replace(curve, curve=AdhesiveCurve(curve.jkr.nonadhesive.resampled(points), curve.w))
+        rows = curve.curve
+        if not isinstance(rows, AdhesiveCurve):
+            raise InputError(f"{curve.path}: --points is of curves without range: leave it, or stress and range, out")
+        curve = replace(curve, curve=AdhesiveCurve(rows.nonadhesive.resampled(points), curve.w))
+        if isinstance(errors := rows.interpolation_at(curve.curve.a), Unknown):
+            raise InputError(f"{curve.path}: --points: the error between its points is {errors}: solve more of them")
+        between = errors
     columns = curve_columns(curve.curve) | ({} if scales is None else scales.columns(curve))
+    for name, key in (("P_err_N", "P"), ("delta_err_m", "delta")) if between else ():
+        columns[name] = np.hypot(columns[name], between[key])
     if curve.rough is not None:
         works = {"w_J_per_m2": curve.w, "w_smooth_J_per_m2": curve.rough.w}
         columns |= {name: np.full(curve.curve.P.size, w) for name, w in works.items()}

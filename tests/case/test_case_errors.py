@@ -90,7 +90,7 @@ ONE_CHANGE = {
     "spacing": (
         '"3 um"',
         '"3 um"\nspacing = "deep"',
-        'loading.spacing: must be one of radius, depth, log, got "deep", did you mean "depth"?',
+        'loading.spacing: must be one of radius, depth, load, log, got "deep", did you mean "depth"?',
     ),
     "negative w": ('depth = "3 um"', 'depth = "3 um"\n[adhesion]\nw = -1', "adhesion.w: must be >= 0, got -1 J/m^2"),
     "table is a number": (

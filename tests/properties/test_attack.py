@@ -428,7 +428,7 @@ def test_the_page_on_clusters_binds_dashboards_and_names_encryption() -> None:
         lines = [line for line in page.splitlines() if line.strip().startswith(f"{command} ") and "127.0.0.1" in line]
         assert lines
         assert all("--dashboard-address 127.0.0.1" in line for line in lines)
-    assert "--tls-" in page
+    assert "--scheduler tls://" in page
 
 
 # ---------------------------------------------------------------------- options of the verbs

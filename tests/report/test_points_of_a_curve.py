@@ -2,16 +2,21 @@
 
 import csv
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import CASES
 
+from jkrcli import load_case, solve, transform
 from jkrcli.adhesion.curve import AdhesiveCurve
+from jkrcli.base.errors import InputError
 from jkrcli.case import store
 from jkrcli.report.tables import curve_table
 from jkrcli.resolve.analysis import analyse
+from jkrcli.resolve.foreign import SeriesReading, read_series
+from jkrcli.resolve.resolve import resolve_with
 
 
 @pytest.fixture(name="gel")
@@ -43,12 +48,34 @@ def test_the_points_of_the_solution_are_its_rows_and_pull_off_does_not_change(jk
     rows = len(result.curve.series)
     assert isinstance(result.curve, AdhesiveCurve)
     plain, same = curve_table(result), curve_table(result, points=rows)
-    for name in ("a_m", "delta_m", "P_N", "S_N_per_m", "dS_da_N_per_m2", "P_err_N", "delta_err_m"):
+    for name in ("a_m", "delta_m", "P_N", "S_N_per_m", "dS_da_N_per_m2"):
         np.testing.assert_allclose(same[name], plain[name], rtol=1e-7)
     few, many = (jkr("transform", gel, "--points", n, "--w", "0.035", "--no-plots", "--force").out for n in (5, 500))
     assert few == many
 
 
+@pytest.mark.parametrize("rows", [6, 12])
+def test_errors_hold_what_lies_between_few_points(rows: int) -> None:
+    """Against the layered solution at the radii of the table, of a coating whose rows are far apart."""
+    problem = load_case(CASES / "coating.toml").model.problem()
+    few = solve(replace(problem, loading=replace(problem.loading, points=rows)), method="layered")
+    table = curve_table(transform(few, 0.05), points=25)
+    delta, P = transform(resolve_with(problem, table["a_m"]), 0.05).curve.at(table["a_m"])
+    for found, true, error in ((table["delta_m"], delta, "delta_err_m"), (table["P_N"], P, "P_err_N")):
+        off = np.abs(found - true) / table[error]
+        assert off.max() < 3
+        assert np.quantile(off, 0.9) < 1
+
+
+def test_points_far_apart_have_no_errors_between_them(gel: Path) -> None:
+    solution = store.read_solution(gel)
+    rows = [getattr(solution.series, name)[[0, 20, 40, 60, 80, 99]] for name in ("a", "delta", "P")]
+    np.savetxt("few.csv", np.column_stack(rows), delimiter=",", header="a_m,delta_m,P_N", comments="")
+    few = analyse(read_series(Path("few.csv"), solution.problem, SeriesReading()), [0.035])[0]
+    with pytest.raises(InputError, match="--points: the error between its points is unknown where neighbouring radii"):
+        curve_table(few, points=50)
+
+
 def test_curves_of_finite_range_are_refused(jkr: Callable, gel: Path) -> None:
     err = jkr("transform", gel, "--w", "0.035", "--range", "1 um", "--points", "50", "--no-plots").err
-    assert "adhesion of finite range is not used here" in err
+    assert "--points is of curves without range" in err

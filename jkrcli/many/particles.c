@@ -63,8 +63,11 @@ static inline int ${name}_size(double R, double w, int *first, double weight[4],
 static inline int ${name}_points_of(double R, double w, ${name}_points *points)
 {
     const double unit = ${NAME}_PI * w * R;
+    const ${name}_points none = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
     double weight[4], column[7];
     int i, first, found = ${name}_size(R, w, &first, weight, column);
+    *points = none;
+    if (!(R > 0.0 && w > 0.0)) return -2;
     points->delta_tear = -exp(column[0]) * ${NAME}_H_LAYER * ${NAME}_H_LAYER / R;
     for (points->force_tear = 0.0, i = 0; i < 4; i++)
         points->force_tear += weight[i] * ${name}_force[first + i][0] * unit;
@@ -75,14 +78,16 @@ static inline int ${name}_points_of(double R, double w, ${name}_points *points)
     return found;
 }
 /* The state at an overlap delta [m]; touching: whether the two were in contact before. Returns 1 in contact, 0 free,
-   -1 beyond the largest overlap, -2 beyond the sizes; what is nearest in the table then stands in. */
+   -1 beyond the largest overlap, -2 beyond the sizes; what is nearest in the table then stands in, and zeros where R or
+   w is none. An overlap that is no number is free. */
 static inline int ${name}_contact(double R, double w, double delta, int touching, double *force, double *radius)
 {
     double weight[4], across[4], column[7], depth, u, s, f = 0.0, a = 0.0;
     int i, k, first, row, found = ${name}_size(R, w, &first, weight, column);
     const double tear = -exp(column[0]) * ${NAME}_H_LAYER * ${NAME}_H_LAYER / R;
     *force = *radius = 0.0;
-    if (delta < (touching ? tear : 0.0)) return 0;
+    if (!(R > 0.0 && w > 0.0)) return -2;
+    if (!(delta >= (touching ? tear : 0.0))) return 0;
     depth = (delta - tear) / -tear;
     u = asinh(sqrt(depth > 0.0 ? depth : 0.0));
     s = u / exp(column[1]);

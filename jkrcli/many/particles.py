@@ -34,7 +34,7 @@ import numpy as np
 
 from ..adhesion.contact_shape import refuse_no_disc
 from ..adhesion.curve import AdhesiveCurve, Nonadhesive
-from ..base.errors import InputError, JkrError, known
+from ..base.errors import InputError, JkrError, Unknown
 from ..base.numerics import Array
 from ..base.registry import Result
 from ..base.units import show
@@ -43,7 +43,7 @@ from ..bodies.problem import Loading, Problem
 from ..cli.options import begin, typed_options
 from ..methods.integral.fredholm import InaccurateError
 from ..methods.layered.solver import Layered
-from ..methods.protocol import Limits
+from ..methods.protocol import METHODS, Limits
 from ..report.export import PERMISSION, DemLaw, interpolated, model_name, stable_branch
 from ..resolve.analysis import Analysis
 
@@ -104,10 +104,9 @@ class SizesLaw:
         except InaccurateError:
             solution = Layered(SIZES_COARSER)(whole)
         law = cls(problem, w, low, high, strain, Nonadhesive.of(solution.series, "exact"))
-        solved, count = (
-            known(solution.budget.discretisation) or 0.0,
-            max(5, math.ceil(SIZES_FEWEST * math.log10(high / low))),
-        )
+        if isinstance(solved := solution.budget.discretisation, Unknown):
+            raise InputError(f"the error of the solution is not known ({solved}), nor is that of its law")
+        count = max(5, math.ceil(SIZES_FEWEST * math.log10(high / low)))
         rows = [law.row(R) for R in np.geomspace(low, high, count).tolist()]
         while len(rows) <= SIZES_MOST:
             between = [law.row(math.sqrt(one.R * other.R)) for one, other in pairwise(rows)]
@@ -256,7 +255,7 @@ class ExportedSizes(Result):
         checksum = crc32(np.concatenate([table.ravel() for table in tables.values()]).tobytes())
         vector = ",\n".join("    { " + ", ".join(f"{float(cell)!r}" for cell in row) + " }" for row in law.vectors)
         return HEADER_CODE.substitute(
-            body=law.problem.words.replace("*/", "* /").rpartition(" to a ")[0], name=self.name, NAME=self.name.upper(),
+            body=self.bodies, name=self.name, NAME=self.name.upper(),
             low=f"{law.low:g}", high=f"{law.high:g}", w=repr(law.w), h=repr(law.h), E_star=repr(law.problem.E_star),
             sizes=len(law.rows), rows=law.across, vectors=len(law.vectors), vector=vector,
             log_q=", ".join(repr(math.log(law.q(R))) for R in (law.low, law.high)), checksum=f"0x{checksum:08x}UL",
@@ -264,6 +263,13 @@ class ExportedSizes(Result):
             **{name: f"{value:.1e}" for name, value in self.stated.items()},
             **{name: ",\n".join(_braced(row) for row in table) for name, table in tables.items()},
         )  # fmt: skip
+
+    @property
+    def bodies(self) -> str:
+        """The shape, without its radius, and the layers."""
+        problem = self.law.problem
+        words = problem.words.replace(problem.indenter.words, problem.indenter.noun, 1)
+        return words.replace("*/", "* /").rpartition(" to a ")[0]
 
     @property
     def stated(self) -> dict[str, float]:
@@ -315,6 +321,11 @@ class OfSizes:
                              'shape = "paraboloid"')  # fmt: skip
         if refusal := Layered().refusal(problem):
             raise InputError(f"{result.path}: {what}: {refusal}")
+        method = result.solution.method
+        if method not in METHODS or not METHODS[method].exact:
+            raise InputError(f"{result.path}: {what}: solves the bodies for all sizes by their exact kernel and would "
+                             f"ignore the numbers of this solution (method {method}): export its case (.toml) with "
+                             'method = "layered", or leave --sizes out')  # fmt: skip
         strain = float(result.curve.series.a[-1]) / problem.indenter.R
         try:
             whole = solved_for_sizes(problem, result.w, *self.sizes, strain)

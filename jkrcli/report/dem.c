@@ -26,7 +26,7 @@ static inline int ${name}_contact(double delta, int touching, double *force, dou
     double s, w[4];
     int i, k, found = 1;
     *force = *radius = 0.0;
-    if (delta < (touching ? ${NAME}_DELTA_TEAR : ${NAME}_DELTA_TOUCH)) return 0;
+    if (!(delta >= (touching ? ${NAME}_DELTA_TEAR : ${NAME}_DELTA_TOUCH))) return 0; /* also where delta is no number */
     s = sqrt(delta > ${NAME}_DELTA_TEAR ? (delta - ${NAME}_DELTA_TEAR) / ${NAME}_SPAN : 0.0) * last;
     if (s > last * (1.0 + 1e-12)) { s = last; found = -1; }
     i = (int)s - 1;

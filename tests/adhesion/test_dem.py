@@ -93,7 +93,7 @@ int main(void)
     printf("%.12e ", force);
     jkr_film_2_contact(5e-8, 1, &force, &radius);
     printf("%.12e\\n", force);
-    return 0;
+    return jkr_x_contact(NAN, 1, &force, &radius); /* an overlap that is no number is no contact */
 }
 """
 

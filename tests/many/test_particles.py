@@ -6,6 +6,7 @@ import math
 import shutil
 import subprocess
 from ctypes.util import find_library
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,11 @@ import numpy as np
 import pytest
 
 import jkrcli as python
+from jkrcli.base.errors import InputError, Unknown
+from jkrcli.bodies.problem import Problem
 from jkrcli.many.particles import ExportedSizes, SizesLaw
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.series import Solution
 
 LOADING = '[loading]\nradius = "3 um"\n[adhesion]\nw = 0.05\n'
 HALF_SPACE = '[indenter]\nshape = "paraboloid"\nradius = "10 um"\n[specimen.half_space]\nE = "75 MPa"\nnu = 0.5\n'
@@ -139,6 +144,25 @@ def test_the_stated_error_holds_between_sizes_and_rows(half: SizesLaw) -> None:
         assert np.abs(radius * half.h / a - 1).max() <= half.errors["radius"]
 
 
+TENSE = HALF_SPACE.replace("[specimen.half_space]", '[specimen]\nsurface_tension = "0.5 N/m"\n[specimen.half_space]')
+STUCK = LAYER.replace("[specimen]", '[specimen]\nsurface = "sticking"').replace("nu = 0.5", "nu = 0.3")
+
+
+@pytest.mark.parametrize("case", [TENSE, STUCK], ids=["surface tension", "no slip"])
+def test_tension_and_no_slip_have_a_law_of_sizes(case: str) -> None:
+    """Both are linear in the profile: S does not depend on R, delta_H and P_H go like 1/R."""
+    law = SizesLaw.of(python.parse_case(case + LOADING).model.problem(), W, 8e-6, 13e-6, 0.3)
+    row = law.rows[-1]
+    text = case.replace("10 um", f"{row.R!r} m") + LOADING.replace("3 um", f"{0.3 * row.R!r} m")
+    load, tear = (
+        one["pull_off"] for one in python.pull_off(python.solve(python.parse_case(text)), W).summary()["controls"][:2]
+    )
+    found = row.columns[4], row.force[0], row.delta[0]
+    unit = math.pi * W * row.R
+    assert found == pytest.approx((load["P_N"] / unit, tear["P_N"] / unit, tear["delta_m"]), rel=1e-6)
+    assert found[0] != pytest.approx(-1.5, rel=0.01)
+
+
 COLLISION = """
 #include <stdio.h>
 #include "x-dem.h"
@@ -210,6 +234,43 @@ def test_two_laws_in_one_program(jkr, compiler: str, name: str) -> None:
         nearest = np.interp(2e-8, rows["delta_m"][there], rows["P_N"][there])
         assert at == pytest.approx(nearest, abs=0.2 * math.pi * W * 1e-5)
     assert codes == [-1, -2, 0, 0]
+
+
+NO_NUMBERS = """
+#include <stdio.h>
+#include "x-dem.h"
+int main(void)
+{
+    const double R[6] = { 1e-5, 0, -1e-5, NAN, 1e-3, INFINITY };
+    double force, radius;
+    jkr_x_points p;
+    int i, found;
+    for (i = 0; i < 6; i++) {
+        found = jkr_x_contact(R[i], 0.05, 2e-8, 1, &force, &radius);
+        printf("%d %d ", found, jkr_x_points_of(R[i], 0.05, &p));
+        printf("%d\\n", (i >= 1 && i <= 3) == (force == 0 && radius == 0 && p.force_tear == 0 && p.force_load == 0));
+    }
+    found = jkr_x_contact(1e-5, 0.05, NAN, 1, &force, &radius);
+    printf("%d %d %g\\n", found, jkr_x_contact(1e-5, 0.05, NAN, 0, &force, &radius), force);
+    return 0;
+}
+"""
+
+
+def test_what_is_no_number_or_no_radius_is_no_contact(jkr) -> None:
+    """No force then; above the sizes that of the nearest stands in."""
+    exported(jkr, HALF_SPACE + LOADING, "5 um..20 um")
+    *radii, overlap = printed(NO_NUMBERS)
+    assert radii == [[1, 1, 1], *[[-2, -2, 1]] * 5]
+    assert overlap == [0, 0, 0]
+
+
+def test_the_head_names_the_layers_and_no_radius(jkr) -> None:
+    exported(jkr, PAIR.format(R="10 um") + LOADING, "5 um..20 um")
+    head = Path("x-dem.h").read_text().partition("*/")[0]
+    assert "h = 500 nm" in head
+    assert "h = 1 um" in head
+    assert "R = 10 um" not in head
 
 
 def columns_of(path: str) -> dict[str, Any]:
@@ -288,3 +349,27 @@ def test_sizes_without_a_law_are_refused_in_one_line(jkr, why: str) -> None:
     assert done.code == 2
     assert said in " ".join(done.err.split())
     assert not Path("x-dem.h").exists()
+
+
+def test_an_imported_solution_has_no_law_of_sizes(jkr) -> None:
+    """Its numbers, here loads 1.5 times those of the bodies, would be ignored."""
+    a = np.linspace(0.2e-6, 3e-6, 40)
+    rows = np.stack([a, a**2 / 1e-5, 1.5 * 4 * E_STAR * a**3 / (3 * 1e-5)], axis=1)
+    np.savetxt("table.csv", rows, delimiter=",", header="a (m),delta (m),P (N)", comments="")
+    Path("x.toml").write_text(HALF_SPACE + LOADING)
+    assert jkr("import", "table.csv", "--case", "x.toml", "-o", "imp.h5").code == 0
+    assert jkr("export", "imp.h5", "--dem").code == 0
+    done = jkr("export", "imp.h5", "--dem", "--sizes", "5 um..20 um", "--force")
+    assert done.code == 2
+    assert "ignore the numbers of this solution (method import): export its case" in " ".join(done.err.split())
+
+
+def test_a_solution_of_unknown_error_has_no_law_of_known_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def solved(self: Layered, problem: Problem) -> Solution:
+        solution = solve(self, problem)
+        return replace(solution, budget=replace(solution.budget, discretisation=Unknown("not estimated")))
+
+    solve = Layered.__call__
+    monkeypatch.setattr(Layered, "__call__", solved)
+    with pytest.raises(InputError, match=r"error of the solution is not known \(not estimated\)"):
+        SizesLaw.of(python.parse_case(HALF_SPACE + LOADING).model.problem(), W, 5e-6, 20e-6, 0.3)

@@ -260,7 +260,9 @@ def interrupts_wait() -> Iterator[None]:
 
 
 def has_ended(number: int) -> bool:
-    """Whether no process of this system has this ``number``."""
-    import psutil
+    """Whether no process of this system has this ``number``; False where none can be asked for, as in a browser."""
+    with contextlib.suppress(ImportError):
+        import psutil
 
-    return not psutil.pid_exists(number)
+        return not psutil.pid_exists(number)
+    return False

@@ -81,7 +81,7 @@ def _example(name: str) -> Path:
     if not files:
         folder = Path(__file__).parents[2] / "cases"
         files = [*folder.glob("*.toml"), *folder.glob("measured/*")]
-    known = {path.stem: path for path in files}
+    known = {path.stem: path for path in sorted(files, key=lambda path: (path.suffix != ".toml", path.stem))}
     if name not in known:
         raise InputError(f'--example: unknown example "{name}"{did_you_mean(name, known)} ({", ".join(known)})')
     return known[name]

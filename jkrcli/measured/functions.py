@@ -143,6 +143,8 @@ def fit(
         options = {"contact": reading.contact} | options
         reading = replace(reading, contact="as-is")
     curves = [curve_of(item, reading) for item in several]
+    if not curves:
+        raise InputError("fit: measured holds no curve")
     if kind == TENSION or source.problem.specimen.surface_tension > 0:
         check_options(TENSION, options, beside)
         radii = radii_of(source.problem, tip_radii, len(curves))

@@ -137,8 +137,12 @@ def find_value(
     InputError
         Where the key is no number of the case, or no value gives that force: the forces that there are.
     """
-    from .sweep_plan import unit_of, value_at, with_values
+    from .sweep_plan import parse, unit_of, value_at, with_values
 
+    try:
+        parse(key)
+    except InputError as error:
+        raise InputError(f"--find: {error}") from None
     file = Path(file)
     tables = load_case(file).model.model_dump(exclude_none=True)
 

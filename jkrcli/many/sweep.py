@@ -58,18 +58,20 @@ def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | Non
         names = [next(columns) for _ in axis.keys]
         axes += [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
     axes.sort(key=lambda name: -np.unique(numbers[name]).size)
-    results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
-    results = [name for name in results if name not in (plan.over, STRAINS)] or results
-    forces = (".over_pi_w_R", ".P_N") if plan.over else (".P_N", ".over_pi_w_R")
-    chosen = ([name for name in results if name.endswith(force)] for force in forces)
-    results = (next(filter(None, chosen), None) or results)[:2]
-    if not axes or not results or (plan.over and plan.over not in numbers):
+    if not axes or (plan.over and plan.over not in numbers):
         return None
     x, *others = axes
     x = plan.over or x
     first = {name: numbers[name][0] for name in others[1:]}
     rows = np.logical_and.reduce([np.isfinite(numbers[x]), *(numbers[name] == at for name, at in first.items())])
-    shown = {name: values[rows] for name, values in numbers.items()}
+    shown = {name: values[rows] for name, values in numbers.items() if np.isfinite(values[rows]).any()}
+    results = [name for name in plan.recipe.wanted.columns if name in shown and "err" not in name]
+    results = [name for name in results if name not in (plan.over, STRAINS)] or results
+    forces = (".over_pi_w_R", ".P_N") if plan.over else (".P_N", ".over_pi_w_R")
+    chosen = ([name for name in results if name.endswith(force)] for force in forces)
+    results = (next(filter(None, chosen), None) or results)[:2]
+    if not results:
+        return None
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
     panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
     return figures.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
@@ -456,10 +458,10 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
             write_csv(path, {"case": numbers, "reason": reasons, "command": list(map(swept.plan.command, numbers))})
             write_failed = [path]
         paths = [*write(folder, swept.columns), *write_failed]
-        if pictures is not None and pictures.endings and len(swept.failed) < plan.count:
-            figure = sweep_figure(plan, swept.columns)
-            pictures.write(figure=figure)
-            paths += [pictures[ending] for ending in pictures.endings if figure is not None]
+    if pictures is not None and pictures.endings and len(swept.failed) < plan.count:
+        figure = sweep_figure(plan, swept.columns)
+        pictures.write(figure=figure)
+        paths += [pictures[ending] for ending in pictures.endings if figure is not None]
     if len(swept.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {swept.failed[0][1]}")
     return replace(swept, files=paths)

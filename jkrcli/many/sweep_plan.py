@@ -583,6 +583,10 @@ def load_plan(path: Path) -> Plan:
         points = {key: first.model_dump()["indenter"][key] for key in ("r", "f")}
         rest = {key: value for key, value in indenter.items() if key != "file"}
         self_contained = {**tables, "indenter": rest | points}
+    if lost := _without_ratio(model.outputs.over, first, axes):
+        raise InputError(
+            f"{source}: outputs.over: {model.outputs.over} is no number of these cases: {lost}; leave it out"
+        )
     plan = Plan(source, model.title, CaseTemplate(self_contained, wanted, folder), axes, model.outputs.over)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
@@ -592,6 +596,19 @@ def load_plan(path: Path) -> Plan:
             f"{MOST_CELLS:,} are written; use fewer cases, quantities, radii or devices"
         )
     return plan
+
+
+def _without_ratio(over: str, first: CaseModel, axes: Sequence[Axis]) -> str | None:
+    """Why no case has the quantity ``over`` which the picture is drawn, where the body of the ``first`` tells so."""
+    varied = [key for axis in axes for key in axis.keys]
+    if not over.startswith("ratios.") and not over.endswith(".over_pi_w_R"):
+        return None
+    problem = first.problem()
+    of_shape = {key for key in varied if key.startswith("indenter.")} - {"indenter.radius", "indenter.half_angle"}
+    if problem.indenter.tip_radius is None and not of_shape:
+        return f'the shape "{first.indenter.shape}" has no tip radius'
+    layered = math.isfinite(problem.top_thickness) or any("layers" in key for key in varied)
+    return None if layered or not over.startswith("ratios.") else "there is no layer"
 
 
 def _wanted(model: SweepModel, source: str) -> Wanted:
@@ -609,8 +626,11 @@ def _wanted(model: SweepModel, source: str) -> Wanted:
         raise InputError(f'{source}: outputs.over: must be one quantity, such as ratios.h_over_R, got "{outputs.over}"'
                          f"{hint}")  # fmt: skip
     names = tuple(dict.fromkeys((*names, *filter(None, [outputs.over]))))
-    if outputs.stiffness or any(name.startswith("pull_off.") for name in names):
-        names = tuple(dict.fromkeys((*names, STRAINS)))
+    # Beside pull-off points their half-widths, and beside pull-off forces what large strains change of them
+    controls = dict.fromkeys(name.split(".")[1] for name in names if name.startswith("pull_off."))
+    if outputs.stiffness or controls:
+        errors = (f"pull_off_errors.{control}.{key}" for control in controls for key in ERROR)
+        names = tuple(dict.fromkeys((*names, STRAINS, *errors)))
     return Wanted(names, outputs.radii, outputs.stiffness, rule)
 
 

@@ -113,6 +113,7 @@ def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, mon
         (["--find", "indenter.radius"], "needs --load"),
         (["--load", "5 uN", "--find", "indenter.shape"], "is no number of"),
         (["--load", "5 uN", "--find", "indenter.size"], "is no number of"),
+        (["--load", "5 uN", "--find", "indenter radius"], "find: must be a key of a case such as"),
         (["--load", "5 uN", "--find", "indenter.radius=1um"], "must be KEY=LOW..HIGH"),
         (["--load", "5 uN", "--find", "indenter.radius=1um..1nm"], "bounds LOW..HIGH that rise"),
         (["--load", "5 uN", "--find", "indenter.radius", "--w", "1"], "takes w from the case"),

@@ -12,7 +12,8 @@ from sweep_files import AXIS, BAD, HALF_SPACE, TWO_LAYERS, R, axis, plan_of, row
 
 from jkrcli.base.errors import InputError
 from jkrcli.formulas import jkr as jkr_curve
-from jkrcli.many.sweep_plan import NAMES, RATIOS, names_of, with_values
+from jkrcli.many.sweep import alone
+from jkrcli.many.sweep_plan import NAMES, RATIOS, load_plan, names_of, with_values
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -132,6 +133,21 @@ def test_groups_of_quantities_are_taken_apart() -> None:
         "pull_off.load.over_pi_w_R",
         "errors.total",
     )
+
+
+@pytest.mark.parametrize(
+    ("wanted", "controls"), [("pull_off", ["load", "displacement"]), ("pull_off.load.P_N", ["load"])]
+)
+def test_pull_off_has_its_errors_beside_it(tmp_path: Path, wanted: str, controls: list[str]) -> None:
+    """As if they were asked for."""
+    names = [f"pull_off_errors.{control}.{key}" for control in controls for key in ("P_err_N", "delta_err_m")]
+    (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS + f'[outputs]\nquantities = ["{wanted}"]\n')
+    (tmp_path / "t.toml").write_text(HALF_SPACE + AXIS + f'[outputs]\nquantities = ["{wanted}", "pull_off_errors"]\n')
+    one, other = (load_plan(tmp_path / f"{name}.toml") for name in "st")
+    columns = one.recipe.wanted.columns
+    assert [name for name in columns if name.startswith("pull_off_errors.")] == names
+    row, asked = alone(one, 0).summary(), alone(other, 0).summary()
+    assert all(row[name] == asked[name] > 0 for name in names)
 
 
 def test_every_quantity_is_told_or_its_absence_explained(jkr, tmp_path: Path) -> None:

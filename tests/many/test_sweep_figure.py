@@ -1,12 +1,14 @@
 """The picture of a sweep: which results are drawn over which axis, in whose units."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from jkrcli.base.errors import InputError
+from jkrcli.many import sweep as running
 from jkrcli.many.sweep import alone, sweep_figure
 from jkrcli.many.sweep_plan import Plan, load_plan
 
@@ -80,6 +82,46 @@ def test_over_what_is_no_quantity_is_refused(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(f'base = "{CASES / "gel.toml"}"\n[[axes]]\n{NU}[outputs]\nover = "h/R"\n')
     with pytest.raises(InputError, match=r'outputs\.over: must be one quantity, .*got "h/R"'):
         load_plan(tmp_path / "s.toml")
+
+
+FLAT = 'indenter = { shape = "flat", radius = 1e-3 }\n'
+CONE = 'indenter = { shape = "cone", half_angle = "70 deg" }\n'
+LAYER = "specimen = { layers = [{ thickness = 1e-4, E = 1e6, nu = 0.4 }] }\n"
+HALF = "specimen = { half_space = { E = 1e6, nu = 0.4 } }\n"
+W = '[[axes]]\nkey = "adhesion.w"\nvalues = [0.02, 0.04]\n'
+
+
+@pytest.mark.parametrize(
+    ("bodies", "over", "why"),
+    [
+        (FLAT + LAYER, "ratios.a_over_h_at_pull_off", 'the shape "flat" has no tip radius'),
+        (CONE + LAYER, "pull_off.load.over_pi_w_R", 'the shape "cone" has no tip radius'),
+        ('indenter = { shape = "sphere", radius = 1e-3 }\n' + HALF, "ratios.h_over_R", "there is no layer"),
+    ],
+)
+def test_over_what_no_case_has_is_refused(tmp_path: Path, bodies: str, over: str, why: str) -> None:
+    text = f'[base]\nloading = {{ radius = 5e-4 }}\n{bodies}{W}[outputs]\nover = "{over}"\n'
+    (tmp_path / "s.toml").write_text(text)
+    with pytest.raises(InputError, match=f"s.toml: outputs.over: {over} is no number of these cases: {why}"):
+        load_plan(tmp_path / "s.toml")
+
+
+def test_over_what_the_cases_have_not_after_all_there_is_no_picture(tmp_path: Path) -> None:
+    plan, table = planned(tmp_path, NU)
+    table["ratios.h_over_R"] = [None, None]
+    assert sweep_figure(replace(plan, over="ratios.h_over_R"), table) is None
+
+
+def test_a_table_is_there_before_its_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jkr: Callable) -> None:
+    def fails(*_: object) -> None:
+        raise InputError("not drawn")
+
+    monkeypatch.setattr(running, "sweep_figure", fails)
+    (tmp_path / "s.toml").write_text(
+        f'base = "{CASES / "halfspace.toml"}"\n{W}[outputs]\nquantities = ["pull_off.load"]\n'
+    )
+    assert jkr("sweep", tmp_path / "s.toml", "-o", "r").code == 2
+    assert len(Path("r/table.csv").read_text().splitlines()) == 3
 
 
 def test_what_holds_no_numbers_has_no_picture(tmp_path: Path) -> None:

@@ -457,9 +457,7 @@ class MeasuredPullOff(Result):
             shown = show(smooth, "work") if isinstance(error, Unknown) else show_within(smooth, error, "work", 4)
             lines.append(f"  w = {shown} between smooth surfaces, at most: full conformal contact is assumed")
             lines += [f"  {line}" for line in self.rough.words()]
-        if work.half_space is None:
-            lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
-        else:
+        if work.half_space is not None:
             under = "" if work.stiffness == LOAD_CONTROL else " under load control"
             lines.append(
                 f"  1.5 pi w R of a half-space{under} would have given {show(work.half_space, 'work')}, "

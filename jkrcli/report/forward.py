@@ -210,7 +210,7 @@ def _control(result: Analysis, behaviour: device_path.Stability, error: Errors |
         lines.append(
             f"    energy lost         {tables.energy_words(behaviour.energy_lost, behaviour.energy_lost_error)}"
         )
-    if behaviour.separation != behaviour.energy_lost:
+    if behaviour.separation not in (behaviour.energy_lost, device_path.UNBOUNDED):
         separation = tables.energy_words(behaviour.separation, behaviour.separation_error)
         lines.append(f"    work of separation  {separation}")
     return lines

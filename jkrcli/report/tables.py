@@ -349,7 +349,7 @@ def energies(**values: tuple[Estimate, Estimate]) -> dict[str, Any]:
 def energy_words(energy: Estimate, error: Estimate) -> str:
     """``12.43 fJ ± 0.2 %``; without the error where it is unknown, its bound where it does not reach four digits."""
     if isinstance(energy, Unknown):
-        return f"none: {energy}"
+        return f"unknown: {energy}"
     words = show(energy, "energy")
     if isinstance(error, Unknown) or energy == 0:
         return words

@@ -42,7 +42,7 @@ from .rigid import Sensitivity, mean, sensitivity_of
 from .score_tests import FittedAlternative, RecordAlternatives
 from .segmentation import Direction, ForceCurve, saturation, saturation_words, segment_force_curves
 from .surface_tension import TensionFit
-from .work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
+from .work import ABOVE, BELOW, NONE, OK, PINNED, WorkAlong, typical
 
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
@@ -708,10 +708,12 @@ def curve_summary(item: WorkAlong) -> dict[str, Any]:
         moving = item.timed if item.speed_err is None else item.timed & (np.abs(item.speed) > item.speed_err)
         senses = {"advancing": moving & (item.speed > 0), "receding": moving & (item.speed < 0)}
         groups |= {name: rows & (np.count_nonzero(rows) >= item.window) for name, rows in senses.items()}
+    words = (OK, NONE, BELOW, ABOVE) if item.least is None else (OK, NONE, BELOW, PINNED)
     return {
         "curve": item.curve.name,
         "from": list(item.used),
-        "rows": {word: int((item.state == word).sum()) for word in (OK, NONE, BELOW, ABOVE)},
+        "rows": {word: int((item.state == word).sum()) for word in words},
+        **({} if item.least is None else {"w_least_J_per_m2": item.least}),
         "w": {name: _spread(item, rows) for name, rows in groups.items()},
         "window": item.window or None,
         "flags": [*item.curve.flags, *flags(item)],
@@ -739,6 +741,8 @@ def flags(item: WorkAlong) -> list[str]:
     for word, remedy in ((BELOW, "begin the solution at smaller radii"), (ABOVE, "increase [loading] radius")):
         if (count := int((item.state == word).sum())) > MANY * size:
             lines.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
+    if item.least is not None and (count := int((item.state == PINNED).sum())):
+        lines.append(f"{count} of {size} rows are {PINNED}: G <= w; w is at least {show(item.least, 'work')}")
     if (count := int((item.state == NONE).sum())) > MANY * size:
         lines.append(
             f"{count} of {size} rows lie at or above the nonadhesive load: check contact point, force "

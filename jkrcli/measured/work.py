@@ -36,6 +36,8 @@ from .settings import Settings, settings_of
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
 # What a measured row is: usable, or why it is not.
 OK, NONE, BELOW, ABOVE = "ok", "no adhesion", "below the solution", "above the solution"
+PINNED = "pinned at the rim"  # of a full end: there G <= w only
+PINNED_NEAR = 0.01  # choice: of the rim's radius, within which an edge may be pinned there
 
 # Limits of the search for contact radii, and of speeds.
 WORK_LEAST_WINDOW = 5  # theory: rows, a parabola and two more for its error
@@ -50,7 +52,8 @@ class WorkAlong:
     Rows whose ``state`` is not "ok" have none: 0 stands there. ``used``: the two quantities that w follows from.
     ``w_err, a_err``: half-widths by the noise and the slopes' errors, None where the noise is not known;
     ``shares``: those of w by "noise" and "slopes" alone, as far as they are known. ``speed, speed_err`` [m/s]: da/dt,
-    positive where the contact advances, over ``window`` rows; only where ``timed``.
+    positive where the contact advances, over ``window`` rows; only where ``timed``. ``least``: the largest G [J/m^2] of
+    an edge that is pinned: w is no smaller.
     """
 
     curve: Curve
@@ -61,6 +64,7 @@ class WorkAlong:
     w_err: Array | None = None
     a_err: Array | None = None
     shares: Mapping[str, Array] = field(default_factory=dict)
+    least: float | None = None
     speed: Array | None = None
     speed_err: Array | None = None
     timed: Array | None = None
@@ -95,12 +99,19 @@ def work_along(
         state = np.select([a < ends[0] * (1 - ROUNDED), a > ends[1] * (1 + ROUNDED)], [BELOW, ABOVE], OK)
     else:
         a, state = contact_radius(body, values["delta"], values["P"])
+    least = None
+    if (rim := body.series.rim) < math.inf:
+        pinned = (a >= rim * (1 - PINNED_NEAR)) | (state == ABOVE)
+        full = body.parts(np.where(state == OK, a, rim)[pinned])
+        pulled = -values["P"][pinned] / full.S if "P" in values else -values["delta"][pinned]
+        least = float(np.max(pulled / full.t, initial=0.0)) ** 2
+        state[pinned] = PINNED
     rows = state == OK
     here, read = body.parts(a[rows]), {name: column[rows] for name, column in values.items()}
     lag = here.delta_H - read["delta"] if "delta" in read else (here.P_H - read["P"]) / here.S  # delta_H - delta [m]
     state[np.flatnonzero(rows)[lag <= 0]] = NONE
     shift, lag, rows = here.t[lag > 0], lag[lag > 0], state == OK
-    _refuse_none(body, curve, state)
+    _refuse_none(body, curve, state, least or 0.0)
     w = np.zeros_like(a)
     w[rows] = (lag / shift) ** 2
     a = np.where(rows, a, 0.0)
@@ -113,7 +124,16 @@ def work_along(
         spread[name] = np.zeros(rows.size)
         spread[name][rows] = column
     return WorkAlong(
-        curve, used, a, w, state, spread.pop("w", None), spread.pop("a", None), spread, *_speed(curve, a, rows, window)
+        curve,
+        used,
+        a,
+        w,
+        state,
+        spread.pop("w", None),
+        spread.pop("a", None),
+        spread,
+        least,
+        *_speed(curve, a, rows, window),
     )
 
 
@@ -183,7 +203,7 @@ def along_file(path: Path, reading: Reading, evaluation: Evaluation, pool: Pool)
     return works, skipped
 
 
-def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
+def _refuse_none(body: Nonadhesive, curve: Curve, state: Array, least: float) -> None:
     """Refuse a curve of which no row has a work of adhesion."""
     if (state == OK).any():
         return
@@ -192,6 +212,7 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
         NONE: "at or above the nonadhesive load",
         BELOW: f"at contact radii below {ends[0]}, the smallest of the solution",
         ABOVE: f"at contact radii above {ends[1]}, where it ends",
+        PINNED: f"{PINNED}: G <= w, at least {show(least, 'work')}",
     }
     counts = [f"{count} {why[word]}" for word in why if (count := int((state == word).sum()))]
     if not len(curve):

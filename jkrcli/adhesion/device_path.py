@@ -1068,7 +1068,8 @@ class Stability:
     ``critical``: all points of the series where the controlled quantity is stationary. ``pull_off``: where contact is
     lost. ``jump_in``: the stable state after first contact at delta = ``onset`` [m], 0 where adhesion has no range.
     ``partial``: jumps to smaller stable radii on the way from the end of the series to pull-off. Energies in J, or why
-    there is none; ``whole`` and ``retraction``: the cycle and the path that they are of.
+    there is none; ``whole`` and ``retraction``: the cycle and the path that they are of. Of a full end ``pull_off`` is
+    where the tension is largest, and ``lost`` where contact is.
     """
 
     stiffness: float
@@ -1081,6 +1082,7 @@ class Stability:
     onset: float = 0.0
     whole: Cycle | Unknown = NO_ADHESION
     retraction: Path | None = None
+    lost: CriticalPoint | Unknown | None = None
 
     @property
     def control(self) -> str:
@@ -1127,7 +1129,8 @@ def stability_under(curve: EquilibriumCurve, stiffness: float) -> Stability:
     if isinstance(pull_off, Unknown) and stiffness != LOAD_CONTROL:
         energies = (pull_off, pull_off)
     between = tuple(jump for jump in partial if jump.end is not None)
-    return Stability(stiffness, critical, pull_off, jump_in, between, *energies, curve.onset, whole, retraction)
+    lost, most = (None, pull_off) if curve.series.rim == math.inf else (pull_off, curve.pull_off(LOAD_CONTROL))
+    return Stability(stiffness, critical, most, jump_in, between, *energies, curve.onset, whole, retraction, lost)
 
 
 def cycle(

@@ -367,10 +367,11 @@ def work_from_pull_off(
     """
     if not (math.isfinite(load) and load > 0):
         raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
+    control = body.series.control_of_force(stiffness)
 
     def point(w: float) -> CriticalPoint | Unknown:
         curve = history.curve(body, w)
-        return curve if isinstance(curve, Unknown) else curve.pull_off(stiffness)
+        return curve if isinstance(curve, Unknown) else curve.pull_off(control)
 
     def force(log_w: float) -> float:
         tear_off = point(math.exp(log_w))
@@ -399,8 +400,8 @@ def work_from_pull_off(
     a = own.a.copy()
     a[0], a[-1] = a[0] * (1 + SAME), a[-1] * (1 - SAME)
     here, rates = own.with_rates(a)
-    nonadhesive = position(rates.delta_H, rates.P_H, stiffness)
-    adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, stiffness)
+    nonadhesive = position(rates.delta_H, rates.P_H, control)
+    adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, control)
     root = np.divide(nonadhesive, adhesive, out=np.zeros_like(a), where=adhesive > 0)
     works = np.sort(root[root > 0] ** 2)
     if own.series.rim < math.inf:  # of a flat punch the force goes with the root of w

@@ -32,6 +32,7 @@ from ..bodies.indenters import Indenter
 from .curve import (
     CURVE_ORDER,
     CURVE_WIDEST,
+    LOAD_CONTROL,
     NO_ADHESION,
     AdhesiveCurve,
     CriticalPoint,
@@ -84,8 +85,11 @@ def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) 
     if point.a == curve.a[0]:  # at the rim of a flat end
         below = dict(zip(("delta", "P"), curve.below_first, strict=True))
         return {name: float(error) + below[name] for name, error in curve.error_at(np.array(point.a)).items()}
-    if point.a == curve.series.rim:  # a row of the solution, and no minimum that could lie elsewhere
-        return {name: float(error) for name, error in curve.error_at(np.array(point.a)).items()}
+    if point.a == curve.series.rim:  # a row of the solution
+        own, lower = curve.error_at(np.array(point.a)), _lower_between(curve, point, stiffness)
+        if isinstance(lower, Unknown):
+            return lower
+        return {name: float(own[name]) + more for name, more in zip(("delta", "P"), lower.tolist(), strict=True)}
     here = curve.interpolation_at(np.array(point.a))
     if isinstance(here, Unknown):
         return here
@@ -94,6 +98,21 @@ def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) 
         return rest
     rest = np.hypot(rest, _by_shift(curve, point, stiffness))
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
+
+
+def _lower_between(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
+    """How far delta and P, (2,), lie off those of the ``point`` at a rim where a device may stand as low between the
+    points, by what is not known there; 0 under load control: the load grows all the way down from a rim."""
+    if stiffness == LOAD_CONTROL:
+        return np.zeros(2)
+    knots = curve.nonadhesive.knots.a
+    a = np.sqrt(knots[1:] * knots[:-1])
+    unsure = curve.interpolation_at(a)
+    if isinstance(unsure, Unknown):
+        return unsure
+    off, errors = np.stack(curve.at(a)) - [[point.delta], [point.P]], np.stack(list(unsure.values()))
+    reached = position(*(off - errors), stiffness) < 0
+    return (np.abs(off) + errors)[:, reached].max(axis=1, initial=0.0)
 
 
 def from_reference(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:

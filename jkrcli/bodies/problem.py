@@ -1072,6 +1072,12 @@ class Loading:
         """Loading to the given, increasing values of ``to``."""
         return cls(to, max(values, default=0.0), len(values), "given", tuple(values))
 
+    def at_rim(self, R: float, other: float) -> Loading:
+        """The same for a full end of the ``other`` radius in place of ``R`` [m]: contact radii go along."""
+        if self.to != "radius":
+            return self
+        return replace(self, maximum=self.maximum / R * other, values=tuple(a / R * other for a in self.values))
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -1195,7 +1201,9 @@ def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
     for name, value in values.items():
         quantity, _, layer = name.partition(":")
         if quantity == RADIUS:
-            problem = replace(problem, indenter=replace(cast(Any, problem.indenter), R=value))
+            indenter: Any = problem.indenter
+            loading = problem.loading if indenter.rim == math.inf else problem.loading.at_rim(indenter.R, value)
+            problem = replace(problem, indenter=replace(indenter, R=value), loading=loading)
             continue
         i = _place(layer, names)
         material = parts[i].material

@@ -29,6 +29,7 @@ from ..adhesion.validity import strain_size, strain_words
 from ..base.errors import LEVEL, InputError, JkrError, Unknown, counted, did_you_mean
 from ..base.files import check_target
 from ..base.numerics import MOST_CELLS
+from ..base.units import parse as parse_quantity
 from ..bodies.problem import Problem
 from ..case.models import Case, CaseModel, method_of, model_of
 from ..case.store import read_solution, write_solution
@@ -58,6 +59,9 @@ _KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\])?(\.[A-Za-z_]\w*(\[\d+\])?)*")
 UNITS = {"m": "m", "Pa": "Pa", "N": "N", "J/m^2": "J_per_m2", "N/m": "N_per_m", "rad": "rad"}
 
 
+RADIUS, TO_RADIUS = "indenter.radius", "loading.radius"
+
+
 def parse(key: str) -> KeyPath:
     """``"specimen.layers[0].nu"`` -> ``("specimen", "layers", 0, "nu")``."""
     if not _KEY.fullmatch(key):
@@ -78,7 +82,15 @@ def with_values(tables: Tables, values: Mapping[str, Any]) -> Tables:
         if not (number and 0 <= count <= len(layers) and count == int(count)):
             raise InputError(f"{LAYER_COUNT}: must be a whole number from 0 to {len(layers)}, got {count}")
         changed["specimen"]["layers"] = layers[: int(count)]
+    if RADIUS in values and TO_RADIUS not in values and changed["indenter"].get("shape") == "flat":
+        with contextlib.suppress(KeyError, TypeError, ValueError):  # loaded otherwise, or no lengths: judged as a case
+            R, a, other = map(_length, (tables["indenter"]["radius"], tables["loading"]["radius"], values[RADIUS]))
+            changed["loading"]["radius"] = a / R * other  # the edge is pinned at the radius
     return changed
+
+
+def _length(value: Any) -> float:
+    return parse_quantity(value, "length") if isinstance(value, str) else float(value)
 
 
 def _assign(tables: Tables, key: str, value: Any) -> None:
@@ -388,7 +400,7 @@ class Wanted:
             told |= {f"{section}.{key}": value for key, value in SECTIONS[section][0](result).items()}
         values = [_value(name, told[name]) for name in self.names]
         for k in self.stiffness:
-            values += _point("device", result.curve.pull_off(k)).values()
+            values += _point("device", result.curve.pull_off(result.curve.series.control_of_force(k))).values()
         # ``ALONG`` of the curve at each of the contact radii [m]; index H: without adhesion
         curve, a = result.jkr, np.array(self.radii)
         beyond = curve.beyond(a)

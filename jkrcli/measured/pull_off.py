@@ -137,7 +137,7 @@ def measured_work(
         inverse = replace(inverse, body=with_history_solved(inverse.solution, inverse.body, history, w, controls))
         work = inverse.work()
         result = replace(result, curve=AdhesiveCurve(inverse.body, work.w))
-        at_point = history_error(history, inverse.body, work.curve, work.point, stiffness)
+        at_point = history_error(history, inverse.body, work.curve, work.point, unit.series.control_of_force(stiffness))
         by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
         series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
         parts = {name: HALF_WIDTH * abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
@@ -258,8 +258,8 @@ def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
         raise InputError(
             f"pull-off: {name} cannot be uncertain: the solution was not solved here, only its load and E can"
         )
-    moved = changed(solution.problem, {RADIUS if name == TIP else name: value})
-    again = method(replace(moved, loading=_radii(solution)))
+    body = replace(solution.problem, loading=_radii(solution))
+    again = method(changed(body, {RADIUS if name == TIP else name: value}))
     return replace(inverse, solution=again, body=nonadhesive(again))
 
 

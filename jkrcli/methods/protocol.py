@@ -282,7 +282,9 @@ def choose_method(problem: Problem, wanted: str | Method, build: Callable[[str],
     options = survey(problem, build)
     possible = [option for option in options if option.forecast is not None]
     if not possible:
-        raise InputError([f"method {option.name}: {option.refusal}" for option in options])
+        reasons = [str(option.refusal) for option in options]
+        of_loading = [text for text in reasons if text.startswith("loading: ") and reasons.count(text) > 1]
+        raise InputError(of_loading[:1] or [f"method {option.name}: {option.refusal}" for option in options])
     accurate = [option for option in possible if option.is_accurate] or possible
     option = next((option for option in accurate if option.is_quick), accurate[0])
     return Choice(option.name, build(option.name), _why(option, options), tuple(options))

@@ -51,6 +51,8 @@ class Exported(Result):
     @classmethod
     def of(cls, result: Analysis, name: str | None = None) -> Exported:
         """The law of a curve, by default named after its file; InputError where it is none of one branch."""
+        if result.problem.indenter.rim < math.inf:
+            raise InputError(f"{result.path}: export is of contacts that begin at a point, not of a full flat end")
         try:
             return cls(DemLaw.of(result.curve), result, model_name(name or result.path.stem))
         except InputError as error:

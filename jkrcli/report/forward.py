@@ -23,7 +23,7 @@ from ..base.numerics import ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import show
 from ..bodies.problem import relaxing
-from ..resolve.analysis import Analysis, Lost, analyse, with_solved_points
+from ..resolve.analysis import Analysis, Lost, analyse, error_of_point, with_solved_points
 from ..resolve.histories import LostByHistory, checked_histories, curves_from_rest, strains_after
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
@@ -75,6 +75,8 @@ class PullOff(Result):
             numbers["pull_off"] |= tables.errors(error)
             if isinstance(behaviour.pull_off, CriticalPoint):
                 numbers["pull_off"] |= tables.strains(result.large_strains(behaviour.pull_off))
+            if isinstance(end := behaviour.lost, CriticalPoint):
+                numbers["contact_lost"] |= tables.errors(error_of_point(result.curve, end, behaviour.stiffness))
             if error is not None:
                 numbers["pull_off"]["interpolated"] = not _solved(result, behaviour)
             controls.append(tables.device(behaviour.stiffness) | numbers)
@@ -197,7 +199,12 @@ def _control(result: Analysis, behaviour: device_path.Stability, error: Errors |
     lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {_point(point, digits)}{between}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
-    others = [other for other in behaviour.critical if other != point]
+    if isinstance(lost := behaviour.lost, CriticalPoint) and lost != point:
+        off = error_of_point(result.curve, lost, behaviour.stiffness)
+        part = off if isinstance(off, Unknown) else off["P"] / abs(lost.P)
+        noticed = isinstance(part, Unknown) or part >= tables.PRINTED
+        lines.append(f"    contact lost        {_point(lost)}{f'; {accuracy(part)}' if noticed else ''}")
+    others = [other for other in behaviour.critical if other not in (point, lost)]
     lines += [f"    other {other.kind:<14}{_point(other)}" for other in others]
     lines += [
         f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}"

@@ -299,6 +299,7 @@ def under_control(behaviour: Stability) -> dict[str, Any]:
     return {
         "critical_points": [{"kind": item.kind, **point(item)} for item in behaviour.critical],
         "pull_off": point(behaviour.pull_off),
+        **({} if behaviour.lost is None else {"contact_lost": point(behaviour.lost)}),
         "jump_in": point(behaviour.jump_in),
         "jumps_before_pull_off": [jump(item) for item in behaviour.partial],
         **energies(

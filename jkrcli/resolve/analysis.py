@@ -125,17 +125,17 @@ class Analysis(Reported):
 
     @cached_property
     def pull_off(self) -> dict[str, CriticalPoint | Unknown]:
-        """Where contact is lost under control of the load and of the displacement."""
-        z0 = self.solution.record.z0
-        return {
-            name: mask_below_atomic_spacing(self.curve.pull_off(k), self.curve, k, z0) for name, k in CONTROLS.items()
-        }
+        """Where contact is lost under control of the load and of the displacement; of a full end, where each of them
+        measures the largest tension."""
+        curve, z0 = self.curve, self.solution.record.z0
+        controls = {name: curve.series.control_of_force(k) for name, k in CONTROLS.items()}
+        return {name: mask_below_atomic_spacing(curve.pull_off(k), curve, k, z0) for name, k in controls.items()}
 
     @cached_property
     def pull_off_errors(self) -> dict[str, Errors | Unknown]:
         """Half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
         return {
-            name: error_of_point(self.curve, point, CONTROLS[name])
+            name: error_of_point(self.curve, point, self.curve.series.control_of_force(CONTROLS[name]))
             for name, point in self.pull_off.items()
             if isinstance(point, CriticalPoint)
         }
@@ -376,8 +376,8 @@ def where_lost(
                 behaviour = replace(
                     behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY
                 )
-            at = behaviour.pull_off
-            lost.append((behaviour, None if isinstance(at, Unknown) else error_of_point(result.curve, at, k)))
+            at, held = behaviour.pull_off, result.curve.series.control_of_force(k)
+            lost.append((behaviour, None if isinstance(at, Unknown) else error_of_point(result.curve, at, held)))
         told.append((result, lost))
     return told
 

@@ -79,6 +79,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     from .node_radii import check_against_solution, compared
 
     indenter = problem.indenter
+    if indenter.rim < math.inf:
+        raise InputError("import: a flat punch with a sharp edge needs none, its P = S delta is solved: jkr run CASE")
     table = read_table(path, reading.separator, reading.decimal, 3 if reading.contact_shape == DISC else 2)
     table, units, unit_flags = with_units(table, reading.units, NAMES.quantities)
     reading = replace(reading, units=units)

@@ -209,9 +209,8 @@ class Neighbours:
 
     def with_(self, name: str, key: str, **otherwise: Any) -> NeglectedEffect:
         """The body with ``otherwise`` in place of its fields."""
-        rim = self.body.indenter.rim
-        to_rim = Loading("radius", rim, DENSE, "log") if rim < math.inf else None
-        loading = to_rim or Loading("depth", self.expected.delta, DENSE, "log")
+        full, expected = self.body.indenter.rim < math.inf, self.expected  # of a full end at equal radius
+        loading = Loading(*(("radius", expected.a) if full else ("depth", expected.delta)), DENSE, "log")
         method = Layered(LEFT_OUT_ACCURACY)
         try:
             other = resolve_with(self.body, method=method, longest=PATIENCE, loading=loading, **otherwise).series

@@ -160,6 +160,11 @@ class Series:
             return float(self.a[-1]), self.pressed, self.pressed * float(self.stiffness[-1])
         return float(self.a[-1]), float(self.delta[-1]), float(self.P[-1])
 
+    def control_of_force(self, stiffness: float) -> float:
+        """The stiffness [N/m] of the device that loses contact where one of ``stiffness`` measures its largest tension:
+        its own, but of a full end 0: whatever holds it, it passes pull-off under load control."""
+        return stiffness if self.rim == math.inf else 0.0
+
     @property
     def errors_at_radius(self) -> Mapping[str, Array]:
         """Errors of "delta" and "P" at equal contact radius, where that of the radius itself is stated (it and P's are

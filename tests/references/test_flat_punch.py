@@ -13,8 +13,10 @@ from scipy.optimize import brentq
 from scipy.special import spherical_jn
 
 import jkrcli
-from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, CriticalPoint, transform
 from jkrcli.adhesion.device_path import cycle, stability_under, turning_radius
+from jkrcli.adhesion.pull_off_error import error_of_rows
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import FlatPunch
 from jkrcli.resolve.analysis import analyse
 
@@ -93,21 +95,25 @@ def test_kendalls_pull_off_under_either_control(jkr: Callable, E_nu, R: float, w
 
 @pytest.mark.parametrize("R_over_h", [0.2, 0.45, 1.0, 5.0])
 def test_pull_off_from_a_layer_is_that_of_the_reference(jkr: Callable, R_over_h: float) -> None:
-    """Load control: P = S sqrt(4 pi w a/S') at a = R. Displacement control: where S'/a is least, or at the rim."""
+    """P = S sqrt(4 pi w a/S') at a = R under either control; held, contact is lost where S'/a is least, or there."""
     R = R_over_h * H
     loaded, held = controls(jkr, R, LAYER, loading=f'radius = {R}, spacing = "log"')
     t = math.sqrt(4 * math.pi * W * R / (2 * E_STAR * slope(R_over_h)))
     S = 2 * E_STAR * R * stiffness(R_over_h)
     assert loaded["pull_off"]["P_N"] == pytest.approx(-S * t, rel=1e-8)
+    assert held["pull_off"] == loaded["pull_off"]
+    assert loaded["contact_lost"]["a_m"] == R
     fold = brentq(lambda a: slope(1.001 * a) / 1.001 - slope(0.999 * a) / 0.999, 0.3, 0.7, xtol=1e-9)
     assert fold == pytest.approx(0.4619, abs=1e-4)
     a = min(fold, R_over_h)
     t = math.sqrt(4 * math.pi * W * a * H / (2 * E_STAR * slope(a)))
-    assert held["pull_off"]["a_m"] == pytest.approx(a * H, rel=1e-5)  # the difference of the reference is flat there
-    assert held["pull_off"]["delta_m"] == pytest.approx(-t, rel=1e-8)
-    assert held["pull_off"]["P_N"] == pytest.approx(-2 * E_STAR * a * H * stiffness(a) * t, rel=3e-5)
-    for one in (loaded, held):
-        assert one["pull_off"]["P_err_N"] < 1e-7 * abs(one["pull_off"]["P_N"])
+    assert held["contact_lost"]["a_m"] == pytest.approx(
+        a * H, rel=1e-5
+    )  # the difference of the reference is flat there
+    assert held["contact_lost"]["delta_m"] == pytest.approx(-t, rel=1e-8)
+    assert held["contact_lost"]["P_N"] == pytest.approx(-2 * E_STAR * a * H * stiffness(a) * t, rel=3e-5)
+    for lost in (loaded["pull_off"], held["contact_lost"]):
+        assert lost["P_err_N"] < 1e-7 * abs(lost["P_N"])
 
 
 def test_energy_of_a_cycle_is_what_the_receding_edge_and_the_last_jump_take() -> None:
@@ -115,13 +121,35 @@ def test_energy_of_a_cycle_is_what_the_receding_edge_and_the_last_jump_take() ->
     R = 5 * H
     curve = analyse(jkrcli.solve(on_layer(R), "layered"), [W])[0].curve
     held = stability_under(curve, DISPLACEMENT_CONTROL)
-    a, delta = held.pull_off.a, held.pull_off.delta
+    a, delta = held.lost.a, held.lost.delta
     S = 2 * E_STAR * a * stiffness(a / H)
     lost = W * math.pi * (R**2 - a**2) + S * delta**2 / 2
     assert held.energy_lost == pytest.approx(lost, rel=1e-7)
     assert held.separation == pytest.approx(lost, rel=1e-7)
     assert abs(held.energy_lost - lost) <= held.energy_lost_error < 1e-4 * lost
     assert stability_under(curve, LOAD_CONTROL).pull_off.a == R
+
+
+@pytest.mark.parametrize("device", [LOAD_CONTROL, 1e4, DISPLACEMENT_CONTROL])
+def test_the_pull_off_force_is_the_largest_tension_on_the_way(device: float) -> None:
+    curve = analyse(jkrcli.solve(on_layer(5 * H), "layered"), [W])[0].curve
+    behaviour = stability_under(curve, device)
+    passed = cycle(curve, curve, device).path.rows(400)["P_N"]
+    assert behaviour.pull_off.P == pytest.approx(passed.min(), rel=1e-9)
+    assert (behaviour.lost.a < 5 * H) == (device == DISPLACEMENT_CONTROL)
+
+
+def test_few_rows_do_not_tell_that_contact_is_lost_at_the_rim() -> None:
+    """Between two rows the displacement may be lower than at the rim, and on a thin layer it is; not so the load."""
+    radii = (2.5 * H, 5 * H)
+    series = jkrcli.solve(on_layer(5 * H, jkrcli.Loading.given("radius", radii)), "layered").series
+    curve = transform(series, "exact", W)
+    rim = curve.point(5 * H)
+    lost = CriticalPoint(**vars(rim))
+    assert isinstance(error_of_rows(curve, lost, DISPLACEMENT_CONTROL), Unknown)
+    errors = error_of_rows(curve, lost, LOAD_CONTROL)
+    assert not isinstance(errors, Unknown)
+    assert errors["P"] < 1e-7 * abs(lost.P)
 
 
 def test_trace_follows_the_full_end_then_the_receding_edge() -> None:
@@ -192,18 +220,29 @@ REFUSED = {
     ("run", "--method", "fem", "--force"): "contact radii of nodes do not meet the sharp edge",
     ("profile", "--load", "1 mN"): "carried by the full end",
     ("export", "--nanite"): "a flat end, whose contact does not begin at a point",
+    ("export", "--dem"): "contacts that begin at a point",
+    ("import", "--case", "punch.toml"): "its P = S delta is solved: jkr run CASE",
 }
 
 
-@pytest.mark.parametrize("options", REFUSED, ids=lambda options: options[0])
+@pytest.mark.parametrize("options", REFUSED, ids=" ".join)
 def test_what_is_not_derived_is_refused(jkr: Callable, options: tuple[str, ...]) -> None:
+    """In one line, and nothing is written."""
     verb, *rest = options
     Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading="radius = 1e-3"))
     file = "punch.toml"
     if verb == "export":
         jkr("run", file)
         file = "punch.h5"
-    assert REFUSED[options] in jkr(verb, file, *rest).err
+    if verb == "import":
+        file = "table.csv"
+        Path(file).write_text("a (mm),delta (um),P (mN)\n1,1,2\n1,2,4\n1,3,6\n")
+    there = set(Path().iterdir())
+    refused = jkr(verb, file, *rest)
+    assert refused.code == 2
+    assert REFUSED[options] in " ".join(refused.err.split())
+    assert refused.err.count("jkr: error") == 1
+    assert set(Path().iterdir()) - there <= {Path("punch.h5")}  # the solution of the case
 
 
 def test_viscoelastic_bodies_under_a_punch_are_refused(jkr: Callable) -> None:
@@ -215,9 +254,34 @@ def test_viscoelastic_bodies_under_a_punch_are_refused(jkr: Callable) -> None:
 def test_a_loading_that_ends_inside_the_punch_says_that_the_rim_is_not_reached(jkr: Callable) -> None:
     loaded, held = controls(jkr, 1e-3, LAYER, loading="radius = 0.8e-3")
     assert "pull-off lies outside" in loaded["pull_off"]["reason"]
-    assert held["pull_off"]["a_m"] == pytest.approx(0.4619e-3, rel=1e-4)
+    assert "pull-off lies outside" in held["pull_off"]["reason"]
+    assert held["contact_lost"]["a_m"] == pytest.approx(0.4619e-3, rel=1e-4)
     Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading="radius = 1.1e-3"))
-    assert "lies beyond the profile" in jkr("run", "punch.toml").err
+    beyond = jkr("run", "punch.toml").err
+    assert "a contact radius of 1.1 mm lies beyond the profile" in beyond
+    assert beyond.count("jkr: error") == 1
+
+
+@pytest.mark.parametrize("reached", ["1 mm", "0.8 mm"])
+def test_neglected_effects_are_at_the_radius_that_is_reached(jkr: Callable, reached: str) -> None:
+    """The substrate in series, S_film and S_glass, moves S by less than their ratio, wherever loading ends."""
+    Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading=f'radius = "{reached}"'))
+    said = json.loads(jkr("check", "punch.toml", "--json").out)["left_out"]
+    changes = {one["name"]: one["S"] for one in said}
+    a = float(reached.split()[0])
+    film, glass = 2 * E_STAR * a * 1e-3 * stiffness(a), 2 * 70e9 / (1 - 0.2**2) * a * 1e-3
+    (substrate,) = (S for name, S in changes.items() if name.startswith("elastic substrate"))
+    assert -1.5 * film / glass < substrate < 0
+
+
+@pytest.mark.parametrize("rule", ["loocv", "gcv-kept"])
+def test_the_error_of_smoothed_slopes_at_the_rim(rule: str) -> None:
+    """It holds the true one, and is not the scale of the noise times the bias of the end."""
+    solution = jkrcli.solve(on_layer(5 * H, jkrcli.Loading("radius", 5 * H)), "layered")
+    exact, (one,) = analyse(solution, [W])[0].pull_off["load"].P, analyse(solution, [W], rule)
+    off = abs(one.pull_off["load"].P / exact - 1)
+    stated = one.pull_off_errors["load"]["P"] / abs(exact)
+    assert off <= stated < 0.05
 
 
 def test_the_stated_error_of_a_pressed_punch_holds_the_true_one() -> None:

@@ -224,12 +224,14 @@ def _measured_against(paper: Slopes, fitted: Slopes | None) -> Slopes:
     """
     if fitted is None:
         return paper
-    distance = float(np.quantile(np.abs(np.sqrt(paper.dS / fitted.dS) - 1), 0.9))
+    off = np.abs(np.sqrt(paper.dS / fitted.dS) - 1)
+    distance = float(np.quantile(off, 0.9))
     if isinstance(paper.error, float) and distance <= paper.error:
         return paper
     covariance = paper.covariance
     if covariance is not None and isinstance(paper.error, float) and paper.error > 0:
-        covariance = covariance * (distance / paper.error) ** 2
+        own = paper.quantile * np.sqrt(covariance[:, 3, 3]) / (2 * paper.dS)  # the bias of the end is in it already
+        covariance = covariance * np.clip(off.max() / own, 1.0, distance / paper.error)[:, None, None] ** 2
     return replace(paper, error=distance, covariance=covariance)
 
 

@@ -111,7 +111,7 @@ def _lower_between(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float)
     if isinstance(unsure, Unknown):
         return unsure
     off, errors = np.stack(curve.at(a)) - [[point.delta], [point.P]], np.stack(list(unsure.values()))
-    reached = position(*(off - errors), stiffness) < 0
+    reached = position(off[0] - errors[0], off[1] - errors[1], stiffness) < 0
     return (np.abs(off) + errors)[:, reached].max(axis=1, initial=0.0)
 
 

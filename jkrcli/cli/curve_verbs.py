@@ -168,7 +168,7 @@ def pull_off(
     if sought is not None:
         if roughness is not None:
             raise InputError("pull-off: --find takes smooth surfaces: leave --roughness out")
-        give(offered("the inverse question")(files, sought, force, works, stiffnesses, how.slopes), as_json)
+        give(offered("the inverse question")(files, sought, force, works, stiffnesses, how.slopes, limits), as_json)
         return
     if force is not None and works:
         raise InputError("pull-off: give either --w or --load, not both")

@@ -9,11 +9,12 @@ each other than the scan's step are not seen.
 from __future__ import annotations
 
 import contextlib
+import inspect
 import itertools
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,14 +24,18 @@ from ..adhesion.curve import LOAD_CONTROL, control
 from ..adhesion.finite_range import RangeRequest
 from ..base.arguments import checked
 from ..base.errors import Estimate, InputError, JkrError, Unknown, known
-from ..base.numerics import Array
+from ..base.numerics import ROWS, Array
 from ..base.registry import Result
 from ..base.units import Control, Force, show
+from ..bodies.problem import Loading
 from ..case.models import CaseModel, load_case, model_of
-from ..cli.printing import announce
+from ..cli.options import begin
+from ..methods.layered.solver import Layered
+from ..methods.protocol import Forecast, Limits
 from ..report.tables import transpose_rows
 from ..resolve.analysis import where_lost
 from ..resolve.histories import solved_for
+from ..resolve.neglected import LEFT_OUT_ACCURACY
 
 FIND_SCAN, FIND_STEPS = 25, 12  # choice: values over the bounds; evaluations for each root at most
 FIND_EXACT = 1e-9  # theory: of the logs, far below any error of the force
@@ -108,7 +113,7 @@ class FoundValues(Result):
 @checked
 def find_value(
     file: str | Path, key: str, load: Force | Any, bounds: tuple[Any, Any] | None = None,
-    stiffness: Control | Any = LOAD_CONTROL, slopes: str = "auto",
+    stiffness: Control | Any = LOAD_CONTROL, slopes: str = "auto", limits: Limits | None = None,
 ) -> FoundValues:  # fmt: skip
     """Find the values of a number of a case that give a pull-off force.
 
@@ -126,6 +131,8 @@ def find_value(
         Of the device [N/m]; 0, the default, under load control.
     slopes : str, optional
         As of ``transform``.
+    limits : Limits, optional
+        Of CPU time; by default one hour.
 
     Returns
     -------
@@ -134,24 +141,25 @@ def find_value(
 
     Raises
     ------
+    Refusal
+        Where it would cost more than the limits.
     InputError
         Where the key is no number of the case, or no value gives that force: the forces that there are.
     """
-    from .sweep_plan import parse, unit_of, value_at, with_values
+    from .sweep_plan import unit_of, value_at, with_values
 
-    try:
-        parse(key)
-    except InputError as error:
-        raise InputError(f"--find: {error}") from None
     file = Path(file)
     tables = load_case(file).model.model_dump(exclude_none=True)
 
-    def si(value: Any) -> float:
-        return float(value_at(model_of(with_values(tables, {key: value}), str(file), file.parent), key))
+    def model_at(value: Any) -> CaseModel:
+        return model_of(with_values(tables, {key: value}), str(file), file.parent)
 
-    here: Any = None
-    with contextlib.suppress(KeyError, IndexError, TypeError):
-        here = value_at(model_of(tables, str(file), file.parent), key)
+    def si(value: Any) -> float:
+        return float(value_at(model_at(value), key))
+
+    here, case = None, model_of(tables, str(file), file.parent)
+    with contextlib.suppress(KeyError, IndexError, TypeError, InputError):
+        here = value_at(case, key)
     if isinstance(here, bool) or not isinstance(here, int | float):
         raise InputError(f"--find: {key} is no number of {file}, as specimen.layers[0].thickness may be")
     ends = (here / FIND_WITHIN, here * FIND_WITHIN) if bounds is None else tuple(map(si, bounds))
@@ -166,18 +174,30 @@ def find_value(
         """ln(F/F_wanted) at a value, nan where the case has no pull-off or is none."""
         if x not in known_at:
             try:
-                model = model_of(with_values(tables, {key: x}), str(file), file.parent)
-                known_at[x] = _pull_off_force(model, stiffness, slopes)
+                known_at[x] = _pull_off_force(model_at(x), stiffness, slopes)
             except JkrError as reason:
                 refused.append(str(reason))
                 return math.nan
         return math.log(known_at[x][0] / load)
 
-    began, scanned = time.process_time(), list[float]()
-    for x in spread.tolist():
-        scanned.append(excess(x))
-        if len(scanned) == 1:
-            announce(f"pull-off: {FIND_SCAN} values of {key}", FIND_SCAN * (time.process_time() - began))
+    def seconds(x: float) -> float:
+        """CPU seconds of a value: forecast where the body is solved to its rim, whatever w is, else what it takes."""
+        began = time.process_time()
+        with contextlib.suppress(JkrError):
+            problem = model_at(x).problem()
+            if (rim := problem.indenter.rim) < math.inf and problem.layers:
+                body = replace(problem, loading=Loading("radius", rim, ROWS, "log"))
+                return 2 * Layered(LEFT_OUT_ACCURACY).forecast(body).seconds  # solved coarsely, then for its pull-off
+        excess(x)
+        return time.process_time() - began
+
+    # What all values cost, geometrically between the ends where only those are known
+    each = 1 if case.problem().indenter.rim < math.inf and case.problem().layers else FIND_SCAN - 1
+    costs = np.log([seconds(x) for x in spread[::each].tolist()])
+    total = np.exp(np.interp(np.arange(FIND_SCAN), np.arange(0, FIND_SCAN, each), costs)).sum()
+    cost = Forecast(float(total), 0.0, 0.0)
+    begin(f"pull-off of {FIND_SCAN} values of {key}", cost, limits or Limits(), "narrower bounds, KEY=LOW..HIGH")
+    scanned = [excess(x) for x in spread.tolist()]
     if not np.isfinite(scanned).any():
         raise InputError(refused[0])
 
@@ -231,7 +251,7 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
 
 def find_by_words(
     files: Sequence[Path], sought: str, load: float | None, works: Sequence[float], stiffnesses: Sequence[float],
-    slopes: str,
+    slopes: str, limits: Limits,
 ) -> FoundValues:  # fmt: skip
     """What ``pull-off --find`` asks for."""
     if load is None:
@@ -244,5 +264,6 @@ def find_by_words(
     low, dots, high = bounds.partition("..")
     if bounds and not dots:
         raise InputError(f"--find: must be KEY=LOW..HIGH, got {sought}")
-    return find_value(files[0], key, abs(load), (low.strip(), high.strip()) if bounds else None,
-                stiffnesses[0] if stiffnesses else LOAD_CONTROL, slopes)  # fmt: skip
+    unchecked: Any = inspect.unwrap(find_value)  # whose messages name options
+    return unchecked(files[0], key, abs(load), (low.strip(), high.strip()) if bounds else None,
+                     stiffnesses[0] if stiffnesses else LOAD_CONTROL, slopes, limits)  # fmt: skip

@@ -250,12 +250,13 @@ class ExportedSizes(Result):
     @property
     def code(self) -> str:
         """The C header (C99 and C++, no other file): table, functions, test vectors and a check."""
-        law = self.law
+        law, indenter = self.law, self.law.problem.indenter
+        words = law.problem.words.replace(indenter.words, indenter.noun, 1)  # of any radius
         tables = {"of_size": law.columns, "force_table": law.force, "radius_table": law.radius}
         checksum = crc32(np.concatenate([table.ravel() for table in tables.values()]).tobytes())
         vector = ",\n".join("    { " + ", ".join(f"{float(cell)!r}" for cell in row) + " }" for row in law.vectors)
         return HEADER_CODE.substitute(
-            body=self.bodies, name=self.name, NAME=self.name.upper(),
+            body=words.replace("*/", "* /").rpartition(" to a ")[0], name=self.name, NAME=self.name.upper(),
             low=f"{law.low:g}", high=f"{law.high:g}", w=repr(law.w), h=repr(law.h), E_star=repr(law.problem.E_star),
             sizes=len(law.rows), rows=law.across, vectors=len(law.vectors), vector=vector,
             log_q=", ".join(repr(math.log(law.q(R))) for R in (law.low, law.high)), checksum=f"0x{checksum:08x}UL",
@@ -263,13 +264,6 @@ class ExportedSizes(Result):
             **{name: f"{value:.1e}" for name, value in self.stated.items()},
             **{name: ",\n".join(_braced(row) for row in table) for name, table in tables.items()},
         )  # fmt: skip
-
-    @property
-    def bodies(self) -> str:
-        """The shape, without its radius, and the layers."""
-        problem = self.law.problem
-        words = problem.words.replace(problem.indenter.words, problem.indenter.noun, 1)
-        return words.replace("*/", "* /").rpartition(" to a ")[0]
 
     @property
     def stated(self) -> dict[str, float]:

@@ -612,15 +612,12 @@ def load_plan(path: Path) -> Plan:
 
 def _without_ratio(over: str, first: CaseModel, axes: Sequence[Axis]) -> str | None:
     """Why no case has the quantity ``over`` which the picture is drawn, where the body of the ``first`` tells so."""
-    varied = [key for axis in axes for key in axis.keys]
-    if not over.startswith("ratios.") and not over.endswith(".over_pi_w_R"):
-        return None
-    problem = first.problem()
+    problem, varied, ratio = first.problem(), {key for axis in axes for key in axis.keys}, over.startswith("ratios.")
     of_shape = {key for key in varied if key.startswith("indenter.")} - {"indenter.radius", "indenter.half_angle"}
-    if problem.indenter.tip_radius is None and not of_shape:
+    if (ratio or over.endswith(".over_pi_w_R")) and problem.indenter.tip_radius is None and not of_shape:
         return f'the shape "{first.indenter.shape}" has no tip radius'
     layered = math.isfinite(problem.top_thickness) or any("layers" in key for key in varied)
-    return None if layered or not over.startswith("ratios.") else "there is no layer"
+    return "there is no layer" if ratio and not layered else None
 
 
 def _wanted(model: SweepModel, source: str) -> Wanted:

@@ -3,6 +3,7 @@ where contact is lost under every control."""
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -575,14 +576,13 @@ def solver_of(solution: Solution) -> Further | None:
 
 def seconds_of_points(solution: Solution, devices: int = 0) -> float:
     """CPU seconds of the solved pull-off points of a curve, about, those by so many ``devices`` included; 0 where none
-    are."""
-    method = method_behind(solution)
-    if method is None or solver_of(solution) is None:
-        return 0.0
-    least, most = (float(solution.series.a[end]) for end in (0, -1))
-    radii = np.unique(np.linspace(max(0.5 * most, least), most, POINTS + STEPS.size * devices))
+    are, or can be."""
+    method, a = method_behind(solution), solution.series.a
+    radii = np.unique(np.linspace(max(0.5 * a[-1], a[0]), a[-1], POINTS + STEPS.size * devices))
     problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
-    return SOLVED_EACH * method.forecast(problem).seconds
+    with contextlib.suppress(Refusal):
+        return SOLVED_EACH * method.forecast(problem).seconds if method and solver_of(solution) else 0.0
+    return 0.0
 
 
 def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:

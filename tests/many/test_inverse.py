@@ -113,7 +113,7 @@ def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, mon
         (["--find", "indenter.radius"], "needs --load"),
         (["--load", "5 uN", "--find", "indenter.shape"], "is no number of"),
         (["--load", "5 uN", "--find", "indenter.size"], "is no number of"),
-        (["--load", "5 uN", "--find", "indenter radius"], "find: must be a key of a case such as"),
+        (["--load", "5 uN", "--find", "indenter radius"], "--find: indenter radius is no number of"),
         (["--load", "5 uN", "--find", "indenter.radius=1um"], "must be KEY=LOW..HIGH"),
         (["--load", "5 uN", "--find", "indenter.radius=1um..1nm"], "bounds LOW..HIGH that rise"),
         (["--load", "5 uN", "--find", "indenter.radius", "--w", "1"], "takes w from the case"),
@@ -123,6 +123,24 @@ def test_refusals(jkr, half_space: Path, words: list[str], message: str) -> None
     outcome = jkr("pull-off", half_space, *words)
     assert (outcome.code, outcome.out) == (2, "")
     assert message in " ".join(outcome.err.split())
+
+
+PUNCH = SKIN.replace('"paraboloid"', '"flat"').replace('"1 um"', '"{R}"')
+
+
+def test_what_would_take_long_is_refused_before_any_body_is_solved(
+    jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A flat punch is solved to its rim: 30 mm on 50 um take far longer than 33 um, from where values begin."""
+    solves = list[Any]()
+    monkeypatch.setattr(inverse, "solved_for", lambda *args: solves.append(args))
+    (tmp_path / "punch.toml").write_text(PUNCH.format(R="1 mm", h="50 um", E="1 MPa", nu=0.49, w=0.05, base=""))
+    words = ["--load", "400 mN", "--find", "indenter.radius", "--limit-time", 0.01]
+    outcome = jkr("pull-off", tmp_path / "punch.toml", *words)
+    said = " ".join(outcome.err.split())
+    assert (outcome.code, outcome.out, solves) == (2, "", [])
+    assert "pull-off of 25 values of indenter.radius would need" in said
+    assert "the limit is 0.01 h: use narrower bounds, KEY=LOW..HIGH, or raise the limit by --limit-time" in said
 
 
 def test_the_verb_tells_the_value_and_where_it_looked(jkr, half_space: Path) -> None:

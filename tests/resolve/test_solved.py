@@ -1,6 +1,7 @@
 """Pull-off points of exact methods: solved at their own radii, with an error near the true one."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,6 +47,17 @@ def test_the_cost_is_asked_for_at_the_radii_of_the_series() -> None:
     radii = (6e-4, 6.5e-4, 6.8e-4, 7e-4, 7.3e-4, 7.5e-4)
     solution = ClosedForm()(Problem(Paraboloid(0.1), specimen, Loading.given("radius", radii)))
     assert 0 < seconds_of_points(solution) < 1
+
+
+def test_points_that_take_too_many_nodes_cost_nothing(tuned: Callable[[str, object], None]) -> None:
+    """Those at 600 thicknesses were refused, and with them every curve: what is interpolated stands, with its error."""
+    model = load_case(CASES / "thin-layer.toml").model
+    solution = Layered()(model.problem())
+    tuned("jkrcli.methods.layered.contact.LAYERED_MOST_NODES", 10)
+    assert seconds_of_points(solution) == 0
+    (result,) = analyse(solution, [model.adhesion.w[0]])
+    assert not is_refined(result.curve, result.pull_off["load"])
+    assert 0 < result.pull_off_errors["load"]["P"] < 1e-2 * abs(result.pull_off["load"].P)
 
 
 @pytest.mark.parametrize(("name", "points"), [("gel", 100), ("coating", 100), ("thin-layer", 100), ("thin-layer", 40)])

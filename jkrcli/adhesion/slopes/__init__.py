@@ -160,7 +160,7 @@ def slopes(series: Series, name: str = "auto", against: tuple[Series, Slopes] | 
                 x, known = np.log(series.a), np.log(other.a)
                 S, dS = (np.exp(np.interp(x, known, np.log(values))) for values in (fitted.S, fitted.dS))
                 fitted = replace(fitted, S=S, dS=dS)
-            by_rule = replace(_measured_against(by_rule, fitted), against=against)
+            by_rule = replace(_measured_against(by_rule, fitted, series.rim < math.inf), against=against)
         return replace(by_rule, reason=f"requested; {by_rule.reason}" if by_rule.reason else "requested")
     if series.S is not None and series.dS is not None:
         return _carried(series)
@@ -216,11 +216,12 @@ def _integral_or_none(series: Series) -> Slopes | None:
         return None
 
 
-def _measured_against(paper: Slopes, fitted: Slopes | None) -> Slopes:
+def _measured_against(paper: Slopes, fitted: Slopes | None, full: bool) -> Slopes:
     """The slopes of "loocv" with an error (and a band) no smaller than their distance from those of "integral".
 
     A smoothing spline cannot see the error of what it is given, a derivative of the data: its own estimate is often
-    20 to 100 times too small on series of finite elements.
+    20 to 100 times too small on series of finite elements. ``full``: a flat end, where pull-off is at the end of the
+    spline, whose bias is in its estimate already.
     """
     if fitted is None:
         return paper
@@ -230,8 +231,9 @@ def _measured_against(paper: Slopes, fitted: Slopes | None) -> Slopes:
         return paper
     covariance = paper.covariance
     if covariance is not None and isinstance(paper.error, float) and paper.error > 0:
-        own = paper.quantile * np.sqrt(covariance[:, 3, 3]) / (2 * paper.dS)  # the bias of the end is in it already
-        covariance = covariance * np.clip(off.max() / own, 1.0, distance / paper.error)[:, None, None] ** 2
+        own = paper.quantile * np.sqrt(covariance[:, 3, 3]) / (2 * paper.dS)
+        enough = np.clip(off.max() / own, 1.0, distance / paper.error)[:, None, None]
+        covariance = covariance * (enough if full else distance / paper.error) ** 2
     return replace(paper, error=distance, covariance=covariance)
 
 
@@ -242,7 +244,7 @@ def _surer(series: Series) -> Slopes:
         reason = f"the solution is noisy and carries no exact slopes{_towards(series.own)}{_unseen(fitted)}"
         return replace(fitted, reason=reason)
     try:
-        paper = _measured_against(slopes_function("loocv")(series), fitted)
+        paper = _measured_against(slopes_function("loocv")(series), fitted, series.rim < math.inf)
     except InputError:
         return replace(fitted, reason="the solution carries no exact slopes, and those of 'loocv' are not positive")
     if _number(paper) < _number(fitted):

@@ -39,7 +39,8 @@ def test_w_along_a_receding_edge(jkr: Callable) -> None:
     assert jkr("cycle", "punch.toml", "--no-plots").code == 0
     header, *rows = (line.split(",") for line in Path("punch-cycle.csv").read_text().splitlines())
     a, P, phase = (header.index(name) for name in ("a_m", "P_N", "phase"))
-    edge = [row for row in rows if row[phase] == "retraction" and 0 < float(row[a]) < 4.95e-3]  # 1 % within the rim an edge may be pinned
+    # 1 % within the rim an edge may be pinned
+    edge = [row for row in rows if row[phase] == "retraction" and 0 < float(row[a]) < 4.95e-3]
     assert len(edge) > 50
     Path("record.csv").write_text("a (m),P (N)\n" + "".join(f"{row[a]},{row[P]}\n" for row in edge))
     curve = json.loads(jkr("work", "punch.toml", "record.csv", "--json").out)["results"][0]["curves"][0]

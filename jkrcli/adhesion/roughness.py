@@ -317,13 +317,13 @@ class RoughContact:
 
     def apparent(self, w: float) -> float:
         """w_app = r w - gamma (r - 1) - U [J/m^2] of a ``w`` between smooth surfaces; Refusal where it is not > 0."""
-        found = self.area * w - (self.surface_energy or 0.0) * (self.area - 1) - self.energy
-        if w > 0 and found <= 0:
+        gained = self.area * w - (self.surface_energy or 0.0) * (self.area - 1)
+        if w > 0 and gained <= self.energy:
             raise Refusal(
                 f"roughness: no adhesion by conformal contact: flattening it takes U = {show(self.energy, 'work')}, "
-                f"more than w = {show(w, 'work')}; contact is partial, and its pull-off is not known"
+                f"true contact gains {show(gained, 'work')}; contact is partial, and its pull-off is not known"
             )
-        return found if w > 0 else 0.0
+        return gained - self.energy if w > 0 else 0.0
 
     def smooth(self, w: float) -> float:
         """The work of adhesion between smooth surfaces of which ``w`` [J/m^2] was measured, at most."""

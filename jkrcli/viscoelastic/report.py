@@ -272,8 +272,8 @@ class CycledRelaxing(RelaxedHistory, Result):
             if isinstance(self.energy_lost, Unknown)
             else f"; energy lost per cycle {show(self.energy_lost, 'energy')}"
         )
-        grown = f"it stopped growing at t = {show(self.turn, 'time')}{', at the end of the solution' * self.whole}"
-        return [*lines, f"  {ends}; {grown}{energy}"]
+        shrinks = f"it shrinks from t = {show(self.turn, 'time')} on{', at the end of the solution' * self.whole}"
+        return [*lines, f"  {ends}; {shrinks}{energy}"]
 
     @property
     def warnings(self) -> list[str]:

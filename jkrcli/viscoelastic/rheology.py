@@ -38,7 +38,7 @@ def quantities(fit: RelaxationFit) -> dict[str, str]:
 
 def values_of(law: str, p: Mapping[str, float], E_star: float) -> list[float]:
     """The values in their order, of parameters ``p`` and the modulus ``E_star`` [Pa], at once or of a power law at its
-    time; nan of the Kelvin-Voigt element of a viscoelastic body altogether, or not at all."""
+    time; nan of the Kelvin-Voigt element of a body that relaxes altogether, or not at all."""
     if law == "power":
         r = RELAXED["power"]({name: np.asarray(value) for name, value in ({"onset": 0.0} | dict(p)).items()}, SECOND)
         return [E_star * float(r[0]), p["exponent"]]

@@ -67,7 +67,7 @@ STACK = jkr.Specimen(
 )
 
 
-@pytest.mark.parametrize("rows", [5, 8, 14, 25])
+@pytest.mark.parametrize("rows", [5, 8, 14, 25, 100])
 @pytest.mark.parametrize("spacing", ["radius", "log", "depth"])
 def test_energies_of_stacks_are_within_what_is_stated_by_splines_through_many_radii(rows: int, spacing: str) -> None:
     """Of few rows they were up to 26 times beyond: gaps beside solved points were not seen, and work was integrated

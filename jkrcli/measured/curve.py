@@ -1,4 +1,4 @@
-"""One measured curve, in SI, as recorded, and how it is to be read: columns, units, signs, contact points."""
+"""One measured curve, in SI, as recorded, and how it is to be read: columns, units, signs, offsets."""
 
 from __future__ import annotations
 

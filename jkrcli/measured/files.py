@@ -208,7 +208,7 @@ def _selected(curve: Curve, reading: Reading) -> Curve:
 
 
 def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:
-    """The curve with the signs, contact points and deflection (of a device of ``stiffness`` [N/m]) of ``reading``."""
+    """The curve with the signs, offsets and deflection (of a device of ``stiffness`` [N/m]) of ``reading``."""
     columns: dict[str, Any] = {}
     for name in {*reading.flip, *reading.zero}:
         sign, read = -1.0 if name in reading.flip else 1.0, curve.column(name, " to flip or to set to zero")

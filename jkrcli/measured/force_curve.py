@@ -5,8 +5,8 @@ acts beside the contact (``free_rows``); all scatter is in the load:
 
     reading(z) = offset + tilt (z - z_touch) + B(z) + P(z - z0; s, w, k)
 
-P is 0 where a row is free. On approach the contact line closes with its own w; from the turning point on it rests, then
-recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
+P is 0 where a row is free. On approach the contact line closes with its own w; from the reversal on it is pinned,
+then it opens with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
 ``turn`` of its own. Each direction has its own base line (drag, drift of the load). On request positions err by a
 drift, hysteresis or creep, 0 at the turning point: in one direction alone they cannot be separated from another
 modulus.

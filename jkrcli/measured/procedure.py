@@ -756,9 +756,9 @@ def friction_warnings(body: FittedBody, results: Sequence[Fit | Failure]) -> Ite
 # Which further measurement would narrow E* and w most: another tip radius, largest load or thickness of the layer.
 #
 # A measurement that is not yet made has a Fisher information already: that of the curve which the fitted values
-# predict, with as many rows and the noise of the one at hand, at the cost of its own contact points (their Schur
-# complement); scaled so that the measurement at hand, repeated, has the information that it has now. Added to what is
-# known, it gives the standard errors that both would have together, to first order.
+# predict, with as many rows and the noise of the one at hand, at the cost of its own contact point and force offset
+# (their Schur complement); scaled so that the measurement at hand, repeated, has the information that it has now. Added
+# to what is known, it gives the standard errors that both would have together, to first order.
 
 WANTED = ("modulus", "w")
 ZEROS = ("delta0", "P0")

@@ -29,7 +29,7 @@ SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the
 def body_and_measured(
     body_file: Path, measured: tuple[Path, ...], flags: Flags
 ) -> tuple[Path | Flags, tuple[Path, ...]]:
-    """What describes the body, a file or the flags, and the measured files: from options every file is one."""
+    """What describes the body, a file or options, and the measured files: with options all files are measured ones."""
     is_body = body_file.suffix == ".toml"
     if body_file.suffix == ".h5" and body_file.is_file():  # a series, or a measured one
         from ..base.hdf5 import format_of

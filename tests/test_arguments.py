@@ -329,7 +329,7 @@ def test_many_numbers_are_within_their_range() -> None:
     assert jkr.Loading.given("radius", tuple(values)).values == tuple(values.tolist())
     for wrong in (0.0, math.nan, -1.0):
         with pytest.raises(jkr.InputError, match=r"loading.values: entry 7 must be"):
-            jkr.Loading("radius", 1e-4, 50, "given", np.where(values == values[6], wrong, values))
+            jkr.Loading("radius", 1e-4, 50, "given", np.where(values == values[6], wrong, values).tolist())
 
 
 def _columns() -> dict[str, Any]:

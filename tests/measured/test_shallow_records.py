@@ -53,6 +53,7 @@ def test_records_up_to_about_the_pull_off_force(largest: float) -> None:
     when released, the row at loss was put on a larger contact: 59 or 75 kPa of a direction alone."""
     found = fit(BODY, pressed(largest), settings_of(BODY))
     assert found.flags == ()
+    assert not any("cannot be computed" in word for word in found.warnings)  # alternatives, where no row determines w
     assert inside(found, "E_star", E_STAR)
     assert inside(found, "w", W)
     assert inside(found, "w_approach", 0.0)

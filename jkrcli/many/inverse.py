@@ -23,11 +23,11 @@ import numpy as np
 from ..adhesion.curve import LOAD_CONTROL, control
 from ..adhesion.finite_range import RangeRequest
 from ..base.arguments import checked
-from ..base.errors import Estimate, InputError, JkrError, Unknown, known
+from ..base.errors import Estimate, InputError, JkrError, Unknown, did_you_mean, known
 from ..base.numerics import ROWS, Array
 from ..base.registry import Result
 from ..base.units import Control, Force, show
-from ..bodies.problem import Loading
+from ..bodies.problem import BASE, Loading, layer_names
 from ..case.models import CaseModel, load_case, model_of
 from ..cli.options import begin
 from ..methods.layered.solver import Layered
@@ -122,7 +122,8 @@ def find_value(
     file : path
         A case file with one work of adhesion.
     key : str
-        Of a number in it, such as "indenter.radius", "specimen.layers[0].thickness" or "adhesion.w".
+        Of a number in it, such as "indenter.radius" or "specimen.layers[0].thickness", or its short name: "R", "w",
+        "h:skin", "E:skin" and "nu:skin" of the layer "skin", "E:base" of the half-space.
     load : float or str
         The pull-off force [N].
     bounds : (low, high), optional
@@ -158,10 +159,15 @@ def find_value(
         return float(value_at(model_at(value), key))
 
     here, case = None, model_of(tables, str(file), file.parent)
+    names = short_names(case)
+    key = names.get(key, key)
     with contextlib.suppress(KeyError, IndexError, TypeError, InputError):
         here = value_at(case, key)
     if isinstance(here, bool) or not isinstance(here, int | float):
-        raise InputError(f"--find: {key} is no number of {file}, as specimen.layers[0].thickness may be")
+        raise InputError(
+            f"--find: {key} is no number of {file}{did_you_mean(key, [*names, *names.values()])}; allowed are "
+            f"{', '.join(names)}, and keys such as {list(names.values())[-1]}"
+        )
     ends = (here / FIND_WITHIN, here * FIND_WITHIN) if bounds is None else tuple(map(si, bounds))
     low, high = ends
     if not low < high:
@@ -226,6 +232,20 @@ def find_value(
     return found
 
 
+def short_names(case: CaseModel) -> dict[str, str]:
+    """Keys of a case by the names that fits give to its numbers: "R", "w", "h:skin", "E:base"; without the layer's
+    name where one part alone is meant."""
+    specimen = case.problem().specimen
+    parts = [f"specimen.layers[{i}]" for i in range(len(specimen.layers))] + ["specimen.half_space"]
+    names = {"R": "indenter.radius", "w": "adhesion.w"}
+    for name, part in zip(layer_names(specimen), parts, strict=False):  # a rigid substrate has none
+        symbols = {"E": "E", "nu": "nu"} if name == BASE else {"h": "thickness", "E": "E", "nu": "nu"}
+        names |= {f"{symbol}:{name}": f"{part}.{key}" for symbol, key in symbols.items()}
+    if len({name.partition(":")[2] for name in names}) == 2:  # of nothing, and of the one part
+        names = {name.partition(":")[0]: key for name, key in names.items()} | names
+    return names
+
+
 def _pull_off_force(model: CaseModel, stiffness: float, slopes: str) -> tuple[float, Estimate]:
     """The pull-off force [N] of a case under a device, and its relative error; InputError where nothing is pulled
     off."""
@@ -255,7 +275,7 @@ def find_by_words(
 ) -> FoundValues:  # fmt: skip
     """What ``pull-off --find`` asks for."""
     if load is None:
-        raise InputError("pull-off: --find needs --load, the pull-off force that is wanted")
+        raise InputError('pull-off: --find needs the pull-off force that is wanted, such as --load "5 uN"')
     if len(files) != 1 or files[0].suffix != ".toml":
         raise InputError("pull-off: --find needs one case file (.toml)")
     if works or len(stiffnesses) > 1:
@@ -263,7 +283,7 @@ def find_by_words(
     key, _, bounds = sought.partition("=")
     low, dots, high = bounds.partition("..")
     if bounds and not dots:
-        raise InputError(f"--find: must be KEY=LOW..HIGH, got {sought}")
+        raise InputError(f"--find: must be KEY or KEY=LOW..HIGH, got {sought}; the force that is wanted is --load")
     unchecked: Any = inspect.unwrap(find_value)  # whose messages name options
     return unchecked(files[0], key, abs(load), (low.strip(), high.strip()) if bounds else None,
                      stiffnesses[0] if stiffnesses else LOAD_CONTROL, slopes, limits)  # fmt: skip

@@ -235,7 +235,8 @@ def _verdict(
         step = 10.0 ** (math.floor(math.log10(abs(force))) + 1 - at_digits) / abs(force)
         difference = float(f"{classical:.4g}") / float(f"{force:.{at_digits}g}") - 1
         difference = round(difference, -math.floor(math.log10(step)))
-        words = f"{100 * difference:+.2g} %" if abs(difference) > PRINTED else "the same"
+        words = f"{100 * abs(difference):.2g} % too {'high' if difference > 0 else 'low'}"
+        words = words if abs(difference) > PRINTED else "the same"
         words = f"{1 + difference:.2g} times as large" if difference > 1 else words
         beside = f"; 1.5 pi w R = {show(classical, 'load')} ({words})"
     else:

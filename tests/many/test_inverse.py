@@ -110,11 +110,11 @@ def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, mon
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--find", "indenter.radius"], "needs --load"),
+        (["--find", "indenter.radius"], "needs the pull-off force that is wanted"),
         (["--load", "5 uN", "--find", "indenter.shape"], "is no number of"),
-        (["--load", "5 uN", "--find", "indenter.size"], "is no number of"),
+        (["--load", "5 uN", "--find", "indenter.siz"], "did you mean \"indenter.radius\"?; allowed are R, w, E, nu, E:base"),
         (["--load", "5 uN", "--find", "indenter radius"], "--find: indenter radius is no number of"),
-        (["--load", "5 uN", "--find", "indenter.radius=1um"], "must be KEY=LOW..HIGH"),
+        (["--load", "5 uN", "--find", "indenter.radius=1um"], "must be KEY or KEY=LOW..HIGH"),
         (["--load", "5 uN", "--find", "indenter.radius=1um..1nm"], "bounds LOW..HIGH that rise"),
         (["--load", "5 uN", "--find", "indenter.radius", "--w", "1"], "takes w from the case"),
     ],
@@ -123,6 +123,17 @@ def test_refusals(jkr, half_space: Path, words: list[str], message: str) -> None
     outcome = jkr("pull-off", half_space, *words)
     assert (outcome.code, outcome.out) == (2, "")
     assert message in " ".join(outcome.err.split())
+
+
+def test_numbers_of_a_case_have_the_short_names_of_fits(tmp_path: Path) -> None:
+    text = SKIN.format(R="50 um", h="1 um", E="20 MPa", nu=0.4, w="50 mJ/m^2", base=SOFT)
+    (path := tmp_path / "case.toml").write_text(text.replace("[[specimen.layers]]", '[[specimen.layers]]\nname = "skin"'))
+    names = inverse.short_names(python.load_case(path).model)
+    assert names["h:skin"] == "specimen.layers[0].thickness"
+    assert names["E:base"] == "specimen.half_space.E"
+    assert (names["R"], names["w"], "h:base" in names, "h" in names) == ("indenter.radius", "adhesion.w", False, False)
+    path.write_text(text.replace(SOFT, ""))
+    assert inverse.short_names(python.load_case(path).model)["h"] == names["h:skin"]
 
 
 PUNCH = SKIN.replace('"paraboloid"', '"flat"').replace('"1 um"', '"{R}"')

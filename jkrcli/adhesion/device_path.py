@@ -1214,10 +1214,16 @@ def stable_radius(curve: EquilibriumCurve, load: float) -> float:
     """The largest place [m] on the curve at which ``load`` [N] is carried stably under load control (dP/da > 0)."""
     stable = [a for a in curve.radii(P=load) if curve.rates(np.array(a))[1] > 0]
     if not stable:
-        P = curve.at(curve.places)[1]
+        rising = curve.rates(curve.places)[1] > 0
+        if not rising.any():
+            raise InputError(
+                "load: no contact of this solution is stable under load control: increase [loading] radius"
+            )
+        P = curve.at(curve.places[rising])[1]
+        remedy = ": increase [loading] radius" if load > P.max() else ""
         raise InputError(
             f"load: {show(load, 'load')} is not carried by a stable contact of this solution, whose loads go from "
-            f"{show(float(P.min()), 'load')} to {show(float(P.max()), 'load')}"
+            f"{show(float(P.min()), 'load')} to {show(float(P.max()), 'load')}{remedy}"
         )
     return stable[-1]
 

@@ -543,7 +543,13 @@ class Profile(Result):
         return {"file": str(self.path), **quantities(self, "a w"), **lists(self.columns)}
 
     def words(self) -> list[str]:
-        return [f"{format_state(self, 'a w')}: {self.path}"]
+        r, pressure = self.columns["r_m"], self.columns["pressure_Pa"]
+        pulled = r[(r < self.a) & (pressure < 0)]
+        tension = f"; tension from r = {show(float(pulled[0]), 'length')} to the edge" if pulled.size else ""
+        return [
+            f"{format_state(self, 'a w')}: {self.path}",
+            f"  pressure at the axis {show(float(pressure[0]), 'modulus')}{tension}",
+        ]
 
     def figure(self) -> Figure:
         from .plots.forward import profile_figure
@@ -619,10 +625,13 @@ class Fields(Result):
 
     def words(self) -> list[str]:
         state, summary = self.state, self.summary()
+        mises, r, depth = state.largest_mises
         return [
             f"{format_state(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
             f"  load         of the solution {show(self.P, 'load')}: differs by {summary['difference']:.0e} of the "
             f"contact forces; {summary['elements']} quadratic triangles",
+            f"  von Mises    at most {show(mises, 'modulus')} (a/20 off the edge), at r = {show(r, 'length')}, depth "
+            f"{show(depth, 'length')}",
             f"  fields       interpolation error within {state.interpolation_error['displacement']:.0e} of the largest "
             f"displacement, {state.interpolation_error['von_mises']:.0e} of the largest von Mises stress (r < 3 a, "
             "a/20 off the edge)",

@@ -16,7 +16,7 @@ from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, TransverselyIsotropic
 from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.fields import ContactState, contact_state
+from jkrcli.methods.fem.fields import ContactState, contact_state, von_mises
 from jkrcli.methods.layered.solver import surface_profile
 from jkrcli.report.plots.forward import contact_zone_figure, magnification
 
@@ -134,6 +134,21 @@ def test_the_axis_of_the_half_space_between_the_nodes() -> None:
     truth["mises"] = np.abs(truth["zz"] - truth["rr"])
     holds(found, stated, {name: truth[name] for name in ("z", "rr", "zz", "mises")}, SCALE)
     assert np.abs(found["mises"] - truth["mises"]).max() < 1e-3 * P0  # measured 3e-4
+
+
+def test_the_largest_von_mises_stress_of_the_half_space() -> None:
+    """sigma_tt = E u_r/r + nu (sigma_rr + sigma_zz); over all places a twentieth of a radius or more off the edge."""
+
+    def mises(r: np.ndarray, z: np.ndarray) -> np.ndarray:
+        field = exact(r, z)
+        tt = E * field["r"] / r + NU * (field["rr"] + field["zz"])
+        return von_mises(np.array([field["rr"], tt, field["zz"], field["rz"]]))
+
+    found, r, depth = half_space().largest_mises
+    assert found == pytest.approx(mises(np.array([r]), np.array([depth]))[0], rel=5e-3)
+    ring = np.linspace(0.4, np.pi - 0.4, 200)
+    near = mises(A * (1 + 0.05 * np.cos(ring)), 0.05 * A * np.sin(ring)).max()
+    assert 0.97 * near < found < 1.005 * near
 
 
 def test_the_surface_of_the_half_space_between_the_nodes() -> None:

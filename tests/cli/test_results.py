@@ -165,6 +165,9 @@ def test_states_lie_on_the_curve_and_the_stable_one_is_the_larger() -> None:
     assert curve.radii(P=2 * lowest) == ()
     with pytest.raises(InputError, match=r"load: -47.04 mN is not carried by a stable contact of this solution"):
         stable_radius(curve, 2 * lowest)
+    largest = curve.at(curve.places)[1][-1]
+    with pytest.raises(InputError, match=r"whose loads go from -23.5. mN to .*: increase \[loading\] radius"):
+        stable_radius(curve, 2 * largest)
 
 
 def test_csv_reads_back_to_the_last_bit(tmp_path) -> None:

@@ -202,12 +202,25 @@ class ContactState:
         return np.column_stack([self.grid.cells, self.middles])
 
     @cached_property
-    def interpolation_error(self) -> dict[str, float]:
-        """Largest error of displacements and of von Mises' stress within three contact radii, further from the edge
-        than a twentieth of one, relative to their largest values there."""
+    def shown(self) -> Array:
+        """Whether each triangle is within three contact radii, and further from the edge than a twentieth of one."""
         corners = self.grid.points[self.grid.cells]
         near = np.hypot(*np.moveaxis(corners, 2, 0)).max(axis=1) <= STATE_NEAR * self.a
-        near &= np.hypot(corners[..., 0] - self.a, corners[..., 1]).min(axis=1) >= STATE_AWAY * self.a
+        return near & (np.hypot(corners[..., 0] - self.a, corners[..., 1]).min(axis=1) >= STATE_AWAY * self.a)
+
+    @property
+    def largest_mises(self) -> tuple[float, float, float]:
+        """The largest von Mises stress [Pa] that is shown, and where: r and depth [m]."""
+        nodes = np.unique(self.quadratic[self.shown])
+        node = nodes[np.argmax(self.mises[nodes])]
+        r, z = np.abs(self.grid.points[node]).tolist()
+        return float(self.mises[node]), r, z
+
+    @cached_property
+    def interpolation_error(self) -> dict[str, float]:
+        """Largest error of displacements and of von Mises' stress where they are ``shown``, relative to their largest
+        values there."""
+        near = self.shown
         nodes = self.quadratic[near]
         displacement = self.errors["displacement"][near].max() / np.abs(self.displacement[nodes]).max()
         return {

@@ -254,6 +254,11 @@ def decades(dimension: str) -> dict[str, int]:
     return {unit: power for unit, power in UNITS[dimension].items() if unit.endswith(base) and power % 3 == 0}
 
 
+def deviation(relative: float) -> str:
+    """By how much a number is wrong in words: "24 % too low"."""
+    return f"{100 * abs(relative):.2g} % too {'high' if relative > 0 else 'low'}"
+
+
 def reached(a: float, delta: float, P: float) -> str:
     """A state of contact as people read it."""
     return f"a = {show(a, 'length')}, delta = {show(delta, 'length')}, P = {show(P, 'load')}"

@@ -17,7 +17,7 @@ from ..adhesion.curve import Nonadhesive
 from ..base.errors import AT_LEVEL, LEVEL, InputError, Unknown, counted
 from ..base.numerics import HALF_WIDTH, Array
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
-from ..base.units import SI, scale, show
+from ..base.units import SI, deviation, scale, show
 from ..base.wings import offered
 from ..bodies.indenters import Indenter
 from ..report import archive
@@ -339,8 +339,8 @@ def verdict_words(item: Fit) -> list[str]:
         return [verdict]
     if item.verdict.E_star is not None:
         by = item.verdict.E_star
-        change = by / item.value("E_star") - 1
-        formula = [f"{item.verdict.formula} fit at maximum load would give {show(by, 'modulus', 3)} ({change:+.0%})"]
+        words = f"{show(by, 'modulus', 3)} ({deviation(by / item.value('E_star') - 1)})"
+        formula = [f"{item.verdict.formula} fit at maximum load would give {words}"]
     others = item.verdict.alternatives
     judged = [cause_words(others)] if others.named else ["no alternative model is favoured"]
     if tied := item.verdict.tied:

@@ -21,7 +21,7 @@ from ..base.files import read_bytes
 from ..base.numerics import Array
 from ..base.process import REMEMBERED, check_text
 from ..base.registry import SUMMARIES, TABLES, WORDS
-from ..base.units import SI, show
+from ..base.units import SI, deviation, show
 from ..bodies.problem import Elastic, Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
 from ..resolve.analysis import Analysis, is_solved_at
@@ -235,8 +235,7 @@ def _verdict(
         step = 10.0 ** (math.floor(math.log10(abs(force))) + 1 - at_digits) / abs(force)
         difference = float(f"{classical:.4g}") / float(f"{force:.{at_digits}g}") - 1
         difference = round(difference, -math.floor(math.log10(step)))
-        words = f"{100 * abs(difference):.2g} % too {'high' if difference > 0 else 'low'}"
-        words = words if abs(difference) > PRINTED else "the same"
+        words = deviation(difference) if abs(difference) > PRINTED else "the same"
         words = f"{1 + difference:.2g} times as large" if difference > 1 else words
         beside = f"; 1.5 pi w R = {show(classical, 'load')} ({words})"
     else:

@@ -112,7 +112,10 @@ def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, mon
     [
         (["--find", "indenter.radius"], "needs the pull-off force that is wanted"),
         (["--load", "5 uN", "--find", "indenter.shape"], "is no number of"),
-        (["--load", "5 uN", "--find", "indenter.siz"], "did you mean \"indenter.radius\"?; allowed are R, w, E, nu, E:base"),
+        (
+            ["--load", "5 uN", "--find", "indenter.siz"],
+            'did you mean "indenter.radius"?; allowed are R, w, E, nu, E:base',
+        ),
         (["--load", "5 uN", "--find", "indenter radius"], "--find: indenter radius is no number of"),
         (["--load", "5 uN", "--find", "indenter.radius=1um"], "must be KEY or KEY=LOW..HIGH"),
         (["--load", "5 uN", "--find", "indenter.radius=1um..1nm"], "bounds LOW..HIGH that rise"),
@@ -127,7 +130,9 @@ def test_refusals(jkr, half_space: Path, words: list[str], message: str) -> None
 
 def test_numbers_of_a_case_have_the_short_names_of_fits(tmp_path: Path) -> None:
     text = SKIN.format(R="50 um", h="1 um", E="20 MPa", nu=0.4, w="50 mJ/m^2", base=SOFT)
-    (path := tmp_path / "case.toml").write_text(text.replace("[[specimen.layers]]", '[[specimen.layers]]\nname = "skin"'))
+    (path := tmp_path / "case.toml").write_text(
+        text.replace("[[specimen.layers]]", '[[specimen.layers]]\nname = "skin"')
+    )
     names = inverse.short_names(python.load_case(path).model)
     assert names["h:skin"] == "specimen.layers[0].thickness"
     assert names["E:base"] == "specimen.half_space.E"

@@ -109,8 +109,7 @@ class Validity:
         range_warning = []
         if not isinstance(effect, Unknown):
             if abs(effect) >= LIMITS.effect:
-                differs = f"at the range z0 the pull-off force would differ by {effect:+.2%}{by_tabor}: {REMEDY}"
-                range_warning = [differs]
+                range_warning = [f"{_by_range(effect)}{by_tabor}: {REMEDY}"]
         elif not isinstance(number, Unknown) and number < LIMITS.tabor_jkr:
             range_warning = [f"Tabor number {number:.3g} is below {LIMITS.tabor_jkr:g}: {self.regime}"]
         # What large strains do to the load, in per cent where that is known
@@ -266,8 +265,7 @@ def judge(
     depth = thickness if depth is None else None if math.isinf(depth) else depth
     number = _tabor(R, w, E_star, z0)
     if not isinstance(effect_of_range, Unknown):
-        differs = f"at the range z0 the pull-off force differs by {effect_of_range:+.2%}"
-        holds = "JKR holds" if abs(effect_of_range) < LIMITS.effect else differs
+        holds = "JKR holds" if abs(effect_of_range) < LIMITS.effect else _by_range(effect_of_range)
     else:
         holds = f"unknown: {number.reason}" if isinstance(number, Unknown) else regime(number)
     return Validity(
@@ -284,6 +282,11 @@ def judge(
         strained=NO_EXCESS if tension else _excess(a, R, depth, profile),
         sphere=NO_EXCESS if tension else _excess(a, R, depth, "sphere"),
     )
+
+
+def _by_range(effect: float) -> str:
+    size = f"{100 * abs(effect):.3g} % {'larger' if effect > 0 else 'smaller'}"
+    return f"JKR does not hold: attraction over the range z0 makes the pull-off force {size}"
 
 
 def _excess(a: float, R: float | None, depth: float | None, profile: str) -> Estimate:

@@ -99,6 +99,13 @@ class Outcome:
     out: str
     err: str
 
+    def refused(self, *said: str) -> None:
+        """Is a command that was refused in one line, which holds what is ``said``."""
+        assert (self.code, self.out, self.err.count("\n")) == (2, "", 1), self
+        assert self.err.startswith("jkr: error: "), self
+        for words in said:
+            assert words in self.err
+
 
 @pytest.fixture(name="jkr")
 def _jkr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:

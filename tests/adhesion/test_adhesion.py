@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from stated_errors import in_units
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import Slopes, slopes
@@ -19,7 +18,6 @@ from jkrcli.formulas import (
     scales_half_space,
     scales_thin_layer,
     sneddon_sphere,
-    thin_incompressible_layer,
     thin_layer,
 )
 from jkrcli.series import Series
@@ -72,54 +70,6 @@ def test_rates_are_derivatives_of_the_curve() -> None:
         np.testing.assert_allclose(rate, (up - down) / (2 * step), rtol=1e-6)  # difference over 1e-5 of a
 
 
-@pytest.mark.parametrize("points", [10, 100])
-def test_pull_off_under_load_and_displacement_control(points: int) -> None:
-    ours, (_, _, a_unit) = curve(half_space(points)), scales_half_space(R, E_STAR, W)
-    load, grip = ours.pull_off(0.0), ours.pull_off(math.inf)
-    assert abs(load.P / PULL_OFF + 1.5) < 1e-10  # all power laws: round-off only
-    assert (load.a / a_unit) ** 3 == pytest.approx(1.5, rel=1e-9)
-    assert abs(grip.P / PULL_OFF + 5 / 6) < 1e-9
-    assert (grip.a / a_unit) ** 3 == pytest.approx(1 / 6, rel=1e-9)
-
-
-def test_pull_off_falls_monotonically_from_load_to_displacement_control() -> None:
-    ours = curve(half_space(100))
-    forces = [-ours.pull_off(stiffness).P for stiffness in (0.0, 1e2, 1e3, 1e4, 1e5, 1e6, 1e8, math.inf)]
-    assert np.all(np.diff(forces) < 0)
-    assert forces[1] / forces[0] == pytest.approx(1, abs=1e-5)
-    assert forces[-2] / forces[-1] == pytest.approx(1, abs=1e-3)  # 6e-2 at 1e6 N/m, falling as 1/stiffness
-
-
-def test_stiffness_condition_holds_at_its_critical_point() -> None:
-    ours, stiffness = curve(half_space(50)), 3e4
-    point = ours.pull_off(stiffness)
-    ddelta, dP = ours.rates(np.array(point.a))
-    assert ddelta + dP / stiffness == pytest.approx(0, abs=1e-9 * abs(float(ddelta)))
-
-
-@pytest.mark.parametrize(("law", "exponent", "factor"), [("compressible", 2, -2.0), ("incompressible", 4, -3.0)])
-def test_thin_layers(law: str, exponent: int, factor: float) -> None:
-    a, h = np.linspace(0, 1.7e-5, 61)[1:], 1e-8
-    if law == "compressible":
-        delta, P = thin_layer(a, 1e16, R)
-        scale = math.pi * 1e16
-    else:
-        delta, P = thin_incompressible_layer(a, 1e6, h, R)
-        scale = 3 * math.pi * 1e6 / (8 * h**3)
-    series = Series(a, delta, P, scale * a**exponent, exponent * scale * a ** (exponent - 1))
-    w = P[-1] / R / 40  # pull-off well inside the series
-    point = curve(series, w).pull_off(0.0)
-    assert point.P / (math.pi * w * R) == pytest.approx(factor, rel=1e-9)  # power laws: round-off only
-    if law == "compressible":
-        P_unit, delta_unit, a_unit = scales_thin_layer(R, 1e16, w)
-        assert (point.P / P_unit, point.a / a_unit) == pytest.approx((-1, 1), rel=1e-7)  # a minimum: root of round-off
-        assert point.delta == pytest.approx(0, abs=1e-7 * delta_unit)
-        outside = curve(series, w).pull_off(math.inf)  # delta falls down to a = 0
-        assert isinstance(outside, Unknown)
-        assert f"smallest radius of the solution, a = {a[0] / 1e-9:.4g} nm (P = " in outside.reason
-        assert 'use smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest (or' in outside.reason
-
-
 def test_several_or_no_critical_points_are_reported_as_such() -> None:
     small = curve(half_space(20, largest=4e-6))
     assert small.critical(0.0) == ()
@@ -159,18 +109,6 @@ def test_no_adhesion_returns_the_nonadhesive_series_exactly() -> None:
     assert np.array_equal(ours.P, series.P)
 
 
-@pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7), (1e9, 1e-9)])
-def test_change_of_units(length: float, force: float) -> None:
-    series = half_space(30)
-    stiff = force / length
-    plain, other = curve(series), curve(in_units(series, length, force), W * stiff)
-    for stiffness in (0.0, 1e4, math.inf):
-        here, there = plain.pull_off(stiffness), other.pull_off(stiffness * stiff)
-        assert there.a == pytest.approx(here.a * length, rel=1e-10)
-        assert abs(there.P / (here.P * force) - 1) < 1e-12
-        assert there.delta == pytest.approx(here.delta * length, rel=1e-10)
-
-
 def test_errors_propagate_to_first_order() -> None:
     series = half_space(30)
     covariance = np.zeros((30, 4, 4))
@@ -199,13 +137,6 @@ def test_errors_of_the_series_reach_the_curve() -> None:
     np.testing.assert_allclose(known.errors["P"], expected, rtol=1e-12)
     np.testing.assert_allclose(known.errors["delta"], 1e-3 * t, rtol=1e-12)
     assert known.error_at(series.a[4:5])["P"] == pytest.approx(known.errors["P"][4:5])
-
-
-def test_an_error_of_the_radius_acts_through_the_shift() -> None:
-    series = half_space(30)
-    known = exact_curve(half_space(30, errors={"a": 1e-3 * series.a}))
-    t = series.delta - known.delta  # goes with a at given S
-    np.testing.assert_allclose(known.errors["delta"], 1e-3 * t, rtol=1e-12)
 
 
 def sphere_curve(a: np.ndarray):

@@ -509,16 +509,6 @@ def test_pull_off_without_contact_is_that_of_a_constant_tension(
     assert _without_contact(mu, q, nu, R, (stiffness,)) == 1
 
 
-@pytest.mark.slow
-def test_pull_off_without_contact_of_forty_layers() -> None:
-    rng, found = np.random.default_rng(46), 0
-    for _ in range(40):
-        mu, q = 10 ** rng.uniform(math.log10(0.03), math.log10(0.3)), 10 ** rng.uniform(0, 2)
-        nu = float(rng.choice([0.0, 0.3, 0.45, 0.499, 0.5, rng.uniform(0, 0.5)]))
-        found += _without_contact(mu, q, nu, 100.0, (math.inf, 10 ** rng.uniform(-0.5, 1.0)))
-    assert found > 40
-
-
 def _without_contact(mu: float, q: float, nu: float, R: float, devices: tuple[float, ...]) -> int:
     """How many of the ``devices`` lose contact at a = 0, checked against the explicit formula; first touch, too."""
     w = q / R**2

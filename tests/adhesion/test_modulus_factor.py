@@ -86,7 +86,6 @@ def test_transform_names_its_files_by_it(jkr: Callable, pair: tuple[Path, Path])
     ("nan", 'must be a plain number, such as "0.3", got "nan"'),
 ])  # fmt: skip
 def test_wrong_factors_are_one_line(jkr: Callable, text: str, said: str) -> None:
-    outcome = jkr("transform", "soft.h5", "--modulus-factor", text)
-    assert (outcome.code, outcome.err) == (
-        2, f"jkr: error: invalid value for '--modulus-factor': {said}; see jkr transform --help\n",
-    )  # fmt: skip
+    jkr("transform", "soft.h5", "--modulus-factor", text).refused(
+        f"invalid value for '--modulus-factor': {said}; see jkr transform --help"
+    )

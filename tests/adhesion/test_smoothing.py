@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, make_smoothing_spline
-from stopwatch import takes_less_than
 
 from jkrcli.adhesion.slopes.loocv import linear_fit, smoothing_spline
 from jkrcli.base.errors import InputError
@@ -100,13 +99,6 @@ def test_change_of_units(log_length: float, log_force: float) -> None:
     # lambda comes from a minimum: round-off in the score moves it by the root of round-off, the fit by less
     assert scaled.smoothing_lambda == pytest.approx(plain.smoothing_lambda, rel=1e-5)
     assert np.allclose(scaled.g / force, plain.g, rtol=0, atol=1e-7)
-
-
-@pytest.mark.slow
-def test_ten_thousand_points_in_two_seconds() -> None:
-    x, y, weights = uneven(10_000, 9)
-    with takes_less_than(2):
-        smoothing_spline(x, y, weights)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from jkrcli.adhesion.curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, con
 from jkrcli.adhesion.device_path import (
     GRIPPED,
     STABLE,
-    UNBOUNDED,
     UNSTABLE,
     QuasiStatic,
     Stability,
@@ -32,7 +31,7 @@ from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen
-from jkrcli.formulas import hertz, jkr, scales_half_space, thin_incompressible_layer, thin_layer
+from jkrcli.formulas import hertz, scales_half_space, thin_incompressible_layer, thin_layer
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
 
@@ -96,13 +95,6 @@ def layered_half_space() -> AdhesiveCurve:
     specimen = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
     loading = Loading("radius", 1.73e-5, 60)
     return curve(Layered()(Problem(Paraboloid(R), specimen, loading)).series)
-
-
-def test_the_published_forces() -> None:
-    assert stability_under(classical(), 0.0).pull_off.P / (math.pi * W * R) == pytest.approx(
-        -3 / 2, rel=1e-9
-    )  # round-off
-    assert stability_under(classical(), RIGID).pull_off.P / (math.pi * W * R) == pytest.approx(-5 / 6, rel=1e-9)
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 2e4, 1e5, 1e6, 1e8])
@@ -178,27 +170,6 @@ def test_energies_equal_the_area_by_an_independent_quadrature(stiffness: float) 
     assert found.separation == pytest.approx(area(rest, off), rel=1e-9)
 
 
-def test_energy_balance() -> None:
-    """What is lost is what the two jumps dissipate: elastic energy, spring and w pi a^2 before minus after."""
-    stiffness = 3e4
-    found = stability_under(classical(), stiffness)
-
-    def total(point: CriticalPoint) -> float:
-        """U_H - P_H t + S t^2/2 + P^2/(2 k) - w pi a^2; U_H = (2/5) P_H delta_H of Hertz."""
-        delta, P = hertz(np.array(point.a), E_STAR, R)
-        t = float(delta) - point.delta
-        elastic = 0.4 * P * delta - P * t + E_STAR * point.a * t**2
-        return float(elastic) + point.P**2 / (2 * stiffness) - W * math.pi * point.a**2
-
-    dissipated = -total(found.jump_in) + total(found.pull_off)  # from nothing to contact, from contact to nothing
-    assert found.energy_lost == pytest.approx(dissipated, rel=1e-9)
-
-
-def test_load_control_has_no_bound_on_the_energy() -> None:
-    found = stability_under(classical(), 0.0)
-    assert found.energy_lost == found.separation == UNBOUNDED
-
-
 @pytest.mark.parametrize(("law", "factor"), [("compressible", -2.0), ("incompressible", -3.0)])
 def test_thin_limits(law: str, factor: float) -> None:
     found = stability_under(thin(law), 0.0)
@@ -222,6 +193,7 @@ def test_a_thin_compressible_layer_is_not_lost_under_displacement_control() -> N
     assert found.critical == ()
     assert isinstance(found.pull_off, Unknown)
     assert "the displacement is lowest at the smallest radius of the solution, a = 283.3 nm" in found.pull_off.reason
+    assert 'use smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest (or' in found.pull_off.reason
     assert found.energy_lost == found.separation == found.pull_off
     assert found.jump_in.delta == 0
     assert shrink(QuasiStatic(thin("compressible"), thin("compressible"), RIGID), 1.7e-5).ends == "series"
@@ -325,18 +297,6 @@ def test_a_contact_pressed_together_is_not_lost_but_leaves_the_series() -> None:
     assert (path.ends, path.last) == ("jump", lowest.a)
 
 
-def test_an_approach_with_jumps_lands_on_the_next_stable_branch() -> None:
-    ours = BODIES["several landings in"]()
-    path = grow(QuasiStatic(ours, ours, RIGID))
-    tops = [point.a for point in ours.critical(RIGID) if point.kind == "maximum"]
-    assert len(path.stretches) == 4
-    assert [stretch.end for stretch in path.stretches[:-1]] == tops
-    for before, after in zip(path.stretches, path.stretches[1:], strict=False):
-        deltas = [float(ours.at(np.array(a))[0]) for a in (before.end, after.place)]
-        assert deltas[0] == pytest.approx(deltas[1], rel=1e-9)
-    assert path.ends == "series"
-
-
 def test_work_of_separation_counts_from_the_last_of_several_zero_loads() -> None:
     """In the valley the load falls below zero, contact jumps back to a smaller radius and is pressed again."""
     ours = dipped(1e-7, (8e-6, 0.97, 0.05))
@@ -421,8 +381,3 @@ def test_change_of_units(w: float | None, length: float, force: float) -> None:
 def test_controls_in_words() -> None:
     words = ["load control", "instrument stiffness 200 mN/m", "displacement control"]
     assert [control(k) for k in (0.0, 0.2, RIGID)] == words
-
-
-def test_curve_of_the_tests_is_classical_jkr() -> None:
-    delta, P = jkr(np.array(A0), E_STAR, R, W)
-    assert (float(delta) / DELTA0, float(P) / P0) == pytest.approx(bar(1.0), rel=1e-13)

@@ -108,14 +108,6 @@ def test_a_very_stiff_device_is_displacement_control() -> None:
     assert stiff.separation == pytest.approx(rigid.separation, rel=1e-6, abs=0)
 
 
-def test_the_loss_does_not_depend_on_the_depth_without_hysteresis_and_does_with_it() -> None:
-    same = [cycle(half_space(50.0), half_space(50.0), RIGID, turn).energy_lost for turn in (9e-6, 1.7e-5)]
-    assert same[0] == pytest.approx(same[1], rel=1e-13, abs=0)  # measured 2e-16
-    shallow, deep = (cycle(half_space(20.0), half_space(50.0), RIGID, turn).energy_lost for turn in (9e-6, 1.7e-5))
-    between = math.pi * 30.0 * (1.7e-5**2 - 9e-6**2)  # (w2 - w1) times area
-    assert deep - shallow == pytest.approx(between, rel=1e-12, abs=0)  # measured 1e-15
-
-
 def test_no_adhesion_on_approach_follows_hertz_from_the_first_radius() -> None:
     found = cycle(half_space(0.0, first=1e-8), half_space(50.0, first=1e-8), RIGID, 1e-5)
     assert found.begin.a == 1e-8
@@ -209,30 +201,17 @@ def refused(call) -> str:
 def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
     """From -4/3 pi w R up to 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3) = (410.9 - 196.8) mN at a = 17.3 um."""
     curve = half_space(50.0)
-    assert refused(lambda: turning_radius(curve, RIGID, load=-0.022)) == (
-        "cycle: the reversal at P = -22 mN is not reached on approach, which in this solution goes from "
-        "-20.94 mN to 214.1 mN"
-    )
-    assert refused(lambda: turning_radius(curve, RIGID, depth=5e-6)) == (
-        "cycle: the reversal at delta = 5 um is not reached on approach, which in this solution goes from 0 m to "
-        "2.037 um"
-    )
-    assert refused(lambda: turning_radius(half_space(50.0, last=4e-6), RIGID, load=1.0)).startswith(
-        "cycle: contact at delta = 0 spreads beyond the largest radius of the solution, a = 4 um"
-    )
+    said = refused(lambda: turning_radius(curve, RIGID, load=-0.022))
+    assert "P = -22 mN is not reached on approach, which in this solution goes from -20.94 mN to 214.1 mN" in said
+    assert "goes from 0 m to 2.037 um" in refused(lambda: turning_radius(curve, RIGID, depth=5e-6))
+    said = refused(lambda: turning_radius(half_space(50.0, last=4e-6), RIGID, load=1.0))
+    assert "contact at delta = 0 spreads beyond the largest radius of the solution, a = 4 um" in said
 
 
 def test_a_turn_that_is_not_on_the_path_is_refused() -> None:
     curve = half_space(50.0)
-    assert refused(lambda: cycle(curve, curve, RIGID, turn=1e-6)) == (
-        "cycle: the reversal at a = 1 um is not reached by stable contact on approach"
-    )
-
-
-def test_adhesion_must_not_be_weaker_on_retraction() -> None:
-    assert refused(lambda: cycle(half_space(50.0), half_space(0.02), RIGID)) == (
-        "cycle: w on retraction must be >= w on approach, got 20 mJ/m^2 and 50 J/m^2"
-    )
+    said = refused(lambda: cycle(curve, curve, RIGID, turn=1e-6))
+    assert "reversal at a = 1 um is not reached by stable contact on approach" in said
 
 
 def test_no_cycle_where_first_contact_lies_outside_the_series() -> None:
@@ -272,40 +251,13 @@ def test_energies_say_why_there_are_none(jkr: Callable) -> None:
     assert done.out.splitlines()[0] == f"{none}, not defined under load control: gel.h5"
 
 
-def test_large_strains_stand_beside_the_force_at_which_contact_is_lost(jkr: Callable, tmp_path: Path) -> None:
-    """A soft incompressible half-space, wc = 0.144: -4.5 wc^2 and 0.116 wc + 0.7 wc^2, over the exact sphere's 1 - 0.9
-    wc^2; the cycle said nothing. Of a stiff compressible one it still does not."""
-    case = tmp_path / "ball.toml"
-    text = """
-        [indenter]
-        shape = "sphere"
-        radius = "5 um"
-        [specimen.half_space]
-        E = "5 {unit}"
-        nu = 0.5
-        [loading]
-        radius = "3 um"
-        points = 40
-        [adhesion]
-        w = "0.1 mJ/m^2"
-    """
-    case.write_text(text.replace("{unit}", "kPa"))
-    printed = jkr("cycle", case, "--no-plots", "-o", tmp_path).out
-    wc = (1e-4 * 0.75 / (5e3 * 5e-6)) ** (1 / 3)
-    own = 1 - 0.9 * wc**2
-    low, high = ((1 + change) / own - 1 for change in (-4.5 * wc**2, 0.116 * wc + 0.7 * wc**2))
-    assert f"large strains {100 * low:+.2g} to {100 * high:+.2g} %" in printed
-    case.write_text(text.replace("{unit}", "GPa").replace("0.5\n", "0.3\n"))
-    assert "large strains" not in jkr("cycle", case, "--no-plots", "-o", tmp_path / "stiff").out
-
-
 SOFT = """
 [indenter]
 shape = "sphere"
 radius = "5 um"
 [specimen.half_space]
-E = "5 kPa"
-nu = 0.5
+E = "5 {unit}"
+nu = {nu}
 {relaxation}
 [loading]
 radius = "3 um"
@@ -316,10 +268,24 @@ w = "0.1 mJ/m^2"
 """
 
 
+def test_large_strains_stand_beside_the_force_at_which_contact_is_lost(jkr: Callable, tmp_path: Path) -> None:
+    """A soft incompressible half-space, wc = 0.144: -4.5 wc^2 and 0.116 wc + 0.7 wc^2, over the exact sphere's 1 - 0.9
+    wc^2; the cycle said nothing. Of a stiff compressible one it still does not."""
+    case = tmp_path / "ball.toml"
+    case.write_text(SOFT.format(unit="kPa", nu=0.5, relaxation=""))
+    printed = jkr("cycle", case, "--no-plots", "-o", tmp_path).out
+    wc = (1e-4 * 0.75 / (5e3 * 5e-6)) ** (1 / 3)
+    own = 1 - 0.9 * wc**2
+    low, high = ((1 + change) / own - 1 for change in (-4.5 * wc**2, 0.116 * wc + 0.7 * wc**2))
+    assert f"large strains {100 * low:+.2g} to {100 * high:+.2g} %" in printed
+    case.write_text(SOFT.format(unit="GPa", nu=0.3, relaxation=""))
+    assert "large strains" not in jkr("cycle", case, "--no-plots", "-o", tmp_path / "stiff").out
+
+
 def test_large_strains_stand_beside_a_program_that_parts_the_surfaces(jkr: Callable, tmp_path: Path) -> None:
     """The same as of the cycle there and back, once nothing; a program that stays in contact has no such force."""
     case = tmp_path / "ball.toml"
-    case.write_text(SOFT.replace("{relaxation}", ""))
+    case.write_text(SOFT.format(unit="kPa", nu=0.5, relaxation=""))
     for name, end in (("parts", "-3 um"), ("stays", "0.2 um")):
         (tmp_path / f"{name}.csv").write_text(f"t,x\ns,um\n0,-0.5\n1,0.5\n2,{end.split()[0]}\n")
     whole = json.loads(jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path).out)
@@ -336,7 +302,8 @@ def test_large_strains_stand_beside_a_program_that_parts_the_surfaces(jkr: Calla
 def test_large_strains_stand_beside_a_cycle_from_rest(jkr: Callable, tmp_path: Path) -> None:
     """On a dent that is kept they are not estimated: a/R at pull-off is 0.2 and more; once nothing."""
     case = tmp_path / "ball.toml"
-    case.write_text(SOFT.replace("{relaxation}", '[specimen.relaxation]\nlaw = "sls"\nratio = 0.35\ntime = "1 s"'))
+    relaxation = '[specimen.relaxation]\nlaw = "sls"\nratio = 0.35\ntime = "1 s"'
+    case.write_text(SOFT.format(unit="kPa", nu=0.5, relaxation=relaxation))
     done = jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path)
     assert done.code == 0, done.err
     limits = json.loads(done.out)["limits"]

@@ -32,8 +32,7 @@ def test_symbols_of_the_field_are_answered_with_the_option(jkr: Callable) -> Non
         "--h": "--thickness",
         "--alpha": "--half-angle",
     }.items():
-        done = jkr("fit", "x.csv", symbol, "1")
-        assert (done.code, f", did you mean '{option}'?" in done.err) == (2, True), done.err
+        jkr("fit", "x.csv", symbol, "1").refused(f", did you mean '{option}'?")
     assert "--radius" not in jkr("show", "x.h5", "--R", "1").err  # which has none
 
 

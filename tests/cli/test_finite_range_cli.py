@@ -99,29 +99,6 @@ def test_pull_off_and_cycle(tip: Path, capsys: pytest.CaptureFixture[str]) -> No
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["transform", "tip.h5", "--stress", "1e8", "--range", "1e-9"], "give either --stress or --range, got both"),
-        (["transform", "tip.h5", "--w", "0", "--range", "1e-9"], "w: must be > 0 J/m^2, got 0"),
-        (["transform", "tip.h5", "--range", "0"], "invalid value for '--range': must be > 0, got 0; see jkr transform"),
-        (["transform", "tip.h5", "--stress", "-1"], "invalid value for '--stress': must be > 0, got -1; see jkr"),
-        (
-            ["transform", "tip.h5", "--range", "1 nm", "--slopes", "loocv"],
-            "slopes: loocv has no effect with adhesion of",
-        ),
-        (["pull-off", "tip.h5", "--range", "1 nm", "--load", "1 nN"], "pull-off: --load asks for the w of JKR"),
-        (["cycle", "tip.h5", "--range", "1 nm", "--w-retract", "0.1"], "cycle: adhesion of finite range loses energy"),
-    ],
-)
-def test_refusals_are_one_line(tip: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:
-    capsys.readouterr()
-    assert call(words) == 2
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 1
-    assert message in said[0]
-
-
-@pytest.mark.parametrize(
     ("lines", "message"),
     [
         (
@@ -158,6 +135,8 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
     "explore": (RANGE, "explore own.h5", "leave adhesion.range, stress and capillary out", PLAIN, "explore own.h5"),
     "fields": (RANGE, "fields own.h5 --a 4nm --no-plots", "leave adhesion.range, stress and capillary out",
                PLAIN, "fields own.h5 --a 4nm --no-plots"),
+    "work": (RANGE, "work own.h5 data.csv --no-plots", "work: has no adhesion of finite range, which the case",
+             PLAIN, "work own.h5 data.csv --no-plots"),
     "two works": (RANGE, "cycle own.h5 --w-retract 0.1 --no-plots", "give one work of adhesion",
                   RANGE, "cycle own.h5 --no-plots"),
     "speed": (RANGE, ["cycle", "own.h5", *RATE], "leave --range and the case's out", PLAIN, ["cycle", "own.h5", *RATE]),
@@ -179,7 +158,7 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
 }  # fmt: skip
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(7)
 @pytest.mark.parametrize("name", FOLLOWED)
 def test_who_follows_a_refusal_gets_an_answer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
@@ -187,6 +166,7 @@ def test_who_follows_a_refusal_gets_an_answer(
     monkeypatch.chdir(tmp_path)
     refused, words, says, mended, better = FOLLOWED[name]
     Path("sweep.toml").write_text(SWEEP)
+    Path("data.csv").write_text("delta_nm,P_nN\n0,1\n1,2\n2,4\n3,7\n4,9\n5,12\n")
     for case, line, fine in ((refused, words, False), (mended, better, True)):
         Path("own.toml").write_text(case)
         assert call(["run", "own.toml", "-q", "--force"]) == 0
@@ -237,22 +217,6 @@ def test_profile_carries_the_load_and_the_tension(tip: Path) -> None:
     assert set(p[~inside]) == {-1e8, 0.0}
     assert (gap[~inside] > 0).all()
     assert np.interp(c, r, gap) == pytest.approx(5e-10, rel=1e-3)
-
-
-@pytest.mark.parametrize("verb", [["explore"], ["fields", "--a", "4 nm"], ["work", "data.csv"]])
-def test_verbs_that_know_no_range_refuse_it_by_name(
-    tip: Path, capsys: pytest.CaptureFixture[str], verb: list[str]
-) -> None:
-    Path("own.toml").write_text(TIP + 'range = "0.5 nm"')
-    Path("data.csv").write_text("delta_nm,P_nN\n0,1\n1,2\n2,4\n3,7\n4,9\n5,12\n")
-    assert call(["run", "own.toml", "-q"]) == 0
-    capsys.readouterr()
-    assert call([verb[0], "own.h5", *verb[1:]]) == 2
-    said = capsys.readouterr().err.splitlines()
-    assert said == [
-        f"jkr: error: {verb[0]}: has no adhesion of finite range, which the case of own.h5 asks for: leave "
-        "adhesion.range, stress and capillary out"
-    ]
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ from jkrcli.case import store
 from jkrcli.case.models import parse_case
 from jkrcli.formulas import hertz
 
-DATA = Path(__file__).parents[1] / "references" / "calculix"
 PEERS = Path(__file__).parents[2] / "docs" / "peers"
 E_STAR = 2e6 / (1 - 0.25**2)
 CASE = """
@@ -121,33 +120,6 @@ def test_wrong_input_is_one_line_and_exit_code_2(jkr, table: Path, words: tuple,
     else:
         assert outcome.err == f"jkr: error: {line}\n"
     assert not Path("t.h5").exists()
-
-
-# ---------------------------------------------------------------------- CalculiX
-RIGID = ("--shape", "paraboloid", "--radius", "10 mm", "--E", "5 GPa", "--nu", 0.4)
-PULL_OFF = -1.5 * np.pi * 5e-3 * 10e-3  # of the classical JKR, for w = 5 mJ/m^2
-
-
-@pytest.mark.parametrize(
-    ("nodes", "kept", "error"),
-    [(50, 44, 0.02), (100, 75, 0.015), (200, 100, 0.02)],  # measured: 1.6 %, 1.0 %, 0.9 %
-)
-def test_calculix_series_gives_the_pull_off(jkr, nodes: int, kept: int, error: float) -> None:
-    """``nodes`` per largest contact radius, 100 equal steps of the depth. CalculiX 2.20 on the half-space of
-    docs/peers/calculix.py, there cut at 400 largest radii, growth 1.12, contact stiffness 3e6 MPa/um.
-
-    The load is 0.1 to 0.5 % above Hertz at equal depth, about equally on the three meshes: they grow alike away from
-    the contact and end at the same place. A constant factor of the load scales E*, on which the pull-off force does not
-    depend. What remains is the radius, which is that of a node.
-    """
-    outcome = jkr("import", DATA / f"halfspace-{nodes}.csv", "-o", "x.h5", *RIGID, "--factor", "P=180")
-    assert f"; 100 rows, {kept} different contact radii" in outcome.out
-    raw = store.read_solution("x.h5").raw
-    load = 4 / 3 * 5e9 / (1 - 0.4**2) * np.sqrt(10e-3) * raw.delta**1.5
-    assert (raw.P / load - 1).min() > 0.5e-3
-    assert (raw.P / load - 1).max() < 6e-3
-    summary = json.loads(jkr("transform", "x.h5", "--w", "5 mJ/m^2", "--no-plots", "--json").out)["results"][0]
-    assert summary["pull_off"]["load"]["P_N"] == pytest.approx(PULL_OFF, rel=error)
 
 
 def test_the_deck_makes_such_tables(monkeypatch) -> None:

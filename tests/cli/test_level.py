@@ -16,7 +16,6 @@ from jkrcli.base.numerics import HALF_WIDTH, half_width
 CASES = Path(__file__).parents[2] / "cases"
 PROBE = CASES / "measured" / "gel-probe.csv"
 RECORD = CASES / "measured" / "raw-force-curve.txt"
-TIP = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5")
 
 
 def levels(data: Any) -> list[float]:
@@ -59,15 +58,6 @@ def test_every_output_states_it(jkr: Callable) -> None:
             assert "95 %" in said.out, said.out
     for name in ("gel-w0.04.csv", "gel-probe-work.csv"):
         assert stated(Path(name)) == {"0.95"}
-
-
-def test_standard_deviations_of_inputs_become_half_widths(jkr: Callable) -> None:
-    """w = F/(1.5 pi R): 3 % of the force, one standard deviation, are 5.9 % of w at 95 %."""
-    words = ("pull-off", *TIP, "--E", "200 kPa", "--load", "1 nN", "--uncertain", "load=3%")
-    done = jkr(*words)
-    assert re.search(r"error at 95 % from load 2\.\d+ uJ/m\^2", done.out), done.out
-    found = json.loads(jkr(*words, "--json").out)["results"][0]
-    assert found["w_err_J_per_m2"] == pytest.approx(1.96 * 0.03 * found["w_J_per_m2"], rel=1e-4)
 
 
 def test_a_table_of_fits_has_half_widths(jkr: Callable) -> None:

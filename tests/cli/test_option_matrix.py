@@ -14,7 +14,6 @@ from typing import Any
 
 import click
 import pytest
-from test_options_have_effect import EXEMPT, OWN, TIMES, VALUES, _commands, _left, _timeless
 
 import jkrcli
 from jkrcli.base.errors import InputError, SolveError
@@ -58,38 +57,86 @@ BASES: dict[str, tuple[str, ...]] = {  # verbs on shipped inputs; what follows t
     "study converge": ("gel.toml", "--levels", "2"), "bench": ("gel.toml", "--repeat", "1"), "doctor": (),
     "fit": ("gel.toml", "probe.csv"), "fit:raw": ("raw.txt", "--radius", "5 um", "--nu", "0.5"),
 }  # fmt: skip
-WORDS = VALUES | {  # what another value of an option is on these
-    "--a": ("0.5 mm",), "--method": ("fem",), "--to-load": ("0.5 mN",), "--to-depth": ("10 um",),
-    "--case": ("gel.toml",), "--dimensionless": ("half-space",), "--rest-load": ("0.1 mN",),
-    "--scale": ("a=1 um", "--scale", "delta=1 um", "--scale", "P=1 uN"), "--free": ("P0",), "--fix": ("w=40 mJ/m^2",),
-    "--start": ("w=30 mJ/m^2",), "--bound": ("w=60 mJ/m^2..1 J/m^2",), "--law": ("power",), "--relaxation": ("sls",),
-    "--terms": ("1",), "--segment": ("approach",), "--base-line": ("sine",), "--branch": ("compressive",),
+WORDS: dict[str, tuple[str, ...]] = {  # what another value of an option is
+    "--w": ("30 mJ/m^2",), "--stress": ("1 kPa",), "--range": ("2 um",), "--slopes": ("integral",),
+    "--modulus-factor": ("2",), "--stiffness": ("1 N/m",), "--load": ("1 mN",), "--method": ("fem",),
+    "--tolerance": ("1e-4",), "--output": ("there",), "--dimensionless": ("half-space",),
+    "--scale": ("a=1 um", "--scale", "delta=1 um", "--scale", "P=1 uN"), "--a": ("0.5 mm",),
+    "--w-approach": ("10 mJ/m^2",), "--w-retract": ("70 mJ/m^2",), "--to-load": ("0.5 mN",), "--to-depth": ("10 um",),
+    "--rest-load": ("0.1 mN",), "--rest-depth": ("1 um",), "--points": ("9",), "--uncertain": ("E=5%",),
+    "--rtol": ("0.9",), "--find": ("indenter.radius",), "--column": ("a=3",), "--overlap": ("0.9",),
+    "--plot": ("there.png",), "--limit-time": ("1e-12",), "--limit-memory": ("1e-12",), "--rate": ("v0=1 um/s,n=0.6",),
+    "--rate-advance": ("v0=1 um/s,n=0.6",), "--speed": ("1 um/s",), "--speed-approach": ("1 um/s",), "--hold": ("1 s",),
+    "--dwell": ("1 mN",), "--dwell-time": ("1 s",), "--program": ("no.csv",), "--nodes": ("no.csv",),
+    "--relaxation": ("sls",), "--case": ("gel.toml",), "--shape": ("cone",), "--radius": ("2 mm",),
+    "--half-angle": ("80 deg",), "--cap": ("parabola",), "--E": ("2 MPa",), "--nu": ("0.4",),
+    "--thickness": ("0.1 mm",), "--base": ("frictionless",), "--unit": ("P=uN",), "--factor": ("P=2",),
+    "--zero": ("delta=0.1 um",), "--sign": ("as-is",), "--area": ("projected",), "--separator": ("tab",),
+    "--decimal": (",",), "--component": ("rr",), "--flip": ("P",), "--contact": ("estimate",),
+    "--sensitivity": ("45 nm/V",), "--format": ("afm",), "--rows": ("5..60",), "--where": ("segment=retract",),
+    "--segment": ("approach",), "--noise": ("P=50 uN",), "--use": ("delta,P",), "--window": ("7",), "--only": ("1",),
+    "--show-case": ("1",), "--hours": ("0",), "--contact-shape": ("any",),
+    "--roughness": ("rms=9nm,longest=1um,shortest=100nm,hurst=0.8",), "--surface-energy": ("20 mJ/m^2",),
+    "--sizes": ("0.8 mm..1.2 mm",), "--rms": ("50 nm",), "--modulus": ("2 MPa",), "--longest": ("9 um",),
+    "--shortest": ("50 nm",), "--hurst": ("0.7",), "--q": ("3",), "--beta": ("0.1",), "--ratio": ("3",), "--mu": ("3",),
+    "--free": ("P0",), "--fix": ("w=40 mJ/m^2",), "--start": ("w=30 mJ/m^2",), "--bound": ("w=60 mJ/m^2..1 J/m^2",),
+    "--law": ("power",), "--terms": ("1",), "--base-line": ("sine",), "--branch": ("compressive",),
     "--loss": ("cauchy",), "--confidence": ("profile",), "--model": ("auto",), "--level": ("0.5",),
     "--samples": ("30",), "--seed": ("7",), "--shared": ("w",), "--own": ("w",), "--tip-radius": ("3 mm",),
-    "--surface": ("sticking",), "--noise": ("P=50 uN",), "--column": ("a=3",), "--unit": ("P=uN",),
-    "--rows": ("5..60",), "--limit-memory": ("1e-12",), "--limit-time": ("1e-12",), "--name": ("other",),
+    "--surface": ("sticking",), "--name": ("other",), "--grid": ("6x5",), "--sample": ("gel-(.*)",),
 }  # fmt: skip
-HERE: dict[tuple[str, str], tuple[str, ...]] = OWN | {  # and where it is not: by verb, or by one of its bases
-    ("pull-off", "--slopes"): ("integral",), ("compare", "--column"): ("a",), ("fit", "--stiffness"): ("5 kN/m",),
-    ("import", "--column"): ("a=delta_m",), ("import", "--unit"): ("P=mN",), ("import", "--case"): ("soft.toml",),
-    ("import", "--zero"): ("P=-1 uN",), ("import", "--area"): ("surface",),
-    ("compare", "--overlap"): ("0.99",), ("compare", "--rtol"): ("1e-9",),
-    ("pull-off", "--stiffness"): ("10 N/m",), ("pull-off:load", "--uncertain"): ("R=2%",),
-    ("look", "--decimal"): (".",), ("look", "--contact"): ("estimate",), ("look", "--where"): ("curve=other",),
-    ("fit", "--uncertain"): ("radius=3%",), ("fit:raw", "--free"): ("compliance",), ("fit:raw", "--decimal"): (".",),
-    ("fit:raw", "--fix"): ("w=1 mJ/m^2",), ("fit:raw", "--start"): ("w=2 mJ/m^2",),
-    ("fit:raw", "--bound"): ("w=2 mJ/m^2..1 J/m^2",), ("fit:raw", "--noise"): ("P=1 nN",),
-    ("fit:raw", "--contact"): ("as-is",), ("fit:raw", "--tip-radius"): ("3 um",), ("fit:raw", "--unit"): ("P=pN",),
-    ("fit:raw", "--thickness"): ("20 um",), ("fit:raw", "--rows"): ("5..1800",),
-    ("pull-off:options", "--thickness"): ("20 um",),
-    ("cycle:rate", "--hold"): ("1 s",), ("cycle:rate", "--dwell"): ("5 um", "--dwell-time", "1 s"),
+HERE: dict[tuple[str, str], tuple[str, ...]] = {  # and where it is not: by verb, or by one of its bases
+    ("compare", "--column"): ("a",), ("new", "--example"): ("gel",), ("study rate-map", "--rate"): ("n=0.5",),
+    ("study rate-map", "--speed"): ("2",), ("study rate-map", "--stiffness"): ("1",),
+    ("study rate-map", "--thickness"): ("0.5",), ("study adhesion-map", "--load"): ("2",),
+    ("import", "--area"): ("surface",), ("import", "--column"): ("a=delta_m",), ("look", "--column"): ("P=a_um",),
+    ("work", "--column"): ("P=a_um",), ("explore", "--column"): ("P=a_um",), ("bench", "--repeat"): ("2",),
+    ("study converge", "--levels"): ("3",), ("study converge", "--contact"): ("incremental",),
+    ("export", "--name"): ("other",), ("pull-off", "--slopes"): ("integral",), ("fit", "--stiffness"): ("5 kN/m",),
+    ("import", "--unit"): ("P=mN",), ("import", "--case"): ("soft.toml",), ("import", "--zero"): ("P=-1 uN",),
+    ("compare", "--overlap"): ("0.99",), ("compare", "--rtol"): ("1e-9",), ("pull-off", "--stiffness"): ("10 N/m",),
+    ("pull-off:load", "--uncertain"): ("R=2%",), ("look", "--decimal"): (".",), ("look", "--contact"): ("estimate",),
+    ("look", "--where"): ("curve=other",), ("fit", "--uncertain"): ("radius=3%",),
+    ("fit:raw", "--free"): ("compliance",), ("fit:raw", "--decimal"): (".",), ("fit:raw", "--fix"): ("w=1 mJ/m^2",),
+    ("fit:raw", "--start"): ("w=2 mJ/m^2",), ("fit:raw", "--bound"): ("w=2 mJ/m^2..1 J/m^2",),
+    ("fit:raw", "--noise"): ("P=1 nN",), ("fit:raw", "--contact"): ("as-is",), ("fit:raw", "--tip-radius"): ("3 um",),
+    ("fit:raw", "--unit"): ("P=pN",), ("fit:raw", "--thickness"): ("20 um",), ("fit:raw", "--rows"): ("5..1800",),
+    ("pull-off:options", "--thickness"): ("20 um",), ("cycle:rate", "--hold"): ("1 s",),
+    ("cycle:rate", "--dwell"): ("5 um", "--dwell-time", "1 s"),
     ("cycle:relaxing", "--dwell"): ("20 um", "--dwell-time", "1 s"), ("sweep", "--show-case"): ("1",),
     ("study converge", "--w"): ("30 mJ/m^2",), ("bench", "--method"): ("closed-form",),
 }  # fmt: skip
+TIMES = {  # what of the output they are, where they are no numbers with a unit
+    "bench": r"\d+\.\d+", "study converge": r"(?m)[\d.]+ *$|CPU seconds .*"}  # fmt: skip
+# How much is said, whether a file of another's is replaced, where it is computed: none changes what is.
+EXEMPT = {"--force", "--quiet", "--verbose", "--workers", "--scheduler"}
 # What does not show in what is said and written: a fit ends in the same place wherever it begins.
 SILENT = EXEMPT | {"--start", "--limit-memory", "--limit-time", "--retry-failed"}
 JOURNAL = "sweep-results/journal.jsonl"  # holds times
 NO_ERRORS = {"compare": (0, 1, 2), "doctor": (0, 1)}  # exit codes, of others 0 and 2
+
+
+def _commands(group: click.Group, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], click.Command]]:
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
+        assert command is not None
+        if isinstance(command, click.Group):
+            yield from _commands(command, (*path, name))
+        else:
+            yield (*path, name), command
+
+
+def _timeless(name: str, text: bytes) -> bytes:
+    """What a file holds, but for times, which series and pictures hold too."""
+    timed = "convergence" in name
+    if name.endswith(".h5") or (timed and name.endswith((".svg", ".png"))):
+        return b""
+    return re.sub(rb"(?m),[\d.]+$|.*(cpu|time).*", b"", text) if timed else text
+
+
+def _left(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def _verb(base: str) -> str:
@@ -166,6 +213,13 @@ def _run(jkr: Callable[..., Any], tmp_path: Path) -> Runner:
     return Runner(jkr, tmp_path)
 
 
+def test_every_option_of_every_verb_is_tried() -> None:
+    assert {" ".join(path) for path, _ in _commands(program)} == {*map(_verb, BASES), "completion"}
+    for base in BASES:
+        names = {each.opts[-1] for each in _options(base) if not each.is_flag}
+        assert names <= {*WORDS, *(name for owner, name in HERE if owner in (base, _verb(base)))}, base
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("base", BASES)
 def test_every_option_alone(run: Runner, base: str) -> None:
@@ -219,6 +273,9 @@ IDLE = {  # commands with an option that had no effect, and what is said of it
     "sweep sweep.toml --show-case 1 --only 2": "--show-case writes nothing, --only has no effect",
     "transform gel.h5 --together --no-plots": "--together has no effect with --no-plots",
     "look probe.csv -o there --no-plots": "--output has no effect with --no-plots",
+    "look table.csv --no-plots --contact as-is": "look: --contact as-is has no effect",
+    "look table.csv --no-plots --contact fitted": "look: --contact fitted has no effect",
+    "fields x.h5 --a 5um --no-plots --component rr": "--component has no effect with --no-plots",
     "explore gel.h5 --unit P=mN": "options of reading need measured DATA",
     "import radii.csv --case gel.toml --area surface": "--area is what a contact area means",
     "cycle relaxing.h5 --w-approach 0 --speed 1e-5 --rate-advance v0=1,n=1": "--rate-advance needs --rate",

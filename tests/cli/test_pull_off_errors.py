@@ -63,23 +63,6 @@ def inverse(jkr, *words: str) -> dict:
 
 
 @pytest.mark.slow
-def test_uncertain_force_and_radius_on_a_half_space(jkr) -> None:
-    """w = F/(1.5 pi R): relative errors add in quadrature, the modulus counts for nothing."""
-    solved(jkr, CASE)
-    told = inverse(jkr, "--load", "10 uN", "--uncertain", "load=3%", "--uncertain", "R=2um", "--uncertain", "E=10%")
-    w = 10e-6 / (1.5 * math.pi * 50e-6)
-    assert told["w_J_per_m2"] == pytest.approx(w, rel=1e-9)
-    parts = told["w_err_by_input_J_per_m2"]
-    assert parts["load"] == pytest.approx(1.96 * 0.03 * w, rel=1e-4)
-    assert parts["R"] == pytest.approx(1.96 * 0.04 * w, rel=2e-3)  # of second order: 0.04^2
-    assert parts["E"] < 1e-8 * w
-    assert told["w_err_J_per_m2"] == pytest.approx(1.96 * 0.05 * w, rel=2e-3)
-    assert told["w_err_of_series_J_per_m2"] < 1e-7 * w
-    assert told["validity"]["tabor"] > 5
-    assert told["validity"]["a_over_R_pull_off"] == pytest.approx(told["pull_off"]["a_m"] / 50e-6)
-
-
-@pytest.mark.slow
 def test_uncertain_thickness_is_what_other_thicknesses_give(jkr) -> None:
     solved(jkr, LAYER)
     told = inverse(jkr, "--load", "1.5 uN", "--uncertain", "h=2%", "--uncertain", "nu:gel=0.01")
@@ -103,6 +86,4 @@ def test_uncertain_thickness_is_what_other_thicknesses_give(jkr) -> None:
 )
 def test_mistakes_are_named(jkr, words: tuple[str, ...], message: str) -> None:
     solved(jkr, LAYER)
-    outcome = jkr("pull-off", "x.h5", *words)
-    assert outcome.code == 2
-    assert message in outcome.err
+    jkr("pull-off", "x.h5", *words).refused(message)

@@ -75,12 +75,6 @@ def test_an_error_of_the_load_is_the_same_of_the_curve_far_from_pull_off() -> No
     assert 5e-4 < found.curve < 2e-3  # to the nearest point of the curve
 
 
-def test_comparison_sees_an_error_of_the_load() -> None:
-    exact = ClosedForm()(PROBLEM).series
-    found = compare_half_space(curve_of(PROBLEM, P=exact.P * 1.01), PROBLEM)
-    assert found.load == pytest.approx(0.01, rel=1e-10, abs=0)
-
-
 def test_distance_of_the_curve_is_that_of_its_nearest_point() -> None:
     """Along a straight line in (delta, P) of slope m the distance of a point moved up by e is e/hypot(1, m)."""
     exact, step = curve_of(PROBLEM), 1e-6

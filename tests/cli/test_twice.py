@@ -7,6 +7,7 @@ import pytest
 
 CASES = Path(__file__).parents[2] / "cases"
 PROBE = "cases/measured/gel-probe.csv"
+FAST = ("transform", "cycle", "profile", "fit", "work", "export")
 RATE = ("--w-retract", "0.04", "--rate", "v0=1um/s,n=0.6", "--speed", "10um/s")
 VERBS = {
     "run": ("run", "cases/thin-layer.toml", "-o", "o/thin.h5"),
@@ -25,6 +26,7 @@ VERBS = {
     "look": ("look", PROBE),
     "export": ("export", "gel.h5", "--dem"),
     "explore": ("explore", "gel.h5", "-o", "o/gel.html"),
+    "compare": ("compare", "gel.h5", "gel.h5", "--plot", "o/same.svg"),
     "mesh": ("mesh", "cases/halfspace.toml"),
     "bench": ("bench", "cases/thin-layer.toml"),
     "pull-off-map": ("study", "pull-off-map", "--nu", "0.3"),
@@ -36,8 +38,8 @@ VERBS = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", VERBS)
+@pytest.mark.first(len(FAST))
+@pytest.mark.parametrize("name", sorted(VERBS, key=lambda name: name not in FAST))
 def test_a_verb_replaces_what_it_wrote(name: str, jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copytree(CASES, tmp_path / "cases")
     monkeypatch.chdir(tmp_path)
@@ -47,7 +49,7 @@ def test_a_verb_replaces_what_it_wrote(name: str, jkr, tmp_path: Path, monkeypat
     words = VERBS[name]
     if "gel.h5" in words:
         assert jkr("run", "cases/gel.toml", "-o", "gel.h5").code == 0
-    target = () if "-o" in words or name == "bench" else ("-o", "o")
+    target = () if "-o" in words or name in ("bench", "compare") else ("-o", "o")
     for _ in range(2):
         done = jkr(*words, *target)
         assert done.code == 0, done.err

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import hypothesis.strategies as st
+import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from jkrcli.cli import call
@@ -183,6 +184,11 @@ def bytes_changed(content: bytes, chance: random.Random) -> bytes:
             case 6:
                 data[at : at + size] = chance.choice((b"\xff", b"\0", b"\n", b",", b'"', b"[", b".", b"9")) * size
     return bytes(data)
+
+
+def some(count: int) -> pytest.MarkDecorator:
+    """So many inputs in the fast tests, 10,000 in the slow ones."""
+    return pytest.mark.parametrize("count", [count, pytest.param(10_000, marks=pytest.mark.slow)])
 
 
 def chances() -> st.SearchStrategy[random.Random]:

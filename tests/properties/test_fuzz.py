@@ -18,7 +18,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import tomli_w
-from fuzzing import bounded, bytes_changed, chances, fuzz, mutate, outcome
+from fuzzing import bounded, bytes_changed, chances, fuzz, mutate, outcome, some
 from series_files import edit
 
 from jkrcli.base.errors import JkrError
@@ -29,7 +29,6 @@ from jkrcli.methods.protocol import survey
 from jkrcli.series import PressureTable
 
 CASES = Path(__file__).parents[2] / "cases"
-MANY = 10_000
 QUICK = 0.1  # CPU seconds of a solve that is tried as well
 
 SMALL = {
@@ -111,13 +110,9 @@ def _judge_case(write: Callable[[str, bytes], Path]) -> Judge:
     return judge
 
 
-def test_cases(seed: int, judge_case: Judge) -> None:
-    fuzz(files_like(trees()), judge_case, 25, seed)
-
-
-@pytest.mark.slow
-def test_many_cases(seed: int, judge_case: Judge) -> None:
-    fuzz(files_like(trees()), judge_case, MANY, seed)
+@some(25)
+def test_cases(seed: int, judge_case: Judge, count: int) -> None:
+    fuzz(files_like(trees()), judge_case, count, seed)
 
 
 # ---------------------------------------------------------------------- series files
@@ -219,13 +214,9 @@ def _judge_series(write: Callable[[str, bytes], Path], tmp_path: Path) -> Callab
     return judge
 
 
-def test_series_files(seed: int, judge_series: Judge) -> None:
-    fuzz(chances(), judge_series, 20, seed)
-
-
-@pytest.mark.slow
-def test_many_series_files(seed: int, judge_series: Judge) -> None:
-    fuzz(chances(), judge_series, MANY, seed)
+@some(20)
+def test_series_files(seed: int, judge_series: Judge, count: int) -> None:
+    fuzz(chances(), judge_series, count, seed)
 
 
 # ---------------------------------------------------------------------- tables
@@ -300,13 +291,9 @@ def _judge_import(write: Callable[[str, bytes], Path]) -> Judge:
     return judge
 
 
-def test_imports(seed: int, judge_import: Judge) -> None:
-    fuzz(tables_like(hertz()), judge_import, 20, seed)
-
-
-@pytest.mark.slow
-def test_many_imports(seed: int, judge_import: Judge) -> None:
-    fuzz(tables_like(hertz()), judge_import, MANY, seed)
+@some(20)
+def test_imports(seed: int, judge_import: Judge, count: int) -> None:
+    fuzz(tables_like(hertz()), judge_import, count, seed)
 
 
 @pytest.fixture(name="judge_measured")
@@ -320,13 +307,9 @@ def _judge_measured(write: Callable[[str, bytes], Path], tmp_path: Path) -> Judg
     return judge
 
 
-def test_measured_curves(seed: int, judge_measured: Judge) -> None:
-    fuzz(tables_like(adhesive()), judge_measured, 15, seed)
-
-
-@pytest.mark.slow
-def test_many_measured_curves(seed: int, judge_measured: Judge) -> None:
-    fuzz(tables_like(adhesive()), judge_measured, MANY, seed)
+@some(15)
+def test_measured_curves(seed: int, judge_measured: Judge, count: int) -> None:
+    fuzz(tables_like(adhesive()), judge_measured, count, seed)
 
 
 # ---------------------------------------------------------------------- sweeps
@@ -340,10 +323,6 @@ def _judge_sweep(write: Callable[[str, bytes], Path]) -> Judge:
     return judge
 
 
-def test_sweeps(seed: int, judge_sweep: Judge) -> None:
-    fuzz(files_like(sweeps()), judge_sweep, 30, seed)
-
-
-@pytest.mark.slow
-def test_many_sweeps(seed: int, judge_sweep: Judge) -> None:
-    fuzz(files_like(sweeps()), judge_sweep, MANY, seed)
+@some(30)
+def test_sweeps(seed: int, judge_sweep: Judge, count: int) -> None:
+    fuzz(files_like(sweeps()), judge_sweep, count, seed)

@@ -8,11 +8,10 @@ import click
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-from fuzzing import NASTY, bytes_changed, chances, fuzz, outcome
+from fuzzing import NASTY, bytes_changed, chances, fuzz, outcome, some
 
 from jkrcli import cli
 
-MANY = 10_000
 RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
 CASE = """
 title = "x"
@@ -119,13 +118,9 @@ def judge_line(chance: random.Random) -> None:
     outcome(*words, json_out="--json" in words and "--show-case" not in words)  # that is a case
 
 
-def test_options(seed: int, folder: Path) -> None:
-    fuzz(chances(), judge_line, 12, seed)
-
-
-@pytest.mark.slow
-def test_many_options(seed: int, folder: Path) -> None:
-    fuzz(chances(), judge_line, MANY, seed)
+@some(12)
+def test_options(seed: int, folder: Path, count: int) -> None:
+    fuzz(chances(), judge_line, count, seed)
 
 
 # ---------------------------------------------------------------------- raw records
@@ -162,10 +157,6 @@ def judge_record(content: bytes) -> None:
         outcome("fit", "r.txt", *body, "--no-plots", "--force", "--json", json_out=True)
 
 
-def test_raw_records(seed: int, folder: Path) -> None:
-    fuzz(records(Path("raw.txt").read_bytes()), judge_record, 20, seed)
-
-
-@pytest.mark.slow
-def test_many_raw_records(seed: int, folder: Path) -> None:
-    fuzz(records(Path("raw.txt").read_bytes()), judge_record, MANY, seed)
+@some(20)
+def test_raw_records(seed: int, folder: Path, count: int) -> None:
+    fuzz(records(Path("raw.txt").read_bytes()), judge_record, count, seed)

@@ -105,13 +105,6 @@ def interrupted(folder: Path, words: tuple[str, ...], seconds: float) -> tuple[i
     return process.returncode, err
 
 
-@pytest.mark.parametrize("verb", ["transform", "cycle", "profile", "fields", "fit", "work", "export"])
-def test_a_verb_replaces_its_own_files_without_force(jkr, folder: Path, verb: str) -> None:
-    """Each kind of table is known by its first columns."""
-    for _ in range(2):
-        assert jkr(*VERBS[verb], *(() if verb in ("profile", "export") else ("--no-plots",))).code == 0
-
-
 def test_these_are_verbs() -> None:
     assert {words[0] for words in VERBS.values()} <= set(cli.VERBS)
     from jkrcli.many.verbs import study

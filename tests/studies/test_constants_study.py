@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from studies import constants, constants_results
-from studies.tuning import Knob, knobs, varied
+from studies.tuning import Knob
 
 CHEAP = ("layer by layered", "table", "loads")
 SAMPLE = {
@@ -34,35 +34,11 @@ def test_no_result_depends_on_a_sample_of_choices() -> None:
         assert (found.verdict, bool(found.read)) == ("nothing moves", True), found
 
 
-@pytest.mark.slow
-def test_numbers_are_varied_wherever_they_are_known() -> None:
-    (same,) = (item for item in knobs(["base.numerics"], "choice:") if item.name == "SAME")
-    radii = importlib.import_module("jkrcli.methods.radii")
-    with varied(same, 1e-3):
-        assert (radii.SAME, importlib.import_module(same.module).SAME) == (1e-3, 1e-3)
-    assert radii.SAME == same.shipped
-    assert constants.moved(same).verdict == "nothing moves"
-
-
 def test_a_number_that_results_depend_on_is_told_with_where() -> None:
     found = constants.moved(knob("jkrcli.methods.integral.fredholm", "QUADRATURE_MOST_NODES"))
     assert found.verdict == "moves"
     assert found.where.startswith("loads: P[")
     assert found.cost[0] > 0
-
-
-@pytest.mark.slow
-def test_numbers_are_as_shipped_after_a_study_and_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
-    held = knob("jkrcli.methods.layered.spectrum", "MINORS_SMALL")
-    module = importlib.import_module(held.module)
-    with varied(held, 7.0):
-        assert module.MINORS_SMALL == 7.0
-    assert module.MINORS_SMALL == held.shipped
-    constants.shipped()
-    monkeypatch.setitem(constants.RESULTS, "layer by layered", lambda: 1 / 0)
-    found = constants.moved(held)
-    assert module.MINORS_SMALL == held.shipped
-    assert found.verdict == "refuses"
 
 
 @pytest.mark.slow

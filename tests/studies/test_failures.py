@@ -2,7 +2,6 @@
 
 import csv
 import json
-import re
 import time
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +12,7 @@ import pytest
 from stopwatch import takes_less_than
 
 from jkrcli.base.errors import Refusal
-from jkrcli.base.executors import completed, executor
+from jkrcli.base.executors import executor
 from jkrcli.bodies.indenters import PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen
 from jkrcli.methods.integral.density import disc_warnings
@@ -107,37 +106,10 @@ def test_the_limit_counts_work_and_not_waiting() -> None:
         endless(PLAIN)
 
 
-def stuck(limit: float) -> None:
-    """A call into a library that never comes back: the exception cannot reach it."""
-    with cpu_limit(limit):
-        re.match(r"(a+)+$", "a" * 60 + "b")
-
-
-@pytest.mark.slow
-def test_a_library_that_never_returns_ends_its_process_and_the_rest_is_done() -> None:
-    with executor(2) as pool:
-        found = dict(completed(pool, stuck, [0.2], "stuck"))
-    assert "process that worked on it died" in str(found[0])
-
-
-@pytest.mark.slow
-def test_verdicts_do_not_depend_on_the_number_of_workers() -> None:
-    cells = failures_judge.random_cells(10, 4, ("closed-form", "layered", "slopes"))
-    with executor(2) as pool:
-        assert failures_judge.failures(cells, pool) == verdicts_on(cells)
-
-
 # ---------------------------------------------------------------------- a sample of cells
 def verdicts_on(cells: Sequence[Cell]) -> list[Verdict]:
     with executor(1) as pool:
         return failures_judge.failures(cells, pool)
-
-
-@pytest.mark.slow
-def test_no_cell_is_silently_wrong(seed: int) -> None:
-    """On a failure: the study of failures with this seed and these methods shows the same cells."""
-    verdicts = verdicts_on(failures_judge.random_cells(16, seed, ("closed-form", "layered", "slopes")))
-    assert [v for v in verdicts if v.outcome in BUGS] == []
 
 
 @pytest.mark.slow
@@ -196,12 +168,6 @@ def test_the_study_writes_table_and_counts(study) -> None:
     assert len(rows) == 5
     assert all(len(row) == len(header) for row in rows)
     assert study(*words, "-o", "out").out == outcome.out  # ours are replaced, and a seed gives the same cells
-
-
-@pytest.mark.slow
-def test_the_study_draws_every_pair_of_axes(study) -> None:
-    assert study("failures", "--cells", 3, "--seed", 3, "--methods", "closed-form").code == 0
-    assert Path("failures-closed-form.png").read_bytes()[:4] == b"\x89PNG"
 
 
 def test_the_study_exits_with_one_where_a_cell_is_silently_wrong(study, monkeypatch) -> None:

@@ -68,24 +68,3 @@ def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) ->
     assert all(float(row["error"]) == float(row["shipped_error"]) < 1e-6 for row in rows)  # nothing depends on them
     assert len(outcome.out.splitlines()) == 1 + len(rows)
     assert study("tuning", "made_up", "--quick", "--workers", 1).code == 0  # its own file is replaced
-
-
-@pytest.mark.slow
-def test_failures_are_told_and_end_nothing(study, module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(*_: object) -> float:
-        raise ZeroDivisionError("by zero")
-
-    monkeypatch.setattr(tuning, "_load_error", broken)
-    outcome = study("tuning", "made_up", "--quick", "--workers", 1)
-    assert outcome.code == 0
-    assert outcome.out.count("failed") == 2 * 6  # varied and shipped, of six values
-    with Path("tuning.csv").open(newline="") as file:
-        assert {row["reason"] for row in csv.DictReader(file)} == {"ZeroDivisionError: by zero"}
-
-
-@pytest.mark.slow
-def test_limits_of_fits_are_varied_on_simulated_records() -> None:
-    knob = tuning.knobs(["measured.rows"])[0]
-    (variant, _) = tuning.variants_of(knob, ["coating"])
-    assert (variant.body, variant.method) == ("half-space", "fit")
-    assert 0 < tuning.measure(variant).error < 0.01  # 1 % of noise on 150 rows

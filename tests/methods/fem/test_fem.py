@@ -21,7 +21,6 @@ from jkrcli.methods.layered.solver import Layered
 SUBSTRATE = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
 SPHERE = Sphere(1e-4)
 PAPER = Problem(SPHERE, SUBSTRATE, Loading("depth", 3e-6))
-LAYER = Layer(Elastic(1.0, 0.3), 0.3)
 CUT = {"depth": 2e-3, "width": 1.2e-3}  # the paper's 20 R x 12 R
 QUICK = {"estimate_error": False, "edge_correction": False}
 
@@ -213,19 +212,6 @@ def test_a_split_layer_is_the_whole_layer():
         assert np.abs(P).max() < 2e-4
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("side", ["free", *(pytest.param(s, marks=pytest.mark.slow) for s in ("roller", "clamped"))])
-def test_cylinders_approach_the_wide_layer(side):
-    layer, load = (Layer(Elastic(1.0, 0.4), 1.0),), Loading("depth", 0.02)
-    exact = Problem(Paraboloid(10.0), Specimen(layer, Rigid()), load)
-    distance = []
-    for radius in (0.8, 1.5, 8.0):
-        problem = replace(exact, specimen=Specimen(layer, Rigid(), radius, side))
-        distance.append(np.abs(layered_errors(FEM(**QUICK)(problem), exact)[0]).max())
-    assert distance[0] > 3 * distance[1] > 10 * distance[2]
-    assert distance[2] < 3e-4  # the discretisation's error
-
-
 def test_an_elastic_indenter_acts_through_the_reduced_modulus():
     rigid = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
     elastic = replace(rigid, indenter=Paraboloid(10.0, Elastic(2.0, 0.2)))
@@ -301,13 +287,6 @@ def test_wrong_options_are_refused(options, message):
     with pytest.raises(InputError) as error:
         FEM(**options)
     assert error.value.lines == (message,)
-
-
-def test_locking_is_warned_of():
-    problem = Problem(Paraboloid(1000.0), Specimen((Layer(Elastic(1.0, 0.499), 1.0),), Rigid()), Loading("radius", 5.0))
-    solution = FEM(order=1, **QUICK)(problem)
-    assert "first-order elements lock near incompressibility: nu = 0.499 > 0.45" in solution.warnings[0]
-    assert FEM(**QUICK)(problem).warnings == ()
 
 
 UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))

@@ -103,20 +103,6 @@ def test_many_homogeneous_layers_become_the_graded_one_with_the_square_of_their_
     assert off[1] / off[2] == pytest.approx(np.full(3, 4.0), rel=0.005)
 
 
-@pytest.mark.slow
-def test_contact_with_128_homogeneous_layers():
-    """The graded kernel has a logarithm at the edge of contact: the square of the thickness times its logarithm."""
-    radii, off = (0.3, 1.0, 2.0), []
-    exact = solved(Specimen((Layer(ALL, 1.0),), Rigid()), radii)
-    for count in (64, 128):
-        moduli = ALL.at((np.arange(count) + 0.5) / count).T.tolist()
-        layers = tuple(Layer(TransverselyIsotropic(p, z, 0.2, 0.3, G), 1 / count) for p, z, G in moduli)
-        series = solved(Specimen(layers, Rigid()), radii)
-        off.append([np.max(np.abs(getattr(series, name) / getattr(exact, name) - 1)) for name in ("delta", "P", "S")])
-    assert np.all(np.array(off[1]) < 2e-4)
-    assert np.array(off[0]) / off[1] == pytest.approx(np.full(3, 4 * np.log(64) / np.log(128)), rel=0.05)
-
-
 @pytest.mark.parametrize("law", [Linear(1.0, 5.0, 1.0), Power(1.0, 0.3, 0.7), TABLES.E_p])
 def test_isotropic_constants_give_the_graded_isotropic_layer(law):
     nu = 0.3

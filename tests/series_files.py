@@ -27,6 +27,23 @@ def edit(path: Path, change: Callable[[h5py.File], object]) -> None:
         file.attrs[hdf5.SEAL] = np.bytes_(hdf5.digest(root))
 
 
+def one_byte_changed(path: Path, trials: int, read: Callable[[], object]) -> int:
+    """How many of so many single random changes are refused in one line that names the file; ``read`` asserts that the
+    others changed nothing."""
+    whole, rng, refused = path.read_bytes(), np.random.default_rng(3), list[tuple[str, ...]]()
+    for place in rng.integers(0, len(whole), trials):
+        damaged = bytearray(whole)
+        damaged[place] ^= int(rng.integers(1, 256))
+        path.write_bytes(damaged)
+        try:
+            read()
+        except InputError as error:
+            refused.append(error.lines)
+    assert all(len(lines) == 1 for lines in refused), refused
+    path.write_bytes(whole)
+    return len(refused)
+
+
 def _fix(item: h5py.Group | h5py.Dataset) -> None:
     """Give texts the length that our files give them."""
     for name in item.attrs:

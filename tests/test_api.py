@@ -95,58 +95,6 @@ def test_a_work_of_adhesion_may_carry_its_unit() -> None:
         api.transform(solved, "40 mN")
 
 
-@pytest.mark.slow
-def test_a_cycle_at_speed_is_that_of_the_command_line(jkr: Callable) -> None:
-    assert jkr("run", CASES / "coating.toml", "-o", "coating.h5").code == 0
-    words = ("--rate", "v0=1 um/s,n=0.6", "--speed", "10 um/s", "--w-approach", "0.04", "--w-retract", "50 mJ/m^2")
-    done = jkr("cycle", "coating.h5", *words, "--hold", "2 s", "--json", "--no-plots")
-    assert done.code == 0, done.err
-    told = json.loads(done.out)
-    law = jkr_python.PowerRate(1e-6, 0.6)
-    history = jkr_python.cycle_at_speed("coating.h5", 0.05, law, "10 um/s", w_approach="40 mJ/m^2", hold=2.0)
-    assert history.pull_off.P == pytest.approx(told["pull_off"]["P_N"], rel=1e-9)
-    assert history.energy_lost == pytest.approx(told["energy_lost_J"], rel=1e-9)
-    by_keys = jkr_python.cycle_at_speed(
-        "coating.h5", 0.05, {"v0": "1 um/s", "n": 0.6}, 1e-5, w_approach=0.04, hold="2 s"
-    )
-    assert by_keys.pull_off.P == pytest.approx(history.pull_off.P, rel=1e-9)
-    held = history.pieces[-1].ramp.x / 2
-    program = jkr_python.Program(np.array([0.0, 1.0]), np.array([0.0, held]), -1e-5)
-    assert jkr_python.cycle_at_speed("coating.h5", 0.05, law, program=program).lost is not None
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({}, "cycle_at_speed: give exactly one of speed and program"),
-        ({"speed": "10 kg"}, "speed: must be a speed"),
-        ({"speed": 0.0}, "speed: must be > 0, got 0.0 m.s"),
-        ({"speed": 1e-6, "to_load": "1 N", "to_depth": "1 um"}, "cycle: give at most one of to_load and to_depth"),
-        (
-            {"speed": 1e-6, "law_approach": {"v0": 1e-6, "n": 1}},
-            "cycle: a contact line that closes by a law needs",
-        ),
-        ({"law": {"v0": 1e-6, "n": -1}, "speed": 1e-6}, "law: n: must be > 0"),
-    ],
-)
-def test_wrong_cycles_at_speed_are_one_line(options: dict, said: str) -> None:
-    words = {"law": jkr_python.PowerRate(1e-6, 0.6)} | options
-    with pytest.raises(jkr_python.InputError, match=f"^{said}"):
-        jkr_python.cycle_at_speed(CASES / "coating.toml", 0.05, **words)
-
-
-def test_a_law_is_identified_as_on_the_command_line() -> None:
-    solved = jkr_python.solve(CASES / "gel.toml")
-    V, law = 1e-5, jkr_python.PowerRate(2e-6, 0.5)
-    columns = jkr_python.cycle_at_speed(solved, 0.04, law, V, to_load="2 mN").table(400)
-    back = columns["t_s"] >= columns["t_s"][np.argmax(columns["P_N"])]
-    rows = back & (np.diff(columns["t_s"], prepend=-1.0) > 0)
-    curve = measured(*(columns[name][rows] for name in ("t_s", "delta_m", "P_N")))
-    fit = jkr_python.fit(solved, [curve], law="power", fix={"modulus": "1", "delta0": "0"})
-    assert fit.value("w0") == pytest.approx(0.04, rel=1e-3)
-    assert fit.value("n") == pytest.approx(0.5, rel=1e-3)
-
-
 def measured(t: np.ndarray, delta: np.ndarray, P: np.ndarray) -> Curve:
     return Curve("record", delta=delta, P=P, t=t)
 
@@ -157,11 +105,6 @@ def test_what_is_fixed_may_be_a_number() -> None:
     columns = {"delta": curve.delta[20:80:4], "P": curve.P[20:80:4]}
     by_number, by_text = (jkr_python.fit(solved, **columns, fix={"w": w}) for w in (0.04, "40 mJ/m^2"))
     assert by_number.value("E_star") == by_text.value("E_star")
-
-
-def test_an_unknown_name_is_an_attribute_error() -> None:
-    with pytest.raises(AttributeError, match="module jkrcli has no attribute no_such_name"):
-        _ = jkr_python.no_such_name
 
 
 def test_importing_the_package_costs_nothing() -> None:

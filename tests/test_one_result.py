@@ -205,11 +205,7 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.study_map("pull-off", q=[1.0], nu=[0.3]),
         "",
     ),
-    "fields": (
-        ("fields", "gel.h5", "--a", "0.1 mm", "--w", "40 mJ/m^2", "--no-plots"),
-        _fields,
-        "",
-    ),
+    "fields": (("fields", "gel.h5", "--a", "0.1 mm", "--w", "40 mJ/m^2", "--no-plots"), _fields, ""),
     "sweep": (
         ("sweep", "moduli.toml", "--no-plots", "-o", "swept"),
         lambda: sweep(load_plan(Path("moduli.toml")), Path("swept"), Means(workers=1), False, _silent),

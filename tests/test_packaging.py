@@ -92,9 +92,11 @@ def test_make_run_hands_works_on_as_they_stand(works: str, words: list[str] | No
     script = tmp_path / ".venv" / "bin" / "jkr"
     script.write_text('#!/bin/sh\nfor word in "$@"; do echo "<$word>" >> words; done\n')
     script.chmod(0o755)
-    made = ["make", "-s", "-o", ".venv/.ready", "run", f"W={works}"]
+    made = ["make", "-s", "-o", ".venv/.ready", "run", "CASE=Bob's case.toml", "RESULTS=Anna's results", f"W={works}"]
     subprocess.run(made, cwd=tmp_path, check=True, capture_output=True)
     held = (tmp_path / "words").read_text().splitlines()
+    assert held[:4] == ["<run>", "<Bob's case.toml>", "<-o>", "<Anna's results/Bob's case.h5>"]
+    assert (tmp_path / "Anna's results").is_dir()
     given = [word[1:-1] for option, word in itertools.pairwise(held) if option == "<--w>"]
     assert words is None or given == words
     assert "".join(given) == works.replace(" ", "")

@@ -320,24 +320,6 @@ def test_pressure_is_continuous_and_the_gap_grows_to_the_range(name: str, mu: fl
     assert curve.doubts == ()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("mu", [0.5, 1.0])
-@pytest.mark.parametrize("nu", [0.3, 0.45])
-def test_finite_elements_with_the_tension_as_a_load_agree(nu: float, mu: float) -> None:
-    """delta, P and c at five contact radii; a node is no contact radius, so that loads are compared at equal delta."""
-    R, w, rows = 100.0, 1e-4, 40
-    from annulus_by_elements import ElementLayer
-
-    curve, elements = curve_of(layer(nu), R, 2.5, w, mu), ElementLayer(nu, R, rows)
-    for a in (0.3, 0.6, 1.0, 1.5, 2.0):
-        delta, P, c = elements.state(round(a * rows), curve.law.stress, curve.law.length)
-        places = curve.radii(delta=delta)
-        loads = [float(curve.at(np.array(place))[1]) for place in places]
-        near = int(np.argmin(np.abs(np.array(loads) - P)))
-        assert abs(loads[near] - P) < 1e-3 * abs(curve.P.min()), (a, P, loads)  # measured: 9e-4 and less
-        assert curve.point(places[near]).c == pytest.approx(c, rel=1e-3)
-
-
 def flat_end(specimen: jkr.Specimen, R: float, a: float, c: float) -> tuple[float, float]:
     """S [N/m] of a flat end of radius a, and 1 - u(c) of the surface outside where it is pressed by 1."""
     contact = LayeredContact(jkr.Paraboloid(R), specimen)
@@ -431,13 +413,6 @@ def test_attraction_beyond_the_side_of_a_cylinder_is_refused() -> None:
     problem = jkr.Problem(jkr.Paraboloid(10e-6), specimen, jkr.Loading("radius", 4e-6, 10))
     with pytest.raises(jkr.Refusal, match=r"beyond the side of the cylinder .* give a larger stress"):
         finite_range_curve(jkr.solve(problem), 0.05, stress=1e4)
-
-
-def test_python_interface_takes_a_tension() -> None:
-    solution = solved(layer(0.3), 1000.0, 5.0)
-    result = jkr.transform(solution, 1e-6, stress=1e-3)
-    assert -result.pull_off["load"].P / (math.pi * 1e-6 * 1000.0) == pytest.approx(1.893768, abs=6e-7)
-    assert list(jkr.table(result))[-2:] == ["c_m", "level"]
 
 
 @pytest.mark.parametrize("length", [2e-9, 2e-8])

@@ -117,18 +117,6 @@ def test_natural_end_is_flagged_with_its_size() -> None:
     assert loocv(half_space(60)).flags == ()
 
 
-def test_change_of_units() -> None:
-    series = half_space(40)
-    plain, scaled = loocv(series), loocv(Series(series.a * 1e6, series.delta * 1e6, series.P * 1e9))
-    np.testing.assert_allclose(scaled.S / 1e3, plain.S, rtol=1e-7)  # lambda is a minimum: good to the root of round-off
-    np.testing.assert_allclose(scaled.dS * 1e3, plain.dS, rtol=1e-7)
-
-
-def test_too_few_points_are_refused_with_the_remedy() -> None:
-    with pytest.raises(Refusal, match=r"needs at least 5 points .* got 4; give more increments, or refine"):
-        loocv(half_space(4))
-
-
 def test_slopes_that_are_not_positive_are_refused_with_the_radii() -> None:
     a = np.linspace(0, 1.73e-5, 31)[1:]
     delta, P = hertz(a, E_STAR, R)

@@ -64,13 +64,6 @@ def test_what_cannot_be_judged_says_why() -> None:
     assert judge(**{**SOUND, "w": 0.0}).tabor == Unknown("no adhesion (w = 0)")
 
 
-def test_change_of_units() -> None:
-    length, force = 1e3, 1e-4
-    units = {"a": length, "delta": length, "R": length, "z0": length, "E_star": force / length**2, "w": force / length}
-    scaled = {**SOUND, **{key: SOUND[key] * unit for key, unit in units.items()}}
-    assert judge(**scaled).tabor == pytest.approx(judge(**SOUND).tabor, rel=1e-13)
-
-
 def test_impossible_sizes_are_refused() -> None:
     with pytest.raises(InputError, match="a size must be > 0 m, got -1"):
         judge(**{**SOUND, "h": -1.0})

@@ -79,11 +79,7 @@ ONE_CHANGE = {
         "loading: needs exactly one of depth, load, radius, got depth and load",
     ),
     "no goal": ('depth = "3 um"', "", "loading: needs exactly one of depth, load, radius, got none"),
-    "falling depths": (
-        '"3 um"',
-        "[2e-6, 1e-6]",
-        "loading: the values of depth must increase, got [2e-06, 1e-06]",
-    ),
+    "falling depths": ('"3 um"', "[2e-6, 1e-6]", "loading: the values of depth must increase, got [2e-06, 1e-06]"),
     "bad item of a list": ('"3 um"', '[1e-6, "x"]', 'loading.depth[1]: must be a length, such as "100 um", got "x"'),
     "points is no integer": ('"3 um"', '"3 um"\npoints = 10.5', "loading.points: must be a whole number, got 10.5"),
     "no points": ('"3 um"', '"3 um"\npoints = 0', "loading.points: must be >= 1, got 0"),
@@ -142,10 +138,7 @@ def test_all_mistakes_are_reported_at_once() -> None:
 
 
 WHOLE_FILES = {
-    "empty": (
-        b"",
-        ["indenter: is required", "loading: is required", "specimen: is required"],
-    ),
+    "empty": (b"", ["indenter: is required", "loading: is required", "specimen: is required"]),
     "not toml": (
         b"[indenter\n",
         ["is not valid TOML: expected ']' at the end of a table declaration (at line 1, column 10)"],

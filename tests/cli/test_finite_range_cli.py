@@ -166,7 +166,7 @@ def test_who_follows_a_refusal_gets_an_answer(
     monkeypatch.chdir(tmp_path)
     refused, words, says, mended, better = FOLLOWED[name]
     Path("sweep.toml").write_text(SWEEP)
-    Path("data.csv").write_text("delta_nm,P_nN\n0,1\n1,2\n2,4\n3,7\n4,9\n5,12\n")
+    Path("data.csv").write_text("delta_nm,P_nN\n0.2,-5\n0.5,-3\n0.8,0\n1.1,4\n1.4,9\n1.7,15\n")
     for case, line, fine in ((refused, words, False), (mended, better, True)):
         Path("own.toml").write_text(case)
         assert call(["run", "own.toml", "-q", "--force"]) == 0

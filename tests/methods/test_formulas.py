@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from jkrcli.base.errors import Refusal
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, TableProfile
-from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.closed_form import CLOSED_FORM_WORST, ClosedForm
 from jkrcli.methods.layered.solver import Layered
 
@@ -30,27 +29,3 @@ def test_thin_layers_are_within_their_stated_error_of_the_exact_solution(nu, rad
         assert np.max(np.abs(ratio - 1)) <= error * (1 + 1e-6)  # the check itself is good to 1e-6
     slope = np.gradient(np.log(found.series.S), np.log(found.series.a))
     np.testing.assert_allclose(found.series.dS * found.series.a / found.series.S, slope, rtol=1e-9)
-
-
-def test_thin_layers_outside_their_validity_are_refused_with_the_number() -> None:
-    for nu, radii in ((0.4, (5.0, 17.0)), (0.499, (40.0, 50.0)), (0.5, (5.0, 17.0))):
-        words = "the thin-layer formula (errs by|gives up to) .* between a/h = .*: use method layered"
-        with pytest.raises(Refusal, match=words):
-            ClosedForm()(layer(nu, radii))
-
-
-def test_other_bodies_are_refused_with_the_remedy() -> None:
-    two = Specimen((Layer(Elastic(1.0, 0.3), 1.0), Layer(Elastic(2.0, 0.3), 1.0)), Rigid())
-    coated = Specimen((Layer(Elastic(1.0, 0.3), 1.0),), HalfSpace(Elastic(2.0, 0.3)))
-    ground = Specimen((), HalfSpace(Elastic(1.0, 0.3)))
-    loading = Loading("radius", 2.0)
-    table = TableProfile((0.0, 2.0, 4.0), (0.0, 1.0, 4.0))
-    layered = "solves homogeneous half-spaces and thin single isotropic layers only: use method"
-    for problem, words in {
-        Problem(Paraboloid(R), two, loading): layered,
-        Problem(Paraboloid(R), coated, loading): layered,
-        Problem(table, ground, loading): "there is no closed form for a tabulated profile: use method layered",
-        Problem(PowerLaw(1.0, 1.0), layer(0.3, (1.0,)).specimen, loading): "the thin-layer formulae are for a rigid",
-    }.items():
-        reason = ClosedForm().refusal(problem)
-        assert reason.startswith(words)

@@ -28,7 +28,6 @@ from jkrcli.report.tables import curve_columns, summary
 from jkrcli.resolve.analysis import JKR, analyse, forecast
 
 ROOT = Path(__file__).parents[2]
-HALF_SPACE = ROOT / "cases" / "halfspace.toml"
 CASE = """
 title = "{title}"
 method = "closed-form"
@@ -122,23 +121,6 @@ def test_names_that_are_no_text_work(jkr, series: Path) -> None:
 def test_a_name_that_looks_like_an_option_is_benched(jkr, series: Path) -> None:
     shutil.copy("s.toml", "-x.toml")
     assert jkr("bench", "./-x.toml", "--repeat", "1").code == 0
-
-
-def test_make_run_takes_spaces_and_apostrophes(tmp_path: Path) -> None:
-    venv = tmp_path / "venv"
-    (venv / "bin").mkdir(parents=True)
-    (venv / ".ready").touch()
-    script = venv / "bin" / "jkr"
-    script.write_text(f'#!/bin/sh\nfor word in "$@"; do echo "<$word>" >> {tmp_path}/words; done\n')
-    script.chmod(0o755)
-    results = tmp_path / "Anna's new results"
-    words = ("run", f"VENV={venv}", "CASE=Bob's case.toml", f"RESULTS={results}", "W=50")
-    subprocess.run(["make", "-s", "-C", ROOT, "-o", f"{venv}/.ready", *words], check=True, capture_output=True)
-    target = f"<{results}/Bob's case.h5>"
-    assert (tmp_path / "words").read_text().splitlines() == [
-        "<run>", "<Bob's case.toml>", "<-o>", target, "<transform>", target, "<--w>", "<50>", "<-o>", f"<{results}>",
-    ]  # fmt: skip
-    assert results.is_dir()
 
 
 # ---------------------------------------------------------------------- words

@@ -1,7 +1,6 @@
 """Killed, interrupted, disk full, two at once: every file is as it was or whole, nothing between."""
 
 import contextlib
-import contextvars
 import os
 import random
 import resource
@@ -14,7 +13,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import FrameType
 
 import numpy as np
 import pytest
@@ -22,7 +20,6 @@ from conftest import Outcome
 from fuzzing import outcome
 
 from jkrcli.base import files
-from jkrcli.base.errors import JkrError
 from jkrcli.case import store
 from jkrcli.cli import call
 
@@ -220,44 +217,6 @@ def test_restarted_sweep_goes_on(tmp_path: Path) -> None:
     assert done >= 4
 
 
-def test_interrupted_at_every_line_of_a_write(tmp_path: Path) -> None:
-    """The file is as it was, or whole."""
-    path, line = tmp_path / "x.csv", 0
-    files.check_target(path, force=True)
-    while True:
-        path.write_text("old")
-        context, seen = contextvars.copy_context(), 0
-
-        def interrupt(frame: FrameType, event: str, _: object, line: int = line) -> Callable[..., object] | None:
-            nonlocal seen
-            if frame.f_code.co_filename != files.__file__:
-                return None
-            if event == "line":
-                seen += 1
-                if seen == line + 1:
-                    sys.settrace(None)
-                    raise KeyboardInterrupt
-            return interrupt
-
-        def write(interrupt: Callable[..., object] = interrupt) -> None:
-            sys.settrace(interrupt)
-            try:
-                with files.atomic(path) as temporary:
-                    temporary.write_text("whole")
-            finally:
-                sys.settrace(None)
-
-        try:
-            context.run(write)
-        except KeyboardInterrupt:
-            assert path.read_text() in ("old", "whole")
-        else:
-            break
-        line += 1
-    assert line > 12
-    assert path.read_text() == "whole"
-
-
 # ---------------------------------------------------------------------- disks and folders
 @contextlib.contextmanager
 def file_size(most: int) -> Iterator[None]:
@@ -292,30 +251,6 @@ def test_disk_full_at_every_write(name: str, options: tuple[str, ...], tmp_path:
             assert code == (1 if most < max(written) - 200 else code)  # times in a file change its size a little
             assert not temporaries(folder)
             judge(folder, old, new)
-
-
-def test_full_disk(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", str(disk)], capture_output=True)
-    if mounted.returncode:
-        pytest.skip("needs the right to mount a file system")
-    try:
-        folder = prepare(tmp_path / "x")
-        shutil.copy(folder / "old" / "y.h5", disk / "x.h5")
-        old = (disk / "x.h5").read_bytes()
-        with contextlib.chdir(folder):
-            assert outcome("run", "new.toml", "-o", disk / "x.h5") == 1
-            capfd.readouterr()
-            call(["run", "new.toml", "-o", str(disk / "x.h5")])
-        assert (
-            capfd.readouterr().err
-            == f"jkr: error: {disk}/x.h5: cannot be written (No space left on device); nothing was replaced\n"
-        )
-        assert (disk / "x.h5").read_bytes() == old
-        assert not temporaries(disk)
-    finally:
-        subprocess.run(["umount", str(disk)], check=True)
 
 
 @pytest.mark.slow
@@ -365,29 +300,6 @@ def test_two_processes_with_one_target(tmp_path: Path) -> None:
         assert process.returncode == 0, err
     assert store.read_solution(folder / "x.h5").increments.a.size in (20, 60)
     assert not temporaries(folder)
-
-
-def test_files_of_one_result_are_replaced_together(tmp_path: Path) -> None:
-    """A table of now beside a picture of yesterday is no result."""
-    for name in "ab":
-        files.check_target(tmp_path / name, force=True)
-        files.write_text(tmp_path / name, "old")
-
-    def write() -> None:
-        with file_size(8), files.together():
-            files.write_text(tmp_path / "a", "new")
-            files.write_text(tmp_path / "b", "new, and long")
-
-    with pytest.raises(JkrError, match=r"b: cannot be written \(File too large\)"):
-        write()
-    assert contents(tmp_path) == {"a": b"old", "b": b"old"}
-    with files.together():
-        files.write_text(tmp_path / "a", "new")
-        with contextlib.suppress(JkrError), file_size(0):
-            files.write_text(tmp_path / "b", "new")
-        assert contents(tmp_path) == {"a": b"old", "b": b"old"}
-    assert contents(tmp_path) == {"a": b"new", "b": b"old"}
-    assert not temporaries(tmp_path)
 
 
 @pytest.mark.slow

@@ -54,10 +54,7 @@ FOUND = {
         GOOD + "points = " + "[" * 5000,
         "x.toml: is not valid TOML: brackets are nested too deeply",
     ),
-    "key of many parts": (
-        GOOD + "a" + ".a" * 5000 + " = 1",
-        "x.toml: line 10: a key must not have more than 50 parts",
-    ),
+    "key of many parts": (GOOD + "a" + ".a" * 5000 + " = 1", "x.toml: line 10: a key must not have more than 50 parts"),
     "line end in a key": (
         '"a\\nb" = 1' + GOOD,
         "x.toml: a\\nb: unknown key (allowed: title, method, indenter, specimen, loading, adhesion, mesh, contact, "

@@ -1,11 +1,9 @@
 """Ctrl-C at any moment, of any verb: one line and exit code 130, or the result."""
 
-import contextlib
 import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -157,36 +155,6 @@ def test_interrupts_of_every_verb_are_one_line(folder: Path, verb: str) -> None:
     """From the moment jkrcli begins to be imported to 2 s later."""
     for moment in np.linspace(0, 2, 8).tolist():
         check(folder, verb, moment)
-
-
-@pytest.mark.slow
-def test_an_interrupt_ends_the_workers_and_the_sweep_goes_on(folder: Path) -> None:
-    """The journal holds what was done, and no process stays behind."""
-    (folder / "many.toml").write_text(SWEEP.replace("400", "160"))
-    process = subprocess.Popen(
-        [sys.executable, "-m", "jkrcli", *VERBS["sweep"]], cwd=folder, stderr=subprocess.PIPE, start_new_session=True
-    )
-    journal = folder / "r" / "journal.jsonl"
-    while not journal.exists() or journal.read_bytes().count(b"\n") < 3:
-        assert process.poll() is None
-        time.sleep(0.01)
-    os.kill(process.pid, signal.SIGINT)  # the parent alone
-    _, err = process.communicate(timeout=120)
-    assert (process.returncode, err.decode().endswith(LINE)) == (CODE, True)
-    for _ in range(500):
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, 0)
-            time.sleep(0.01)
-            continue
-        break
-    else:
-        pytest.fail("a worker is left")
-    done = journal.read_bytes().count(b"\n") - 1
-    again = subprocess.run(
-        [sys.executable, "-m", "jkrcli", *VERBS["sweep"], "--no-plots"], cwd=folder, capture_output=True, text=True
-    )
-    assert again.returncode == 0
-    assert f"{done} of 160 cases are there from an earlier run" in again.stderr
 
 
 def test_the_exit_code_is_told() -> None:

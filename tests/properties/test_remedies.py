@@ -11,21 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
-from refusals import (
-    BASE,
-    CLOSE,
-    COARSE,
-    GRADED,
-    KINDS,
-    LAYERED,
-    THIN,
-    ZONES,
-    Tree,
-    cylinder,
-    fem,
-    layer,
-    merged,
-)
+from refusals import BASE, CLOSE, COARSE, GRADED, KINDS, LAYERED, THIN, ZONES, Tree, cylinder, fem, layer, merged
 
 from jkrcli import parse_case
 from jkrcli.adhesion.rules import RULES

@@ -161,8 +161,7 @@ def analysed(jkr: Callable, case: str) -> Analysis:
 # ---------------------------------------------------------------------- adhesive curves
 @pytest.mark.first(2)
 @pytest.mark.parametrize(
-    ("case", "enlarged"),
-    [("halfspace", True), ("gel", True), ("thin-layer", True), ("coating", False)],
+    ("case", "enlarged"), [("halfspace", True), ("gel", True), ("thin-layer", True), ("coating", False)]
 )
 def test_tension_is_enlarged_where_it_is_less_than_a_fifth_of_the_loads(
     jkr: Callable, case: str, enlarged: bool

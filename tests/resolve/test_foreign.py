@@ -69,10 +69,7 @@ GUISES = {
         rows(P, DELTA, A, mark="\t").replace("e", "D"),
         SeriesReading(columns={"P": "1", "delta": "2", "a": "3"}, units={"P": "N", "delta": "m", "a": "m"}),
     ),
-    "commented header, blanks": (
-        "# a (m)  delta (m)  P (N)\n" + rows(A, DELTA, P, mark=" "),
-        SeriesReading(),
-    ),
+    "commented header, blanks": ("# a (m)  delta (m)  P (N)\n" + rows(A, DELTA, P, mark=" "), SeriesReading()),
     "projected area, displacement from elsewhere": (
         "area/um^2,disp/um,force/N\n" + rows(math.pi * A**2 * 1e12, DELTA * 1e6 + 7, P),
         SeriesReading(area="projected", zero={"delta": 7e-6}),
@@ -81,10 +78,7 @@ GUISES = {
         '"Contact radius, um","Displacement, nm","Force, uN"\n' + rows(A * 1e6, DELTA * 1e9, P * 1e6),
         SeriesReading(),
     ),
-    "rows in another order": (
-        "a_m,delta_m,P_N\n" + rows(A[::-1], DELTA[::-1], P[::-1]),
-        SeriesReading(sort=True),
-    ),
+    "rows in another order": ("a_m,delta_m,P_N\n" + rows(A[::-1], DELTA[::-1], P[::-1]), SeriesReading(sort=True)),
 }
 
 

@@ -12,15 +12,14 @@ from conftest import CASES
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
-from jkrcli.base.errors import InputError, Refusal, SolveError
+from jkrcli.base.errors import InputError, SolveError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.models import load_case, method_of
 from jkrcli.many.studies import Cost, process_cost
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.methods.protocol import choose_method
 from studies.chart_measure import typical
-from studies.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, read_peers, settings_of
+from studies.chart_points import DEFAULT, SETTINGS, beside_front, front, read_peers, settings_of
 from studies.chart_reference import reference_of
 
 LAYER = Problem(
@@ -56,12 +55,6 @@ def test_errors_of_an_exact_series_vanish_and_those_of_a_scaled_one_are_known(pr
     assert scaled.curve > 1e-3
     if problem is HERTZ:
         assert scaled.pull_off == pytest.approx(0.0, abs=1e-6)
-
-
-def test_there_is_no_reference_for_a_finite_body() -> None:
-    finite = replace(LAYER, specimen=replace(LAYER.specimen, radius=5e-5, side="free"))
-    with pytest.raises(Refusal, match=r"finite radius of 5e-05 m.*leave radius and side out, or see jkr study conv"):
-        reference_of(finite, 10.0)
 
 
 # ---------------------------------------------------------------------- measuring
@@ -105,18 +98,6 @@ def test_every_setting_is_a_valid_case_and_fits_its_method() -> None:
     assert [s.words for s in settings if s.words.startswith("the case")] == ["the case's own mesh"]
     assert all(setting.method == "layered" for setting in settings_of(model, ("layered",)))
     assert len({(setting.method, setting.words) for setting in SETTINGS}) == len(SETTINGS)
-
-
-@pytest.mark.parametrize("name", ["halfspace", "thin-layer", "gel", "coating"])
-def test_auto_takes_the_least_method_that_is_exact_enough(name: str) -> None:
-    """The rule of choose: of closed-form, layered, hybrid, fem the first with an expected error <= 1e-3 within 10 s."""
-    case = load_case(CASES / f"{name}.toml")
-    taken = automatic(case)
-    options = choose_method(case.model.problem(), "auto", lambda method: method_of(case.model, method)).options
-    able = [o.name for o in options if o.forecast and isinstance(o.forecast.error, float) and o.forecast.error <= 1e-3
-            and o.forecast.seconds <= 10]  # fmt: skip
-    assert taken == able[0]
-    assert taken == ("closed-form" if name == "halfspace" else "layered")
 
 
 # ---------------------------------------------------------------------- peers

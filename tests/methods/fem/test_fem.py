@@ -220,48 +220,6 @@ def test_an_elastic_indenter_acts_through_the_reduced_modulus():
     assert np.abs(P).max() < 2e-4
 
 
-@pytest.mark.parametrize(
-    ("problem", "options", "message"),
-    [
-        (
-            Problem(
-                Sphere(1.0, Elastic(1, 0.3)), Specimen((Layer(Elastic(1, 0.3), 1.0),), Rigid()), Loading("depth", 1e-3)
-            ),
-            {},
-            "an elastic indenter on a layered or finite body is not represented by a rigid profile: "
-            "use method layered, or a rigid indenter",
-        ),
-        (
-            Problem(Sphere(1.0), Specimen((), HalfSpace(Elastic(1, 0.5))), Loading("depth", 1e-3)),
-            {"order": 1},
-            "nu = 0.5 needs second-order elements: set mesh.order = 2",
-        ),
-        (
-            Problem(
-                Sphere(1.0), Specimen((Layer(Elastic(1, 0.3), 1.0),), Rigid(), 0.2, "free"), Loading("radius", 0.3)
-            ),
-            {},
-            "contact reaches the edge of the body or of the indenter's profile, 0.2 m, before the radius reaches 0.3: "
-            "load less",
-        ),
-        (
-            Problem(Sphere(1.0), Specimen((Layer(Elastic(1, 0.3), 1.0),), Rigid()), Loading("depth", 1e-3)),
-            {"depth": 3.0},
-            "mesh.depth: the specimen ends at its rigid substrate, 1 m deep: leave it out",
-        ),
-        (
-            Problem(Sphere(1.0), Specimen((), HalfSpace(Elastic(1, 0.3))), Loading("radius", 0.1)),
-            {"width": 0.1},
-            "mesh.width: must be more than 1.5 times the refined zone, 0.165 m, or left out, got 0.1 m",
-        ),
-    ],
-)
-def test_refusals_say_what_to_do(problem, options, message):
-    with pytest.raises(Refusal) as error:
-        FEM(**options, **QUICK)(problem)
-    assert error.value.lines == (message,)
-
-
 def test_contact_beyond_the_refined_zone_is_refused_with_the_value_to_give():
     with pytest.raises(Refusal, match=r"mesh.contact_radius is 1e-05 m, this loading needs about 1.\de-05 m") as error:
         FEM(contact_radius=1e-5, **QUICK)(PAPER)
@@ -391,21 +349,6 @@ def test_the_forecast_is_near():
 
 
 GEL = Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid())
-
-
-@pytest.mark.parametrize(
-    ("options", "key"),
-    [
-        ({"spacing": 1e-6}, "mesh.spacing"),
-        ({"spacing": 1e-6, "element": "quadrilateral"}, "mesh.spacing"),
-        ({"layout": "zones", "element_size": 1e-12}, "mesh.element_size"),
-        ({"layout": "zones", "element_size": 1e-12, "element": "quadrilateral"}, "mesh.element_size"),
-    ],
-)
-def test_too_many_elements_are_refused_before_meshing(options, key):
-    with pytest.raises(Refusal, match=rf"elements expected, too many .* \(at most 3000000\): take a larger {key}"):
-        FEM(**options)(PAPER)
-    assert key in FEM(**options).refusal(PAPER)
 
 
 def test_a_contact_radius_too_small_to_mesh_is_refused():

@@ -207,11 +207,7 @@ def test_a_case_with_laws_reads_back():
     ("parts", "place", "words"),
     [
         ({"layer": FIVE.replace('"linear"', '"linaer"')}, "specimen.layers[0].E_p", 'did you mean "linear"'),
-        (
-            {"layer": FIVE.replace('"10 um"', '"9 um"')},
-            "specimen.layers[0]",
-            "the law of G_z ends",
-        ),
+        ({"layer": FIVE.replace('"10 um"', '"9 um"')}, "specimen.layers[0]", "the law of G_z ends"),
         ({"layer": FIVE.replace("nu_zp = 0.3", "nu_zp = 0.8")}, "specimen.layers[0]", "E_p/E_z = 1.667"),
         ({"rest": f"[specimen.half_space]\n{FIVE}"}, "specimen.half_space.E_p", "a half-space is homogeneous"),
         (

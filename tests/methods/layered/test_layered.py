@@ -296,16 +296,13 @@ def test_flat_ends_wider_than_the_search_takes_a_round_contact(loading: Loading,
 @pytest.mark.parametrize(
     ("indenter", "loading", "message"),
     [
-        (Sphere(5.0), Loading("radius", 6.0), "lies beyond the profile, which ends at r = 5 m"),
         (Sphere(5.0), Loading.given("radius", (1.0, 6.0)), "beyond the profile"),
-        (TableProfile((0.0, 1.0, 2.0), (0.0, 0.1, 0.4)), Loading("depth", 3.0), "give a larger profile"),
         (
             TableProfile((0.0, 1.0, 2.0), (0.0, 0.1, 0.4)),
             Loading("load", 1e3, spacing="depth"),
             "give a larger profile",
         ),
         (RoundedFlat(2.0, 5.0), Loading("radius", 1.0), "flat end of the indenter"),
-        (Paraboloid(1e3), Loading("radius", 1e5), "times the length over which"),
     ],
 )
 def test_impossible_loadings_are_refused(indenter: object, loading: Loading, message: str) -> None:
@@ -314,15 +311,6 @@ def test_impossible_loadings_are_refused(indenter: object, loading: Loading, mes
 
 
 # -- the method -----------------------------------------------------------------------------------------------------
-
-
-def test_finite_specimens_are_refused() -> None:
-    problem = Problem(
-        Paraboloid(10.0), Specimen(bonded(0.3).layers, Rigid(), radius=5.0, side="free"), Loading("radius", 1.0)
-    )
-    assert "radius of 5 m" in (Layered().refusal(problem) or "")
-    with pytest.raises(Refusal, match="use the method hybrid"):
-        Layered()(problem)
 
 
 def test_tolerance_is_checked() -> None:

@@ -1,6 +1,7 @@
 """Shared by all tests: the command line in process, and other constants for the length of one test."""
 
 import importlib
+import json
 import os
 import shutil
 import signal
@@ -13,6 +14,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
+import numpy as np
 import pytest
 
 from jkrcli.base.errors import InputError
@@ -99,6 +101,12 @@ class Outcome:
     out: str
     err: str
 
+    @property
+    def told(self) -> Any:
+        """What a command that ended well printed as JSON."""
+        assert self.code == 0, self.err
+        return json.loads(self.out)
+
     def refused(self, *said: str) -> None:
         """Is a command that was refused in one line, which holds what is ``said``."""
         assert (self.code, self.out, self.err.count("\n")) == (2, "", 1), self
@@ -141,6 +149,12 @@ def _browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     driver.downloads = downloads
     yield driver
     driver.quit()
+
+
+def write_table(path: Path | str, header: str, *columns: Sequence[float], form: str = "%.17g", mark: str = ",") -> Path:
+    """Write columns of numbers below a ``header`` line."""
+    np.savetxt(path, np.column_stack(columns), form, mark, header=header, comments="")
+    return Path(path)
 
 
 MEDIA = [("screen", 400), ("screen", 1280), ("print", 720)]  # pixels; A4 within its margins

@@ -22,11 +22,10 @@ P_C = 1.5 * np.pi * W * R
 A_C = (9 * np.pi * W * R**2 / (8 * E_STAR)) ** (1 / 3)
 
 
-def adhesive(a, E_star=E_STAR, w=W):
+def adhesive(a, E_star=E_STAR, w=W, R=R):
     """delta and P of the paraboloid on a half-space (Eq. 7): independent of every series."""
-    return a**2 / R - np.sqrt(2 * np.pi * w * a / E_star), 4 * E_star * a**3 / (3 * R) - np.sqrt(
-        8 * np.pi * w * E_star * a**3
-    )
+    lag = np.sqrt(2 * np.pi * w * a / E_star)
+    return a**2 / R - lag, 4 * E_star * a**3 / (3 * R) - 2 * E_star * a * lag
 
 
 DELTA_C = -adhesive(A_C)[0]

@@ -99,7 +99,7 @@ def test_the_page_is_whole(jkr: Callable, gel: Path) -> None:
 
 
 def test_json_names_the_page(jkr: Callable, gel: Path) -> None:
-    found = json.loads(jkr("explore", "gel.h5", "-o", "look.html", "--json").out)
+    found = jkr("explore", "gel.h5", "-o", "look.html", "--json").told
     assert found == {
         "file": "gel.h5", "page": "look.html", "bytes": Path("look.html").stat().st_size, "w_J_per_m2": 0.035,
         "measured_curves": 0, "measured_points": 0,
@@ -150,8 +150,8 @@ def test_without_a_work_one_is_found_whose_pull_off_is_seen(jkr: Callable, gel: 
     case = jkr("show", "--case", "gel.h5").out
     Path("bare.toml").write_text(case[: case.index("[adhesion]")])
     assert jkr("run", "bare.toml").code == 0
-    w = json.loads(jkr("explore", "bare.h5", "--json").out)["w_J_per_m2"]
-    found = json.loads(jkr("pull-off", "bare.h5", "--w", w, "--json").out)
+    w = jkr("explore", "bare.h5", "--json").told["w_J_per_m2"]
+    found = jkr("pull-off", "bare.h5", "--w", w, "--json").told
     third = store.read_solution(Path("bare.h5")).increments.a[100 // 3]
     # w has two digits; the radius of pull-off goes with w^(1/3) to w^(1/2)
     assert found["results"][0]["controls"][0]["pull_off"]["a_m"] == pytest.approx(third, rel=0.03, abs=0)
@@ -167,10 +167,8 @@ def test_work_of_a_soft_gel_ends_where_it_wets(jkr: Callable) -> None:
 
 def test_a_foreign_file_is_kept(jkr: Callable, gel: Path) -> None:
     Path("gel-explore.html").write_text("<!doctype html><p>my notes on jkr")
-    outcome = jkr("explore", "gel.h5")
-    assert outcome.code == 2
-    assert outcome.err == (
-        "jkr: error: gel-explore.html: exists and was not written by jkr; give --force to replace it, or another name\n"
+    jkr("explore", "gel.h5").refused(
+        "gel-explore.html: exists and was not written by jkr; give --force to replace it, or another name"
     )
     assert jkr("explore", "gel.h5", "--force").code == 0
 
@@ -183,16 +181,13 @@ def test_a_foreign_file_is_kept(jkr: Callable, gel: Path) -> None:
     ],
 )
 def test_wrong_input_is_one_line(jkr: Callable, gel: Path, words: list[str], line: str) -> None:
-    outcome = jkr("explore", "gel.h5", *words)
-    assert (outcome.code, outcome.err) == (2, f"jkr: error: {line}\n")
+    jkr("explore", "gel.h5", *words).refused(line)
     assert not gel.with_name("gel-explore.html").exists()
 
 
 def test_a_missing_library_is_one_line(jkr: Callable, gel: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
-    outcome = jkr("explore", "gel.h5")
-    assert outcome.code == 2
-    assert outcome.err == f"jkr: error: explore: needs the optional package plotly: {installs('explore')}\n"
+    jkr("explore", "gel.h5").refused(f"explore: needs the optional package plotly: {installs('explore')}")
 
 
 def test_a_flat_punch_is_not_drawn(jkr: Callable) -> None:

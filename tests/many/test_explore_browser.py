@@ -72,7 +72,7 @@ def test_ten_positions_equal_the_command_line(jkr: Callable, opened: Any) -> Non
         command = opened.find_element("id", "commands").text.splitlines()[1]
         program, *words = shlex.split(command)
         assert program == "jkr"
-        results = json.loads(jkr(*words, "--json").out)["results"][0]["controls"]
+        results = jkr(*words, "--json").told["results"][0]["controls"]
         ours = pull_offs(opened)
         for name, theirs in zip(CONTROLS, results, strict=True):
             if theirs["pull_off"]["P_N"] is None:

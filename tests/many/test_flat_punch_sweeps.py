@@ -41,6 +41,7 @@ def test_contact_goes_to_the_rim_of_each_punch_of_a_sweep(jkr: Callable) -> None
             assert float(row[f"pull_off.{name}.P_N"]) == pytest.approx(-kendall(R), rel=1e-9)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("specimen", ["half_space", "layer"])
 def test_find_the_radius_of_a_punch_that_gives_a_force(jkr: Callable, specimen: str) -> None:
     """Whatever the device: the same force is measured."""

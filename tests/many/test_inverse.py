@@ -123,9 +123,7 @@ def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, mon
     ],
 )
 def test_refusals(jkr, half_space: Path, words: list[str], message: str) -> None:
-    outcome = jkr("pull-off", half_space, *words)
-    assert (outcome.code, outcome.out) == (2, "")
-    assert message in " ".join(outcome.err.split())
+    jkr("pull-off", half_space, *words).refused(message)
 
 
 def test_numbers_of_a_case_have_the_short_names_of_fits(tmp_path: Path) -> None:

@@ -10,9 +10,7 @@ from jkrcli.many.verbs import MAKE
 
 
 def test_unknown_study_is_named(jkr) -> None:
-    outcome = jkr("study", "nois")
-    assert outcome.code == 2
-    assert outcome.err.startswith('jkr: error: unknown study "nois" (studies: ')
+    jkr("study", "nois").refused('unknown study "nois" (studies: ')
 
 
 SCRIPTS = {"figures": "paper"}  # that have another name than the study had
@@ -20,10 +18,7 @@ SCRIPTS = {"figures": "paper"}  # that have another name than the study had
 
 @pytest.mark.parametrize(("name", "target"), MAKE.items())
 def test_a_study_that_left_is_found_in_make(jkr, name: str, target: str) -> None:
-    outcome = jkr("study", name, "--seeds", 2)
-    assert (outcome.code, outcome.err) == (
-        2, f'jkr: error: "{name}" is now run as make {target}; see jkr study --help\n'
-    )  # fmt: skip
+    jkr("study", name, "--seeds", 2).refused(f'"{name}" is now run as make {target}; see jkr study --help')
     lines = (Path(__file__).parents[2] / "Makefile").read_text()
     assert f"$(STUDY).{SCRIPTS.get(name, name)} " in lines[lines.index(f"\n{target}:") :]
 
@@ -73,10 +68,8 @@ def test_studies_do_not_depend_on_the_number_of_workers(jkr, study) -> None:
 
 
 def test_workers_and_scheduler_exclude_each_other(study) -> None:
-    outcome = study("failures", "--cells", 1, "--workers", 2, "--scheduler", "tcp://node:8786")
-    assert outcome.code == 2
-    assert outcome.err == (
-        "jkr: error: --workers: the scheduler knows its own workers; give either --workers or --scheduler\n"
+    study("failures", "--cells", 1, "--workers", 2, "--scheduler", "tcp://node:8786").refused(
+        "--workers: the scheduler knows its own workers; give either --workers or --scheduler"
     )
 
 

@@ -102,7 +102,7 @@ def test_a_layer_by_its_name_is_answered_with_its_index() -> None:
 
 @pytest.mark.parametrize("path", sorted((CASES / "sweeps").glob("*.toml")), ids=lambda path: path.stem)
 def test_shipped_sweeps_load_and_their_first_case_is_solved(jkr, path: Path) -> None:
-    row = json.loads(jkr("sweep", path, "--only", "0", "--json").out)
+    row = jkr("sweep", path, "--only", "0", "--json").told
     assert row["status"] == "ok"
     assert row["pull_off.load.P_N"] < 0
 
@@ -153,7 +153,7 @@ def test_pull_off_has_its_errors_beside_it(tmp_path: Path, wanted: str, controls
 def test_every_quantity_is_told_or_its_absence_explained(jkr, tmp_path: Path) -> None:
     groups = dict.fromkeys(name.split(".")[0] for name in NAMES)
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS + f"[outputs]\nquantities = {list(groups)}\n")
-    row = json.loads(jkr("sweep", "s.toml", "--only", "1", "--json").out)
+    row = jkr("sweep", "s.toml", "--only", "1", "--json").told
     absent = {name for name in NAMES if row[name] is None}
     of_layers = {f"ratios.{name}" for name in RATIOS}  # a half-space has none
     assert absent == {"validity.delta_over_h", "validity.a_over_h", "validity.a_over_L", *of_layers}

@@ -1,6 +1,5 @@
 """What cases of a sweep share: a solve at unit modulus, kept solves, rows that depend on their case alone."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -25,7 +24,7 @@ def test_cases_that_differ_in_w_or_one_modulus_factor_share_a_solve(jkr, tmp_pat
     for row in table[3:9:4]:  # against each case solved alone, by the ordinary verbs
         (tmp_path / "one.toml").write_text(jkr("sweep", "s.toml", "--show-case", row["case"]).out)
         assert jkr("run", "one.toml").code == 0
-        alone = json.loads(jkr("transform", "one.h5", "--no-plots", "--json").out)["results"][0]
+        alone = jkr("transform", "one.h5", "--no-plots", "--json").told["results"][0]
         told = alone["pull_off"]["load"]
         for quantity, unit in (("P", "N"), ("delta", "m")):  # a sweep interpolates to the points, and says its error
             off = abs(float(row[f"pull_off.load.{quantity}_{unit}"]) - told[f"{quantity}_{unit}"])
@@ -45,7 +44,7 @@ def test_a_row_depends_on_its_case_alone(jkr, tmp_path: Path) -> None:
     table, other = (rows(tmp_path / name / "table.csv") for name in "st")
     shuffled = sorted(tuple(sorted((k, v) for k, v in row.items() if k != "case")) for row in other)
     assert sorted(tuple(sorted((k, v) for k, v in row.items() if k != "case")) for row in table) == shuffled
-    alone = json.loads(jkr("sweep", "s.toml", "--only", "7", "--json").out)
+    alone = jkr("sweep", "s.toml", "--only", "7", "--json").told
     assert {k: "" if v is None else str(v) for k, v in alone.items()} == table[7]
 
 

@@ -21,5 +21,4 @@ def test_map_holds_the_ridge_above_both_limits(jkr, tmp_path: Path) -> None:
 
 
 def test_values_outside_the_map_are_refused(jkr) -> None:
-    outcome = jkr("study", "transition-map", "--mu", 1000)
-    assert (outcome.code, outcome.err) == (2, "jkr: error: transition map: mu must be >= 0.05 and <= 50, got 1000.0\n")
+    jkr("study", "transition-map", "--mu", 1000).refused("transition map: mu must be >= 0.05 and <= 50, got 1000.0")

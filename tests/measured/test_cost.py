@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from force_curves import Instrument, record
-from test_fit_record import BODY, R, usual
+from raw_records import BODY, R, read, usual
 
 from jkrcli.base.executors import Pool
 from jkrcli.measured import fits, force_curve
@@ -34,9 +34,7 @@ def _evaluations(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 def pressed(seed: int) -> Curve:
     """A record of a soft half-space, without dirt."""
     device = Instrument(0.05, 700, far=3e-6, largest=5e-9, noise=2e-11, offset=1e-9, tilt=1e-4)
-    columns = record(1e3, R, 0.0, 1e-4, device, seed)
-    told = columns["segment"]
-    return Curve("made", delta=columns["z"] - columns["P"] / 0.05, P=columns["P"], segment=told, stiffness=0.05)
+    return read(record(1e3, R, 0.0, 1e-4, device, seed), 0.05, "segment")
 
 
 def bent(curve: Curve) -> Curve:
@@ -46,7 +44,6 @@ def bent(curve: Curve) -> Curve:
 
 def relaxed(curve: Curve) -> Curve:
     """The same with loads of the retraction a tenth lower in contact, as of a specimen that relaxes."""
-    assert curve.segment is not None
     back = (curve.segment == "retract") & (curve.P > 2e-9)
     return replace(curve, P=np.where(back, 0.9 * curve.P, curve.P))
 

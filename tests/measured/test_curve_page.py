@@ -54,7 +54,7 @@ def test_look_leaves_a_page_of_all_curves(jkr: Callable, files: list[str]) -> No
     curve = next(iter(measured.each(Path("one.txt"), measured.Reading())))
     load = np.concatenate([column(line["y"]) for line in one["lines"]])
     assert [load.min(), load.max()] == pytest.approx([curve.P.min(), curve.P.max()], abs=2e-5 * np.ptp(curve.P))
-    told = json.loads(jkr("look", "one.txt", "--json", "--no-plots").out)["files"][0]
+    told = jkr("look", "one.txt", "--json", "--no-plots").told["files"][0]
     assert (told["format"], told["version"]) == ("jkr-look", 1)
     found = told["curves"][0]
     for direction, (place, _), (x0, y0, x1, y1) in zip(
@@ -93,7 +93,7 @@ def test_a_folder_is_shown_whole_with_grades_and_reasons(jkr: Callable, files: l
     found = {curve["name"]: curve for curve in curves_of(text)}
     assert (found["none"]["grade"], found["none"]["cells"]) == (["not usable", "no contact"], {})
     assert found["0"]["grade"] == ["good", ""]
-    alone = json.loads(jkr("look", "one.txt", "--json", "--no-plots").out)["files"][0]["curves"][0]
+    alone = jkr("look", "one.txt", "--json", "--no-plots").told["files"][0]["curves"][0]
     force = alone["retract"]["adhesion_force_N"]  # for which what free rows hold was looked for, too
     assert found["0"]["cells"]["adhesion force"] == f"{force * 1e9:.3g} nN"
     jkr("look", "one.txt", "day/two.txt")

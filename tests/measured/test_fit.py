@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import described_body
 import numpy as np
 import odrpack
 import pytest
@@ -14,6 +15,7 @@ from fit_data import (
     DELTA_C,
     E_STAR,
     P_C,
+    R,
     W,
     adhesive,
     body_of,
@@ -24,19 +26,19 @@ from fit_data import (
     sphere,
     thin_layer,
     usual,
-)  # fmt: skip
+)
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.base.errors import InputError
-from jkrcli.base.executors import executor
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.case.models import parse_case
 from jkrcli.measured import forward_model, rows
 from jkrcli.measured.choices import ConfidenceName
 from jkrcli.measured.curve import NOT_SUBTRACTED, Curve
 from jkrcli.measured.forward_model import body_of as body_of_case
 from jkrcli.measured.parameters import Parameter
-from jkrcli.measured.procedure import fit, fit_all
-from jkrcli.measured.result import Fit
+from jkrcli.measured.procedure import fit
 from jkrcli.measured.rows import points_of
 from jkrcli.measured.settings import Settings
 from jkrcli.methods.layered.solver import Layered
@@ -76,8 +78,7 @@ def check(found, **truth: float) -> None:
         assert found.value(name) == pytest.approx(value, rel=EXACT), name
 
 
-@pytest.mark.first(3)
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(3))
 def test_half_space_without_noise_from_random_starts(seed: int) -> None:
     truth = {"modulus": 0.5, "w": W, "delta0": 0.3 * DELTA_C}
     settings = Settings(free(*truth, **starts(seed, **truth)))
@@ -95,14 +96,10 @@ def test_a_search_that_is_given_up_tells_no_interval(
     for name in ("modulus", "w", "delta0", "E_star"):
         assert (found.estimate(name).error, found.estimate(name).low, found.estimate(name).high) == (None, None, None)
     assert "not determined" in found.flags
-    assert found.warnings[0] == (
-        "the search stopped after 2 steps, the data do not determine E*, w, delta0: give starting values "
-        "(--start), or fix one of them (--fix)"
-    )
+    assert "stopped after 2 steps, the data do not determine E*, w, delta0: give" in found.warnings[0]
 
 
-@pytest.mark.first(3)
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(3))
 def test_thin_nearly_incompressible_layer_without_noise_from_random_starts(seed: int) -> None:
     truth = {"modulus": 1.7, "w": 0.04, "delta0": 3e-6}
     settings = Settings(free(*truth, **starts(seed, **truth)))
@@ -111,7 +108,7 @@ def test_thin_nearly_incompressible_layer_without_noise_from_random_starts(seed:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_coating_of_unknown_modulus_without_noise_from_random_starts(seed: int, counted: Counter[str]) -> None:
     """The case itself is wrong by up to a factor of ten too."""
     truth = {"E:skin": 20e6, "w": 0.05, "delta0": 2e-8}
@@ -135,7 +132,7 @@ def test_radii_far_beyond_the_case_are_solved_for() -> None:
     curve = Curve("optical", a=made.a[20:], delta=made.delta[20:], P=made.P[20:])
     check(fit(replace(body_of(small), extensible=True), curve, usual()), w=0.04)
     with pytest.raises(
-        InputError, match=r"the data reach contact radii of .*, the solution ends at .*: increase \[loading\] radius"
+        InputError, match=r"data reach contact radii of .*, the solution ends at .*: increase \[loading"
     ):
         fit(body_of(small), curve, usual())
 
@@ -156,9 +153,8 @@ def test_radius_and_load_need_no_zero_of_the_displacement() -> None:
     found = fit(half_space(), Curve("microscope", a=a, P=P), usual())
     check(found, E_star=E_STAR, w=W)
     assert found.free == ("modulus", "w")
-    found = fit(
-        half_space(), Curve("all", a=a, delta=delta + 1e-7, P=P + 2e-6), Settings(free("modulus", "w", "delta0", "P0"))
-    )
+    both = Curve("all", a=a, delta=delta + 1e-7, P=P + 2e-6)
+    found = fit(half_space(), both, Settings(free("modulus", "w", "delta0", "P0")))
     check(found, E_star=E_STAR, w=W, delta0=1e-7, P0=2e-6)
 
 
@@ -220,45 +216,6 @@ def test_other_intervals_agree_with_those_of_the_covariance(confidence: str, poi
         assert two.high - two.low == pytest.approx(one.high - one.low, rel=width)
 
 
-@pytest.mark.slow
-def test_samples_of_a_bootstrap_begin_where_they_nearly_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Seven evaluations each, 25 ms; and the same whoever works on them."""
-    curve, calls = sphere(noise=0.01, seed=4), []
-    foot_points = rows.foot_points
-    monkeypatch.setattr(rows, "foot_points", lambda *words: calls.append(words) or foot_points(*words))
-    plain = fit(half_space(), curve, usual())
-    before = len(calls)
-    some = fit(half_space(), curve, usual(confidence="bootstrap", samples=20))
-    assert len(calls) - 2 * before <= 60
-    assert some.samples is not None
-    assert (some.samples != plain.value("w")).all()
-    with executor(1) as pool:
-        (again,) = fit_all(half_space(), [curve], usual(confidence="bootstrap", samples=20), pool)
-    assert isinstance(again, Fit)
-    assert np.array_equal(again.samples, some.samples)
-
-
-@pytest.mark.slow
-def test_noise_on_both_axes_leaves_no_bias_at_the_fold() -> None:
-    """Displacement control, 3 % noise: the mean of 30 fits within three of its standard errors."""
-    w = [
-        fit(half_space(), sphere(noise=0.03, seed=seed, first=0.55 * A_C), usual()).value("w") / W for seed in range(30)
-    ]
-    assert abs(np.mean(w) - 1) < 3 * np.std(w) / np.sqrt(30)
-
-
-@pytest.mark.slow
-def test_outliers_with_a_robust_loss() -> None:
-    curve = sphere(noise=0.01, seed=5)
-    P = np.array(curve.P)
-    P[5::17] += 3 * P_C
-    spoiled = Curve("spoiled", delta=curve.delta, P=P)
-    linear, huber = (fit(half_space(), spoiled, usual(loss=loss)) for loss in ("linear", "cauchy"))
-    assert abs(linear.value("E_star") / E_STAR - 1) > 0.01
-    assert abs(huber.value("E_star") / E_STAR - 1) < 0.005
-    assert huber.estimate("E_star").low < E_STAR < huber.estimate("E_star").high
-
-
 def test_rows_out_of_contact_and_other_segments_are_left_out() -> None:
     curve, random = sphere(noise=0.01, seed=1), np.random.default_rng(0)
     flat = np.linspace(-6, -1.3, 40) * DELTA_C
@@ -299,17 +256,6 @@ def test_no_adhesion_is_said() -> None:
     assert found.value("E_star") == pytest.approx(E_STAR, rel=0.005)
 
 
-@pytest.mark.slow
-def test_a_layer_fitted_as_a_half_space_warns() -> None:
-    curve = measured(thin_layer(), 0.04, top=1.0)
-    specimen = replace(thin_layer().specimen, layers=(), base=half_space().problem.specimen.base)
-    wrong = body_of(replace(thin_layer(), specimen=specimen))
-    found = fit(replace(wrong, extensible=True), curve, usual())
-    assert any(text.startswith("the residuals are structured") for text in found.warnings)
-    right = fit(body_of(thin_layer()), curve, usual())
-    assert not any("structured" in text for text in right.warnings)
-
-
 def test_uncertain_inputs_widen_the_intervals() -> None:
     """E of a half-space is E* (1 - nu^2): at nu = 0.5 a standard deviation of 0.02 is one of 2 nu 0.02/(1 - nu^2)."""
     body, curve = half_space(), sphere(noise=0.01, seed=2)
@@ -321,44 +267,13 @@ def test_uncertain_inputs_widen_the_intervals() -> None:
     assert wide.estimate("w").error == pytest.approx(plain.estimate("w").error, rel=1e-10)  # E* and w feel no nu
 
 
-@pytest.mark.slow
-def test_uncertain_thickness_moves_the_modulus_of_a_thin_layer() -> None:
-    """The derivative agrees with fits on thicknesses that are really other ones, 2 % apart."""
-    curve, problem = measured(thin_layer(0.4), 0.04), thin_layer(0.4)
-    h = problem.specimen.layers[0].thickness
-    wide = fit(body_of(problem), curve, usual(uncertain={"h:gel": 0.01 * h}))
-    ends = []
-    for factor in (0.99, 1.01):
-        layer = replace(problem.specimen.layers[0], thickness=factor * h)
-        body = body_of(replace(problem, specimen=replace(problem.specimen, layers=(layer,))))
-        ends.append(fit(body, curve, usual()).value("E:gel"))
-    assert wide.estimate("E:gel").systematic["h:gel"] == pytest.approx((ends[1] - ends[0]) / 2, rel=1e-5)  # 2e-6
-
-
-@pytest.mark.slow
-def test_the_body_is_solved_to_the_radii_that_the_data_ask_for() -> None:
-    curve = sphere(noise=0.01, seed=1)
-    short, long = half_space(reach=0.2 * A_END, extensible=True), half_space(reach=8 * A_END, extensible=True)
-    values = [fit(body, curve, usual()).value("w") for body in (half_space(), short, long)]
-    assert values[1:] == pytest.approx([values[0]] * 2, rel=2e-8)  # 3e-9 measured
-    with pytest.raises(
-        InputError,
-        match=r"sphere: the data reach contact radii of .* ends at 3.41[0-9] um: increase \[loading\] radius",
-    ):
-        fit(half_space(reach=0.5 * A_END), curve, usual())
-
-
 def test_change_of_units_changes_nothing() -> None:
     """Lengths by one factor, forces by another: every estimate scales; no tolerance is absolute."""
     length, force = 1e3, 1e-4
     body, curve = half_space(), sphere(noise=0.01, seed=3, shift=0.2)
-    problem = body.problem
-    specimen = replace(
-        problem.specimen,
-        base=replace(problem.specimen.base, material=problem.specimen.surface.scaled(force / length**2)),
-    )
-    other = replace(problem, indenter=replace(problem.indenter, R=problem.indenter.R * length), specimen=specimen,
-                    loading=replace(problem.loading, maximum=problem.loading.maximum * length))  # fmt: skip
+    specimen = Specimen((), HalfSpace(Elastic(1.5e6 * force / length**2, 0.5)))
+    loading = Loading("radius", body.problem.loading.maximum * length, 100)
+    other = Problem(Paraboloid(R * length), specimen, loading)
     one = fit(body, curve, usual())
     two = fit(body_of(other), Curve("odd", delta=curve.delta * length, P=curve.P * force), usual())
     for name, scale in (("E_star", force / length**2), ("w", force / length), ("delta0", length)):
@@ -397,15 +312,12 @@ def test_the_end_of_a_curve_on_a_thin_layer_is_no_base_line() -> None:
     a, delta = np.linspace(5.0, 0.5, 60), np.linspace(20.0, -8.0, 60)
     P = np.concatenate([np.linspace(4, -1, 30), np.linspace(-1, -0.05, 30)])
     for radii in (a, None):
-        curve = Curve("c", radii, delta, P, None, None)
-        found = points_of(curve, None, "all", 3, None)
-        assert len(found) >= 59
+        assert len(points_of(Curve("c", radii, delta, P, None, None), None, "all", 3, None)) >= 59
     line = np.concatenate([np.linspace(4, -1, 30), np.zeros(30)])
     assert len(points_of(Curve("c", None, delta, line, None, None), None, "all", 3, None)) == 30
 
 
-@pytest.mark.parametrize("line", [7, 9, 12, 30])
-@pytest.mark.parametrize("power", [1.0, 1.5, 3.0])
+@pytest.mark.parametrize(("line", "power"), [(7, 1.0), (9, 1.5), (30, 3.0)])
 def test_a_base_line_of_few_rows_is_one(line: int, power: float) -> None:
     """Up to ten rows of it were fitted as contact: "the best fit leaves 140 % of the signal unexplained"."""
     depth = np.linspace(0.02, 1.0, 22)
@@ -422,26 +334,12 @@ def test_a_base_line_of_few_rows_is_one(line: int, power: float) -> None:
 def test_rows_of_next_to_no_contact_do_not_end_a_fit() -> None:
     """The body is solved to the least radii of the data, too: of a case "begin at smaller radii" was said."""
     delta = np.array([1e-6, 3e-6, 1e-4, *np.linspace(0.01, 0.2, 20)])
-    P = 4 / 3 * delta**1.5
-    body = body_of_case(
-        parse_case(
-            b"""
-[indenter]
-shape = "paraboloid"
-radius = 1.0
-[specimen.half_space]
-E = 1.0
-nu = 0.0
-[loading]
-radius = 0.2
-""",
-            "gel",
-        )
-    )
+    case = described_body.UNIT.format(depth=0.2).replace("depth", "radius")
+    known = (Parameter("w", False, 0.0), Parameter("delta0", False, 0.0))
     found = fit(
-        body,
-        Curve("c", None, delta, P, None, None),
-        Settings((*free("modulus"), Parameter("w", False, 0.0), Parameter("delta0", False, 0.0))),
+        body_of_case(parse_case(case.encode(), "gel")),
+        Curve("c", delta=delta, P=4 / 3 * delta**1.5),
+        Settings((*free("modulus"), *known)),
     )
     assert found.value("E_star") == pytest.approx(1.0, rel=1e-4)
 
@@ -457,10 +355,7 @@ def test_moduli_far_from_the_case_ask_for_the_units() -> None:
 def test_what_is_missing_in_a_record_is_said_where_nothing_fits() -> None:
     """A machine's way without its stiffness is no displacement of the tip, which may be all that is wrong."""
     delta = np.linspace(0.0, 1e-6, 50)
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(
+        InputError, match=r"wrong sign; .*--flip delta, --flip P\); the deflection .*: give --stiffness"
+    ):
         fit(half_space(), Curve("way", delta=delta, P=-delta, flags=(NOT_SUBTRACTED,)), usual())
-    assert caught.value.lines == (
-        "way: P falls as delta rises (correlation -1.00): one of them has the wrong sign; displacement into the "
-        "specimen and compression are positive (--flip delta, --flip P); the deflection of the cantilever is not "
-        "subtracted: give --stiffness",
-    )

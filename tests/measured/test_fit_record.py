@@ -9,43 +9,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cycle_records import NOISES, drawn
 from dirty_records import KINDS
 from force_curves import Instrument, equilibrium, record
 from layer_contact import BondedLayer, half_space
+from raw_records import BODY, R, body, inside, read, usual
 
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.measured.curve import Curve, Reading
-from jkrcli.measured.files import read
+from jkrcli.measured.files import read as read_file
 from jkrcli.measured.forward_model import FittedBody
 from jkrcli.measured.grade import GOOD
 from jkrcli.measured.lockstep import alone
-from jkrcli.measured.parameters import ROOT, FittedValue, Parameter
+from jkrcli.measured.parameters import ROOT, Parameter
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.record import raw_force_curve
-from jkrcli.measured.result import Fit
 from jkrcli.measured.rows import noise_from_third_differences
-from jkrcli.measured.settings import Settings, settings_of
-from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.solver import Layered
-
-R = 5e-6
-
-
-def body(E_star: float = 1e3, a: float = 1e-6) -> FittedBody:
-    problem = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(0.75 * E_star, 0.5))), Loading("radius", a, 60))
-    series = ClosedForm()(problem).series
-    return FittedBody.of(problem, series, slopes(series), extensible=True)
-
-
-BODY = body()
-
-
-def usual(body: FittedBody = BODY, **options: object) -> Settings:
-    return settings_of(body, **options)
 
 
 def made(rng: np.random.Generator) -> tuple[Curve, float, float]:
@@ -65,18 +47,7 @@ def made(rng: np.random.Generator) -> tuple[Curve, float, float]:
         drift=force * rng.uniform(-0.1, 0.1), pause=int(rng.choice([0, rows // 10])),
     )  # fmt: skip
     columns = record(E_star, R, 0.0, w, device, int(rng.integers(1 << 30)))
-    told = columns["segment"] if rng.random() < 0.5 else None
-    curve = Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], segment=told, stiffness=k)
-    return curve, E_star, w
-
-
-def judged(found: Fit, truth: dict[str, float]) -> dict[str, tuple[float, bool]]:
-    """Relative error of each estimate and whether its interval, which may have one end, holds the truth."""
-    told = {}
-    for name, true in truth.items():
-        item = found.estimate(name)
-        told[name] = item.value / true - 1, item.low <= true <= (math.inf if item.high is None else item.high)
-    return told
+    return read(columns, k, *["segment"] * (rng.random() < 0.5)), E_star, w
 
 
 @pytest.mark.first(2)
@@ -105,62 +76,25 @@ def case(kind: tuple[float, float] | None, E_star: float) -> FittedBody:
     return FittedBody.of(problem, series, slopes(series), extensible=True)
 
 
-def wrong(item: FittedValue, true: float) -> bool:
-    """By more than a tenth and more than three half-widths, with what the model may be off."""
-    half_width = math.hypot((item.high - item.low) / 2, *(item.model or {}).values())
-    return abs(item.value - true) > max(0.1 * true, 3 * half_width)
-
-
 def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
     curve, _, _ = made(np.random.default_rng(3))
     words = np.where(np.arange(len(curve)) <= int(np.argmax(curve.device)), "approach", "retract")
     turned = replace(curve, delta=-curve.delta, segment=words, stiffness=None)
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, match=r"wrong way: the displacement of the retract has the opposite .*--flip delta"):
         alone(raw_force_curve(turned, usual(contact="fitted")))
-    assert caught.value.lines == (
-        "made: wrong way: the displacement of the retract has the opposite sign: indentation must be positive "
-        "(--flip delta)",
-    )
 
 
 def test_of_a_displacement_turned_as_it_was_read_another_remedy_is_named(tmp_path: Path) -> None:
     """A height that grows toward the specimen: --flip, of the sign in the file, would change nothing."""
     curve, _, _ = made(np.random.default_rng(3))
-    lines = [
-        "height (nm),P (nN)",
-        *(f"{z:.9g},{P:.9g}" for z, P in zip(curve.device * 1e9, curve.load * 1e9, strict=True)),
-    ]
-    (tmp_path / "m.csv").write_text("\n".join(lines))
+    table = np.column_stack([1e9 * curve.device, 1e9 * curve.load])
+    np.savetxt(tmp_path / "m.csv", table, "%.9g", ",", header="height (nm),P (nN)", comments="")
     for flip in (frozenset[str](), frozenset({"delta"})):
-        (held,) = read(tmp_path / "m.csv", Reading(stiffness=curve.stiffness, flip=flip))
+        (held,) = read_file(tmp_path / "m.csv", Reading(stiffness=curve.stiffness, flip=flip))
         with pytest.raises(InputError, match=r"its sign was turned when it was read: --factor delta=-1\)$"):
             alone(raw_force_curve(held, usual(contact="fitted")))
         reading = Reading(stiffness=curve.stiffness, flip=flip, factors={"delta": -1.0})
-        assert alone(raw_force_curve(read(tmp_path / "m.csv", reading)[0], usual(contact="fitted"))) is not None
-
-
-@pytest.mark.slow
-def test_intervals_of_a_thousand_cycles() -> None:
-    """E*, w and w_approach, with white and other noise; the numbers are those of ``make record-bounds``."""
-    held: dict[str, list[bool]] = {"E_star": [], "w": [], "w_approach": []}
-    kinds, flagged, silent = [None, *LAYERS], 0, 0
-    for i in range(1000):
-        rng = np.random.default_rng((77, i))
-        kind = None if i % 2 else kinds[1 + i // 2 % len(LAYERS)]
-        layer = (None, half_space) if kind is None else (kind[0], LAYERS[kind])
-        cycle = drawn(rng, R, *layer, NOISES[0] if i % 4 < 2 else NOISES[1 + i // 4 % 3])
-        z, P = cycle.columns["z"], cycle.columns["P"]
-        modulus = 10.0 ** (round(math.log10(cycle.truth["E_star"])) + int(rng.integers(-3, 4)))
-        found = fit(case(kind, modulus), Curve("made", delta=z - P / cycle.k, P=P, stiffness=cycle.k), usual())
-        flagged += bool(found.flags)
-        for item in (item for item in found.estimates if item.name in held and item.high is not None):
-            true = cycle.truth[item.name]
-            held[item.name].append(item.low <= true <= item.high)
-            silent += not found.flags and wrong(item, true)
-    for values in held.values():
-        assert abs(np.mean(values) - 0.95) <= 0.025
-    assert flagged <= 50
-    assert silent == 0
+        assert alone(raw_force_curve(read_file(tmp_path / "m.csv", reading)[0], usual(contact="fitted"))) is not None
 
 
 @pytest.mark.slow
@@ -175,39 +109,24 @@ def test_how_often_intervals_hold_beside_a_random_walk(size: float, of_E: float,
         steps = rng.normal(size=len(curve)) * noise_from_third_differences(curve.P) / math.sqrt(len(curve))
         P = curve.P + size * np.cumsum(steps)
         found = fit(BODY, replace(curve, P=P, delta=curve.device - P / curve.stiffness), usual())
-        held.append([inside for _, inside in judged(found, {"E_star": E_star, "w": w}).values()])
+        held.append([inside(found, name, true) for name, true in (("E_star", E_star), ("w", w))])
     assert np.mean(held, axis=0) == pytest.approx([of_E, of_w], abs=0.03)  # as measured, rounding may turn a few
 
 
-@pytest.mark.parametrize("factor", [1e-3, 1e3])
-def test_the_modulus_of_the_case_does_not_matter(factor: float) -> None:
+def test_the_modulus_of_the_case_does_not_matter() -> None:
     curve, _, _ = made(np.random.default_rng(3))
-    one, other = fit(BODY, curve, usual()), fit(body(1e3 * factor), curve, usual())
+    one, other = fit(BODY, curve, usual()), fit(body(1e6), curve, usual())
     for name in ("E_star", "w", "delta0"):
         assert other.value(name) == pytest.approx(one.value(name), rel=1e-6)
-
-
-def test_both_directions_share_modulus_and_zero_and_have_their_own_works() -> None:
-    E_star, w_in, w_out, k = 20e3, 3e-5, 1e-4, 0.05
-    force = 1.5 * math.pi * w_out * R
-    device = Instrument(k, 2000, 3e-6, 4 * force, 0.01 * force, force, 0.1 * force / 1e-6, 0.05 * force)
-    columns = record(E_star, R, w_in, w_out, device, 5)
-    curve = Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], stiffness=k)
-    found = fit(BODY, curve, usual(segment="both"))
-    for name, true in (("E_star", E_star), ("w_approach", w_in), ("w", w_out)):
-        assert found.value(name) == pytest.approx(true, rel=0.02)
-    drawn = found.line["delta"]
-    assert np.abs(np.diff(drawn)).max() < 0.1 * np.ptp(drawn)  # in and out in one stroke: the line crosses no picture
 
 
 def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulus() -> None:
     """A stiffness of the device that is half as large as it should be leaves no indentation: E* came out at 1e6 TPa,
     doubtful."""
     columns = record(3e5, R, 3e-4, 1e-3, Instrument(0.2, 400, far=2e-6, largest=1e-7, noise=3e-10), 3)
-    z, P = columns["z"], columns["P"]
     said = r"E\* is not determined.*: compared with a cantilever of 100 mN/m .* nearly rigid"
     with pytest.raises(InputError, match=said):  # whether with a standard error, and which, is up to round-off
-        fit(BODY, Curve("made", delta=z - P / 0.1, P=P, stiffness=0.1), usual())
+        fit(BODY, read(columns, 0.1), usual())
 
 
 def test_a_drift_that_is_fitted_makes_no_specimen_rigid() -> None:
@@ -216,10 +135,10 @@ def test_a_drift_that_is_fitted_makes_no_specimen_rigid() -> None:
     w = 0.3 * 8 * E_star * (0.5e-6) ** 3 / (9 * math.pi * R**2)
     force, k = 1.5 * math.pi * w * R, 2 * E_star * far / stiffer
     columns = record(E_star, R, w, w, Instrument(k, 600, far, 4 / 3 * E_star * far**3 / R, 3e-4 * force), 1)
-    z, P, rows = columns["z"], columns["P"], np.arange(columns["z"].size)
+    z, rows = columns["z"], np.arange(columns["z"].size)
     turn = int(np.argmax(z))
     shown = z + 0.1 * np.abs(np.diff(z[:turn])).mean() * (rows - turn)
-    moved = Curve("made", delta=shown - P / k, P=P, segment=columns["segment"], stiffness=k, t=rows / 1000)
+    moved = read(columns | {"z": shown, "t": rows / 1000}, k, "segment", "t")
     found = fit(BODY, moved, usual(free=("drift",)))
     assert found.value("E_star") == pytest.approx(E_star, rel=5e-3)
 
@@ -230,8 +149,7 @@ def test_a_retraction_that_ends_in_contact_determines_no_modulus() -> None:
     device = Instrument(0.05, 800, 3e-6, 4 * force, 0.01 * force, force, 1e5 * force)
     columns = record(20e3, R, 3e-5, 1e-4, device, 3)
     end = 800 + int(0.3 * np.count_nonzero(columns["z"][800:] > 0))
-    z, P, words = (columns[name][:end] for name in ("z", "P", "segment"))
-    curve = Curve("made", delta=z - P / 0.05, P=P, segment=words, stiffness=0.05)
+    curve = read(columns, 0.05, "segment").rows(np.arange(end))
     with pytest.raises(InputError, match=r"E\* is not determined, its standard error is 7\.\d times its value:"):
         fit(BODY, curve, usual(segment="retract"))
 
@@ -242,9 +160,9 @@ def drifting(share: float, seed: int = 5) -> tuple[Curve, float, float]:
     force = 1.5 * math.pi * w_out * R
     device = Instrument(k, 1000, 3e-6, 4 * force, 0.005 * force, force, 0.1 * force / 1e-6, 0.05 * force)
     columns = record(E_star, R, w_in, w_out, device, seed)
-    z, P, t = columns["z"], columns["P"], columns["t"]
+    z, t = columns["z"], columns["t"]
     speed = share * float(np.ptp(z) / np.ptp(t))
-    return Curve("made", delta=z + speed * t - P / k, P=P, t=t, segment=columns["segment"], stiffness=k), E_star, speed
+    return read(columns | {"z": z + speed * t}, k, "t", "segment"), E_star, speed
 
 
 @pytest.mark.parametrize("share", [0.0, 0.005, -0.02])
@@ -252,11 +170,9 @@ def test_a_drift_of_the_depth_is_fitted_where_it_is_asked_for(share: float) -> N
     """A drift of 2 % of the way changes E* of the retraction alone by 3 %, with an interval of half a per cent."""
     curve, E_star, speed = drifting(share)
     found = fit(BODY, curve, usual(segment="both", free=["drift"]))
-    estimates = {item.name: item for item in found.estimates}
     for name, true in (("E_star", E_star), ("drift", speed)):
-        low, high = estimates[name].low, estimates[name].high
-        assert low < true < high
-    assert estimates["drift"].dimension == "speed"
+        assert found.estimate(name).low < true < found.estimate(name).high
+    assert found.estimate("drift").dimension == "speed"
     fixed = fit(BODY, curve, usual(segment="both", fix=[("drift", f"{speed} m/s")]))
     assert fixed.value("E_star") == pytest.approx(E_star, rel=0.005)
 
@@ -267,49 +183,27 @@ def test_a_drift_that_nobody_asked_for_is_said() -> None:
         found = fit(BODY, drifting(share)[0], usual(segment="both"))
         said[share] = [line for line in found.warnings if line.startswith("drift")]
     assert said[0.0] == []
-    assert re.fullmatch(
-        r"drift: the depth drifts by -[\d.]+ nm/s ± [\d.]+ [np]m/s, which would change the moduli by "
-        r"\+[\d.]+%: --free drift fits it",
-        said[-0.02][0],
-    )
+    assert re.search(r"drifts by -[\d.]+ nm/s ± .* would change the moduli by \+[\d.]+%: --free drift", said[-0.02][0])
 
 
 def test_a_drift_needs_both_directions_and_their_time() -> None:
     curve, _, _ = drifting(0.0)
-    told = "made: drift needs"
     for held, options, reason in (
-        (curve, {"segment": "retract"}, " approach and retraction together: leave --segment out"),
-        (replace(curve, t=None), {"segment": "both"}, " a column of time, there is none: leave drift out"),
-        (curve.only("retract"), {"segment": "both"}, " approach and retraction together, only one can be fitted"),
+        (curve, {"segment": "retract"}, "drift needs approach and retraction together: leave --segment out"),
+        (replace(curve, t=None), {}, "drift needs a column of time, there is none: leave drift out"),
+        (curve.only("retract"), {}, "drift needs approach and retraction together, only one can be fitted"),
+        (curve, {"contact": "as-is"}, "drift is for raw force curves of displacement and load, with --contact fitted"),
     ):
-        with pytest.raises(InputError, match=f"^{told}{reason}$"):
+        with pytest.raises(InputError, match=reason):
             fit(BODY, held, usual(free=["drift"], **options))
-    with pytest.raises(
-        InputError, match=r"^drift is for raw force curves of displacement and load, with --contact fitted"
-    ):
-        alone(raw_force_curve(curve, usual(free=["drift"], contact="as-is")))
-
-
-def test_an_approach_without_adhesion_has_an_upper_limit_of_its_own_w() -> None:
-    curve, E_star, w = made(np.random.default_rng(7))
-    found = fit(BODY, curve, usual(segment="approach"))
-    item = found.estimate("w_approach")
-    assert item.low == 0
-    assert item.value < item.high < 0.01 * w
-    assert "w" not in {item.name for item in found.estimates}
-    assert any(line.startswith("approach alone: its w is w_approach") for line in found.warnings)
-    assert judged(found, {"E_star": E_star})["E_star"][1]
 
 
 def test_a_contact_of_few_rows_after_a_long_way_is_kept_to_its_end() -> None:
     """Some forty of 10,000 rows are in contact: fewer than the last hundredth of the way."""
-    E_star, k = 20e3, 0.05
-    device = Instrument(k, 10000, 60e-6, 4e-9, 1e-11)
-    columns = record(E_star, R, 0.0, 0.0, device, 4)
-    curve = Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], stiffness=k)
-    found = fit(BODY, curve, usual(segment="approach"))
+    columns = record(20e3, R, 0.0, 0.0, Instrument(0.05, 10000, 60e-6, 4e-9, 1e-11), 4)
+    found = fit(BODY, read(columns, 0.05), usual(segment="approach"))
     assert np.count_nonzero(found.a) > 35
-    assert found.value("E_star") == pytest.approx(E_star, rel=0.015)  # standard error: 0.0034
+    assert found.value("E_star") == pytest.approx(20e3, rel=0.015)  # standard error: 0.0034
 
 
 def without_base_line(chosen: Callable[[np.ndarray, np.ndarray], np.ndarray], offset: float = 0.0) -> Curve:
@@ -317,8 +211,7 @@ def without_base_line(chosen: Callable[[np.ndarray, np.ndarray], np.ndarray], of
     force, k = 1.5 * math.pi * 1e-4 * R, 0.05
     columns = record(20e3, R, 0.0, 1e-4, Instrument(k, 1500, 3e-6, 4 * force, 0.005 * force), 1)
     rows = chosen(columns["z"], columns["P"] / force)
-    z, P = columns["z"][rows], columns["P"][rows] + offset * force
-    return Curve("made", delta=z - P / k, P=P, stiffness=k)
+    return read(columns, k, P=columns["P"] + offset * force).rows(np.flatnonzero(rows))
 
 
 @pytest.mark.parametrize(
@@ -344,35 +237,25 @@ def test_what_there_is_of_a_record_is_fitted(chosen: Callable[[np.ndarray, np.nd
 
 def test_a_free_zero_of_a_record_in_tension_leaves_w_open() -> None:
     found = fit(BODY, without_base_line(lambda z, P: (P < -0.05) & (z > -0.2e-6), offset=1.0), usual(free=["P0"]))
-    item = found.estimate("w")
-    assert item.low == 0
-    assert item.high > 1e-4
+    assert found.estimate("w").low == 0
+    assert found.estimate("w").high > 1e-4
 
 
 def test_another_indenter_is_flagged_as_misfit() -> None:
     curve, _, _ = made(np.random.default_rng(7))
-    z = curve.device
-    base = np.median(curve.P[:50])
-    top = float(np.max(curve.P) - base)
-    wrong = replace(curve, P=base + top * np.maximum((z - 0.0) / z.max(), 0.0) ** 0.3, delta=z, stiffness=None)
+    z, base = curve.device, np.median(curve.P[:50])
+    P = base + (np.max(curve.P) - base) * np.maximum(z / z.max(), 0.0) ** 0.3
+    wrong = replace(curve, P=P, delta=z, stiffness=None)
     found = fit(BODY, wrong, usual(segment="approach"))
     assert "misfit" in found.flags
     assert not found.grade.believed
 
 
 @pytest.mark.first(1)
-@pytest.mark.parametrize(
-    "asked",
-    [
-        {"bound": [("w", "1 uJ/m^2..")]},
-        {"branch": "compressive"},
-        {"noise": {"P": 1e-9}},
-        {"free": ["compliance"]},
-        {"fix": [("compliance", "0")]},
-        {"start": [("w", "1 mJ/m^2")]},
-        {"free": ["E:base"]},
-    ],
-)
+@pytest.mark.parametrize("asked", [
+    {"bound": [("w", "1 uJ/m^2..")]}, {"branch": "compressive"}, {"noise": {"P": 1e-9}}, {"free": ["compliance"]},
+    {"start": [("w", "1 mJ/m^2")]}, {"free": ["E:base"]},
+])  # fmt: skip
 def test_what_the_model_of_a_record_does_not_know_is_fitted_to_its_rows(asked: dict[str, object]) -> None:
     curve, E_star, _ = made(np.random.default_rng(7))
     found = fit(BODY, curve, usual(**asked))
@@ -412,21 +295,20 @@ def test_a_known_work_and_a_bound_modulus_are_kept() -> None:
     found = fit(BODY, curve, usual(fix=[("w", f"{w} J/m^2")]))
     assert found.value("w") == pytest.approx(w, rel=1e-12)
     assert not found.estimate("w").free
-    assert judged(found, {"E_star": E_star})["E_star"][1]
+    assert inside(found, "E_star", E_star)
     bound = fit(BODY, curve, usual(bound=[("E_star", f"{2 * E_star} Pa..")]))
     assert bound.value("E_star") == pytest.approx(2 * E_star, rel=1e-6)
     assert any("E* ends on its bound" in line for line in bound.warnings)
 
 
-@pytest.mark.parametrize("loss", ["linear", "soft_l1"])
-@pytest.mark.parametrize("size", [0.02, 0.1])
-def test_outliers_among_the_rows_change_nothing(size: float, loss: str) -> None:
+@pytest.mark.parametrize(("loss", "size"), [("linear", 0.1), ("soft_l1", 0.02)])
+def test_outliers_among_the_rows_change_nothing(loss: str, size: float) -> None:
     """Three in a hundred rows are off, by 7 or 30 standard deviations: those that stand alone are left out."""
     E_star, w, k, rng = 20e3, 1e-4, 0.05, np.random.default_rng(1)
     force = 1.5 * math.pi * w * R
     columns = record(E_star, R, 0.0, w, Instrument(k, 2000, 3e-6, 4 * force, 0.003 * force), 2)
     P = columns["P"] + size * force * rng.normal(size=4000) * (rng.random(4000) < 0.03)
-    found = fit(BODY, Curve("made", delta=columns["z"] - P / k, P=P, stiffness=k), usual(loss=loss))
+    found = fit(BODY, read(columns, k, P=P), usual(loss=loss))
     assert found.grade.word == GOOD
     for name, true in (("E_star", E_star), ("w", w)):
         item = found.estimate(name)
@@ -459,8 +341,8 @@ def test_intervals_of_two_hundred_records_with_a_sine() -> None:
     held = []
     for seed in range(200):
         curve, E_star, w, _ = wavy(np.random.default_rng(1000 + seed))
-        told = judged(fit(BODY, curve, usual(base_line="sine")), {"E_star": E_star, "w": w})
-        held.append([inside for _, inside in told.values()])
+        found = fit(BODY, curve, usual(base_line="sine"))
+        held.append([inside(found, name, true) for name, true in (("E_star", E_star), ("w", w))])
     assert (np.abs(np.mean(held, axis=0) - 0.95) <= 0.045).all()  # of 200 records: three standard deviations
 
 
@@ -478,7 +360,7 @@ def cycled(seed: int, w_in: float = 3e-5, kind: tuple[float, float] | None = Non
     k, force = 0.05, 1.5 * math.pi * 1e-4 * R
     device = Instrument(k, 1500, 3e-6, 4 * force, noise * force, force, 0.1 * force / 1e-6, 0.05 * force)
     columns = record(20e3, R, w_in, 1e-4, device, seed, half_space if kind is None else LAYERS[kind])
-    return Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], t=columns["t"], stiffness=k)
+    return read(columns, k, "t")
 
 
 TRUE = {"E_star": 20e3, "w": 1e-4, "w_approach": 3e-5}
@@ -497,6 +379,8 @@ def test_the_edge_rests_at_the_turn(segment: str | None, kind: tuple[float, floa
         assert abs(item.value - TRUE[name]) < min(4 * item.error, 0.1 * TRUE[name])
     asked = {None: "approach and retraction", "retract": "retraction alone", "approach": "approach alone"}
     assert found.directions == asked[segment]
+    drawn = found.line["delta"]
+    assert np.abs(np.diff(drawn)).max() < 0.1 * np.ptp(drawn)  # in and out in one stroke: the line crosses no picture
 
 
 def test_a_direction_that_cannot_be_fitted_is_named_with_the_other() -> None:
@@ -509,14 +393,12 @@ def test_a_direction_that_cannot_be_fitted_is_named_with_the_other() -> None:
 
 def test_directions_of_different_moduli_stand_side_by_side() -> None:
     """A specimen that yields: the way back is that of a contact that is stiffer by a tenth."""
-    inwards, back = cycled(1, w_in=1e-4), cycled(1, w_in=1e-4)
-    assert inwards.P is not None
-    assert back.P is not None
+    inwards = cycled(1, w_in=1e-4)
     stiffer = record(22e3, R, 1e-4, 1e-4, Instrument(0.05, 1500, 3e-6, 6 * math.pi * 1e-4 * R, 1e-11), 3)
     rows = np.arange(len(inwards)) >= 1500
     P = np.where(rows, stiffer["P"], inwards.P)
     z = np.where(rows, stiffer["z"] + inwards.device.max() - stiffer["z"].max(), inwards.device)
-    found = fit(BODY, Curve("made", delta=z - P / 0.05, P=P, stiffness=0.05), usual())
+    found = fit(BODY, read({"z": z, "P": P}, 0.05), usual())
     assert "directions differ" in found.flags
     assert found.value("E_star_approach") == pytest.approx(20e3, rel=0.01)
     assert found.value("E_star") == pytest.approx(22e3, rel=0.01)
@@ -537,25 +419,13 @@ def test_calibration_is_told_as_a_part_of_its_own() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "options", "said"),
-    [
-        (
-            None,
-            {"contact": "fitted"},
-            "--uncertain stiffness: the force curve has no stiffness, so it has no effect here",
-        ),
-        (
-            0.05,
-            {"contact": "as-is"},
-            "--uncertain stiffness is for raw force curves of an instrument, it has no effect here",
-        ),
-    ],
-)
-def test_an_uncertain_input_without_effect_is_refused(
-    stiffness: float | None, options: dict[str, object], said: str
-) -> None:
+    ("stiffness", "contact", "said"),
+    [(None, "fitted", "stiffness: the force curve has no stiffness, so it has no effect"),
+     (0.05, "as-is", "stiffness is for raw force curves of an instrument, it has no effect")],
+)  # fmt: skip
+def test_an_uncertain_input_without_effect_is_refused(stiffness: float | None, contact: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        fit(BODY, replace(cycled(1), stiffness=stiffness), usual(uncertain={"stiffness": "10%"}, **options))
+        fit(BODY, replace(cycled(1), stiffness=stiffness), usual(uncertain={"stiffness": "10%"}, contact=contact))
 
 
 def test_the_noise_is_that_of_the_free_rows() -> None:
@@ -575,30 +445,28 @@ def test_spikes_are_left_out_and_said() -> None:
     P = curve.P.copy()  # type: ignore[union-attr]
     P[[len(curve) // 7, len(curve) // 3]] += np.ptp(P) * np.array([-0.5, 2.0])
     found = fit(BODY, replace(curve, P=P, delta=curve.device - P / curve.stiffness), usual())
-    assert all(inside for _, inside in judged(found, {"E_star": E_star, "w": w}).values())
+    assert inside(found, "E_star", E_star)
+    assert inside(found, "w", w)
     assert "2 isolated outliers" in found.left_out
 
 
 @pytest.mark.parametrize(("w", "flat"), [(0.0, True), (1e-6, True), (1e-4, False)])
 def test_w_of_an_approach_is_told_through_0(w: float, flat: bool) -> None:
     """An upper limit, or a value; E* is held whatever w is."""
-    device = Instrument(0.05, 1500, 3e-6, 2e-8, 1e-10)
-    columns = record(20e3, R, w, w, device, 8)
-    curve = Curve("made", delta=columns["z"] - columns["P"] / 0.05, P=columns["P"], stiffness=0.05)
-    found = fit(BODY, curve, usual(segment="approach"))
+    columns = record(20e3, R, w, w, Instrument(0.05, 1500, 3e-6, 2e-8, 1e-10), 8)
+    found = fit(BODY, read(columns, 0.05), usual(segment="approach"))
+    assert "w" not in {item.name for item in found.estimates}
     item = found.estimate("w_approach")
     assert item.low <= w <= item.high
     assert (item.low == 0) == flat
-    assert judged(found, {"E_star": 20e3})["E_star"][1]
+    assert inside(found, "E_star", 20e3)
 
 
 def test_prepared_readings_of_both_directions_have_a_w_each() -> None:
     columns = record(20e3, R, 1e-4, 1.5e-4, Instrument(0.05, 200, 1e-6, 6e-9, 1e-11), 1)
-    held = columns["z"] > 0.05e-6
-    z, P, words = (columns[name][held] for name in ("z", "P", "segment"))
-    touching = Curve("made", delta=z - P / 0.05, P=P, segment=words)
-    found = fit(BODY, touching, usual(segment="both", contact="as-is"))
-    assert judged(found, {"E_star": 20e3, "w": 1.5e-4, "w_approach": 1e-4})["w"][1]
+    touching = read(columns, 0.05, "segment").rows(np.flatnonzero(columns["z"] > 0.05e-6))
+    found = fit(BODY, replace(touching, stiffness=None), usual(segment="both", contact="as-is"))
+    assert inside(found, "w", 1.5e-4)
     assert found.estimate("w").low > found.estimate("w_approach").high
 
 
@@ -626,9 +494,7 @@ def test_an_edge_that_seems_to_rest_throughout_is_compared_with_one_that_recedes
     E_star, w, w_approach = 151.9e3, 1.595e-3, 0.97e-3
     device = Instrument(6.6e-3, 800, far=18e-6, largest=33e-9, noise=5e-11, offset=-1.35e-9)
     columns = record(E_star, 5e-6, w_approach, w, device, seed)
-    z, P = columns["z"], columns["P"]
-    curve = Curve("soft", delta=z - P / device.k, P=P, stiffness=device.k, segment=columns["segment"])
-    found = fit(body(E_star, 3e-6), curve, usual())
+    found = fit(body(E_star, 3e-6), read(columns, device.k, "segment"), usual())
     assert not found.flags
     for name, true in (("E_star", E_star), ("w", w), ("w_approach", w_approach)):
         item = found.estimate(name)
@@ -641,10 +507,7 @@ def test_noise_that_hides_where_contact_is_lost_excludes_no_truth(tmp_path: Path
     wrong minimum off, a lower limit of w where the edge recedes, or w_approach at most 13 of 63."""
     dirty = KINDS["large noise"](np.random.default_rng((seed, list(KINDS).index("large noise") + 1, number)))
     dirty.write(file := tmp_path / "noisy.txt")
-    problem = Problem(Paraboloid(dirty.at.R), Specimen((), HalfSpace(Elastic(0.75e4, 0.5))),
-                      Loading("radius", 0.2 * dirty.at.R, 60))  # fmt: skip
-    series = ClosedForm()(problem).series
-    found = fit(FittedBody.of(problem, series, slopes(series), extensible=True), read(file, Reading())[0], usual())
+    found = fit(body(1e4, 0.2 * dirty.at.R, dirty.at.R), read_file(file, Reading())[0], usual())
     assert number == 2 or "w" in found.free
     for name, true in dirty.truth.items():
         if (item := found.estimate(name)).high is not None:
@@ -653,8 +516,7 @@ def test_noise_that_hides_where_contact_is_lost_excludes_no_truth(tmp_path: Path
             assert (item.low or 0.0) - more <= true <= item.high + more
 
 
-@pytest.mark.parametrize("tether", [0.0, 0.1])
-@pytest.mark.parametrize("share", [0.003, 0.01, 0.04])
+@pytest.mark.parametrize(("share", "tether"), [(0.003, 0.0), (0.01, 0.1), (0.04, 0.0), (0.003, 0.1)])
 def test_a_weak_pull_off_is_no_base_line(share: float, tether: float) -> None:
     """Of 0.3 to 4 % of the largest load, as of gels: rows of so small a tension lay in the base line and w came out up
     to 20 % too low; a tether of a tenth of it was not seen."""
@@ -669,8 +531,7 @@ def test_a_weak_pull_off_is_no_base_line(share: float, tether: float) -> None:
     z_free = z.min() - columns["z"]
     held = (columns["segment"] == "retract") & (z_free > 0) & (z_free < 0.5 * z_free.max())
     P = columns["P"] - tether * pull_off * held
-    curve = Curve("weak", delta=columns["z"] - P / k, P=P, stiffness=k, segment=columns["segment"])
-    found = fit(body(E_star, 3e-6), curve, usual())
+    found = fit(body(E_star, 3e-6), read(columns, k, "segment", P=P), usual())
     assert not found.flags
     assert any("tether" in words for words in found.held) == bool(tether)
     for name, true in (("E_star", E_star), ("w", w), ("w_approach", w / 2)):
@@ -686,8 +547,7 @@ def test_the_profile_that_describes_a_record_is_the_answer() -> None:
     z, _, _ = equilibrium(E_star, R, w, k, largest)
     device = Instrument(k, 1500, far=float(np.ptp(z)), largest=largest, noise=1e-4 * largest)
     columns = record(E_star, R, w / 2, w, device, 4)
-    curve = Curve("tip", delta=columns["z"] - columns["P"] / k, P=columns["P"], stiffness=k, segment=columns["segment"])
-    found = fit(body(E_star, 0.3 * R).under(Sphere(R), widest), curve, usual())
+    found = fit(body(E_star, 0.3 * R).under(Sphere(R), widest), read(columns, k, "segment"), usual())
     assert "model rejected" not in found.flags
     assert "paraboloid of the same radius, which describes the record" in found.tip
     for name, true in (("E_star", E_star), ("w", w), ("w_approach", w / 2)):
@@ -700,12 +560,10 @@ def test_the_steps_of_a_converter_are_noise() -> None:
     E_star, w, step = 20e3, 2.5e-4, 2e-10
     device = Instrument(0.05, 800, far=1e-6, largest=8e-9, noise=1e-12, offset=-3.4 * step)
     columns = record(E_star, R, w, w, device, 3)
-    P = step * np.rint(columns["P"] / step)
-    curve = Curve("steps", delta=columns["z"] - P / device.k, P=P, stiffness=device.k, segment=columns["segment"])
+    curve = read(columns, device.k, "segment", P=step * np.rint(columns["P"] / step))
     found = fit(body(E_star, 3e-6), curve, usual())
     for name, true in (("E_star", E_star), ("w", w)):
         item = found.estimate(name)
         assert 1e-5 < item.error / item.value < 2e-2
         assert item.value == pytest.approx(true, abs=4 * math.hypot(item.error, *(item.model or {}).values()))
-    assert found.grade is not None
     assert "misfit" not in found.flags

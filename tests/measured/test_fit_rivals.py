@@ -22,8 +22,9 @@ from fit_data import (
     sphere,
     thin_layer,
     usual,
-)  # fmt: skip
+)
 from maugis import Maugis
+from raw_records import inside
 
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Sphere
@@ -113,28 +114,19 @@ def test_a_misfit_is_warned_of_or_held(name: str, seeds: int) -> None:
         if true is not None:
             assert np.mean([warned(one) or held(one, what, true) for one in found]) >= (0.95 if seeds >= 100 else 0.8)
     if name != "w rises by 10 %":  # there w at pull-off is what is found
-        assert np.mean([held(replace(one, estimates=_without_model(one)), "w", truth[0]) for one in found]) < 0.95
+        assert np.mean([inside(one, "w", truth[0]) for one in found]) < 0.95
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [1e-3, 1e-4])
-@pytest.mark.parametrize("points", [60, 200])
 @pytest.mark.parametrize("end", ["P", "delta"])
 @pytest.mark.parametrize("tabor", [0.3, 1.0])
-def test_a_range_is_warned_of_or_held_at_any_noise(tabor: float, end: str, points: int, size: float) -> None:
+def test_a_range_is_warned_of_or_held_at_any_noise(tabor: float, end: str, size: float) -> None:
     """Of micrometres, which count where they are told to be likely: by themselves up to 10 nm do."""
-    body, exact, likely = sphere_of_more(), of_range(tabor, end, points), replace(usual(), range_at_most=1e-5)
+    body, exact, likely = sphere_of_more(), of_range(tabor, end), replace(usual(), range_at_most=1e-5)
     found = [fit(body, noisy(exact, size, seed), likely) for seed in range(100)]
     for what, true in (("w", W), ("E_star", E_STAR)):
-        shares = [warned(one) or held(one, what, true) for one in found]
-        print(
-            f"{tabor}, {end}, {points}, {size}: {what} {np.mean(shares):.2f}, warned {np.mean([*map(warned, found)])}"
-        )
-        assert np.mean(shares) >= 0.95
-
-
-def _without_model(found: Fit) -> tuple:
-    return tuple(replace(item, model=None) for item in found.estimates)
+        assert np.mean([warned(one) or held(one, what, true) for one in found]) >= 0.95
 
 
 @pytest.mark.first(1)

@@ -1,6 +1,5 @@
 """w of a sharp-edged flat punch from what was measured: w = P^2/(8 pi E* R^3) on a half-space, G = w on layers."""
 
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -15,10 +14,16 @@ from jkrcli.bodies.indenters import FlatPunch
 from jkrcli.resolve.analysis import analyse
 
 PUNCH = ("--shape", "flat", "--radius", "1 mm", "--E", "1 MPa")
+CASE = """
+indenter = { shape = "flat", radius = "5 mm" }
+specimen.layers = [{ E = "1 MPa", nu = 0.5, thickness = "1 mm" }]
+loading = { load = "20 N", spacing = "log" }
+adhesion = { w = 0.05 }
+"""
 
 
-def works(jkr: Callable, *options: str) -> dict:
-    return json.loads(jkr("pull-off", *PUNCH, "--load", "50 mN", *options, "--json").out)["results"][0]
+def works(jkr: Callable, *options: str, load: str = "50 mN") -> dict:
+    return jkr("pull-off", *PUNCH, "--load", load, *options, "--json").told["results"][0]
 
 
 @pytest.mark.parametrize("device", ["load", "1e4 N/m", "rigid"])
@@ -55,11 +60,38 @@ def test_work_along_a_punch_leaves_the_pinned_edge_out(jkr: Callable, names: tup
         header = ",".join(name.replace("_m", " (m)").replace("_N", " (N)") for name in names)
         np.savetxt(f"{file}.csv", np.column_stack([rows[name][chosen] for name in names]), "%.17g", ",", header=header,
                    comments="")  # fmt: skip
-    found = json.loads(jkr("work", "punch.h5", "whole.csv", "--no-plots", "--json").out)["results"][0]["curves"][0]
+    found = jkr("work", "punch.h5", "whole.csv", "--no-plots", "--json").told["results"][0]["curves"][0]
     assert found["rows"]["pinned at the rim"] >= np.count_nonzero(stretches["pinned"])
     assert found["w_least_J_per_m2"] == pytest.approx(0.05, rel=1e-6)
     assert found["w"]["all"]["quartiles_J_per_m2"] == pytest.approx([0.05, 0.05], rel=1e-6)
-    refused = jkr("work", "punch.h5", "pinned.csv", "--no-plots")
-    assert refused.code == 2
-    assert "pinned at the rim: G <= w, at least 50 mJ/m^2" in " ".join(refused.err.split())
+    jkr("work", "punch.h5", "pinned.csv", "--no-plots").refused("pinned at the rim: G <= w, at least 50 mJ/m^2")
     assert not Path("pinned-work.csv").exists()
+
+
+@pytest.mark.parametrize("stiffness", ["load", "1 kN/m", "rigid"])
+def test_w_from_pull_off_from_a_layer_is_the_one_that_makes_it(jkr: Callable, stiffness: str) -> None:
+    layer = ["--thickness", "0.5 mm", "--stiffness", stiffness]
+    found = jkr("pull-off", *PUNCH, "--nu", "0.5", *layer, "--w", "0.05", "--json").told["results"][0]
+    force = -found["controls"][0]["pull_off"]["P_N"]
+    assert works(jkr, "--nu", "0.5", *layer, load=f"{force!r} N")["w_J_per_m2"] == pytest.approx(0.05, rel=1e-7)
+
+
+def test_w_along_a_receding_edge(jkr: Callable) -> None:
+    Path("punch.toml").write_text(CASE)
+    assert jkr("cycle", "punch.toml", "--no-plots").code == 0
+    header, *rows = (line.split(",") for line in Path("punch-cycle.csv").read_text().splitlines())
+    a, P, phase = (header.index(name) for name in ("a_m", "P_N", "phase"))
+    # 1 % within the rim an edge may be pinned
+    edge = [row for row in rows if row[phase] == "retraction" and 0 < float(row[a]) < 4.95e-3]
+    assert len(edge) > 50
+    Path("record.csv").write_text("a (m),P (N)\n" + "".join(f"{row[a]},{row[P]}\n" for row in edge))
+    curve = jkr("work", "punch.toml", "record.csv", "--json").told["results"][0]["curves"][0]
+    assert curve["rows"]["ok"] == len(edge)
+    assert curve["w"]["all"]["median_J_per_m2"] == pytest.approx(0.05, rel=1e-9)
+
+
+def test_records_are_not_fitted(jkr: Callable) -> None:
+    Path("record.csv").write_text("delta (um),P (mN)\n" + "".join(f"{i},{i * 0.1}\n" for i in range(1, 30)))
+    err = jkr("fit", "record.csv", "--shape", "flat", "--radius", "1 mm", "--nu", "0.5").err
+    assert "records of a flat punch are not fitted" in err
+    assert "jkr pull-off --load" in err

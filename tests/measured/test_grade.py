@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_fit_record import BODY, TRUE, cycled, usual
+from raw_records import BODY, usual
+from test_fit_record import TRUE, cycled
 
 from jkrcli.measured.archive import DOUBTFUL, FITTED, status_of
 from jkrcli.measured.curve import Curve
@@ -21,7 +22,6 @@ def fitted(curve: Curve, **options: str) -> Fit:
 
 
 def way_back(curve: Curve) -> Curve:
-    assert curve.P is not None
     return curve.rows(np.arange(int(np.argmax(curve.P)), len(curve)))
 
 
@@ -116,7 +116,6 @@ def test_a_misfit_that_nothing_explains_names_no_alternative_and_widens_the_erro
 
 def test_a_retraction_that_is_not_fitted_lacks_no_base_line() -> None:
     whole = cycled(1)
-    assert whole.P is not None
     short = whole.rows(np.arange(int(np.argmin(whole.P)) - 20))  # ends in contact, under tension
     assert "no base line" in segment_force_curve(short).flags
     assert "no base line" not in fitted(short, segment="approach").flags

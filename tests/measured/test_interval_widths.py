@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from fit_data import half_space, sphere, usual
 from force_curves import Instrument, record
+from raw_records import BODY, R
+from raw_records import usual as of_record
 from retractions import GEL, body
 from retractions import record as retraction
 from scipy.fft import dct
 from scipy.signal import lfilter
 from scipy.stats import t as student
 from test_fit_intervals import BODIES, COLUMNS, body_and_curve, noise_of
-from test_fit_record import BODY, R
-from test_fit_record import usual as of_record
 from widths import assert_neither_doubled_nor_halved, mean_squares
 
 from jkrcli.measured.curve import Curve

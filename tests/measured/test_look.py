@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CASES, Outcome
+from conftest import CASES, Outcome, write_table
 from force_curves import Instrument, record
 
 from jkrcli.bodies.indenters import Pyramid, RoundedCone, Sphere
@@ -21,11 +21,9 @@ FORCE = 1.5 * np.pi * W * R
 def table(tmp_path: Path) -> Path:
     device = Instrument(K, 1000, 3e-6, 4 * FORCE, 0.01 * FORCE, FORCE, pause=100)
     columns = record(E_STAR, R, 0.0, W, device, 1)
-    rows = zip(columns["t"], columns["z"], columns["P"], strict=True)
-    lines = [f"{t:.6f},{z * 1e9:.4f},{P * 1e9:.6f}" for t, z, P in rows]
-    path = tmp_path / "probe.csv"
-    path.write_text("\n".join(["t_s,delta_nm,P_nN", *lines]) + "\n")
-    return path
+    rounded = [np.round(values, digits) for values, digits in
+               ((columns["t"], 6), (columns["z"] * 1e9, 4), (columns["P"] * 1e9, 6))]  # fmt: skip
+    return write_table(tmp_path / "probe.csv", "t_s,delta_nm,P_nN", *rounded)
 
 
 def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> None:
@@ -45,12 +43,11 @@ def test_a_rough_w_is_that_of_the_adhesion_force(jkr: Callable[..., Outcome], ta
     assert re.search(
         r"^  rough: E\* = \d+ kPa \(half-space without adhesion, largest load, a = .*\), w = ", done.out, re.M
     )
-    found = json.loads(jkr(*words, "--shape", "paraboloid", "--radius", "5 um", "--json").out)["files"][0]["curves"][0]
+    found = jkr(*words, "--shape", "paraboloid", "--radius", "5 um", "--json").told["files"][0]["curves"][0]
     force = found["retract"]["adhesion_force_N"]
     assert found["rough"]["w_J_per_m2"] == pytest.approx(force / (1.5 * np.pi * R), rel=1e-4)
     assert "rough:" not in jkr(*words).out
-    done = jkr(*words, "--shape", "cone")
-    assert (done.code, done.err) == (2, "jkr: error: look: --half-angle missing\n")
+    jkr(*words, "--shape", "cone").refused("look: --half-angle missing")
     volts = jkr("look", str(table), "--unit", "P=V", "--no-plots", "--radius", "5 um")
     first, _, second, *_ = volts.out.splitlines()
     assert first.startswith("adhesion force unknown, loads in arbitrary units: ")
@@ -59,8 +56,7 @@ def test_a_rough_w_is_that_of_the_adhesion_force(jkr: Callable[..., Outcome], ta
 
 
 def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> None:
-    done = jkr("look", str(table), "--json", "--no-plots")
-    curve = json.loads(done.out)["files"][0]["curves"][0]
+    curve = jkr("look", table, "--json", "--no-plots").told["files"][0]["curves"][0]
     assert curve["flags"] == {}
     assert [part["kind"] for part in curve["segments"]] == ["approach", "dwell", "retract"]
     assert curve["approach"]["base_line"]["noise_N"] == pytest.approx(0.01 * FORCE, rel=0.2)
@@ -84,10 +80,8 @@ def test_a_tip_gives_a_rough_modulus(jkr: Callable[..., Outcome], tmp_path: Path
     z = np.concatenate([way := np.linspace(-700, 300, 2001), way[::-1]])
     load = np.interp(z * 1e-9, delta, P, left=0.0) * 1e9
     noise = np.random.default_rng(0).normal(0, 1e-4 * load.max(), z.size)
-    rows = "".join(f"{x},{p:.8g}\n" for x, p in zip(z, load + noise, strict=True))
-    (tmp_path / "tip.csv").write_text("delta_nm,P_nN\n" + rows)
-    done = jkr("look", "tip.csv", *flags, "--stiffness", "rigid", "--json", "--no-plots")
-    (curve,) = json.loads(done.out)["files"][0]["curves"]
+    write_table(tmp_path / "tip.csv", "delta_nm,P_nN", z, load + noise)
+    (curve,) = jkr("look", "tip.csv", *flags, "--stiffness", "rigid", "--json", "--no-plots").told["files"][0]["curves"]
     depth = 300e-9 - curve["approach"]["touch_m"]
     held, there = np.interp([300e-9, depth], delta, P)
     assert curve["rough"]["E_star_Pa"] == pytest.approx(60e3 * held / there, rel=1e-3)
@@ -97,14 +91,13 @@ def test_a_tip_gives_a_rough_modulus(jkr: Callable[..., Outcome], tmp_path: Path
 
 def test_no_base_line_leaves_nothing_that_is_told_over_it(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
     z = np.concatenate([way := np.linspace(0.2, 1.0, 500), way[::-1]])
-    path = tmp_path / "deep.csv"
-    path.write_text("delta_um,P_nN\n" + "".join(f"{x},{30 * x**1.5}\n" for x in z))
+    path = write_table(tmp_path / "deep.csv", "delta_um,P_nN", z, 30 * z**1.5)
     done = jkr("look", str(path), "--no-plots")
     words = "no straight base line: where contact"
     assert f"approach  {words} begins and the largest load are unknown" in done.out
     assert f"retract   {words} ends and the adhesion force are unknown" in done.out
     assert done.out.count("base line") == 4  # that there is none: the verdict, of each direction and of the record
-    told = json.loads(jkr("look", str(path), "--json", "--no-plots").out)["files"][0]["curves"][0]["retract"]
+    told = jkr("look", str(path), "--json", "--no-plots").told["files"][0]["curves"][0]["retract"]
     assert told["base_line"] is None
     assert told["touch_m"] is None
     assert told["adhesion_force_N_unknown"] == "there is no base line"
@@ -133,8 +126,9 @@ def test_a_radius_of_metres_is_remarked(jkr: Callable[..., Outcome], table: Path
 
 def test_unit_and_factor_overrule_the_file(jkr: Callable[..., Outcome], table: Path) -> None:
     options = ("--unit", "P=pN", "--factor", "P=1000")
-    done, plain = (jkr("look", str(table), *told, "--json", "--no-plots") for told in (options, ()))
-    one, other = (json.loads(item.out)["files"][0]["curves"][0] for item in (done, plain))
+    one, other = (
+        jkr("look", table, *told, "--json", "--no-plots").told["files"][0]["curves"][0] for told in (options, ())
+    )
     assert one["read"] == ['column 3 "P_nN" read in pN as specified, its header says nN']
     assert one["retract"]["largest_load_N"] == pytest.approx(other["retract"]["largest_load_N"], rel=1e-9)
 
@@ -142,23 +136,8 @@ def test_unit_and_factor_overrule_the_file(jkr: Callable[..., Outcome], table: P
 def test_what_cannot_be_read_is_one_line(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
     path = tmp_path / "short.csv"
     path.write_text("delta_um,P_nN\n" + "".join(f"{i},{i}\n" for i in range(5)))
-    done = jkr("look", str(path))
-    assert done.code == 2
-    assert done.err == f"jkr: error: {path}: holds 5 rows, at least 20 are needed to look at\n"
+    jkr("look", str(path)).refused(f"{path}: holds 5 rows, at least 20 are needed to look at")
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_raw_curve_is_fitted_without_a_case_file(jkr: Callable[..., Outcome], table: Path) -> None:
-    body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5")
-    done = jkr("fit", *body, str(table), "--stiffness", "0.05 N/m", "--json", "--no-plots")
-    assert done.code == 0
-    curve = json.loads(done.out)["curves"][0]
-    assert curve["status"] == "fitted"
-    assert curve["quality"] > 0.9
-    assert curve["estimates"]["E_star"]["value"] == pytest.approx(E_STAR, rel=0.02)
-    assert curve["estimates"]["w"]["value"] == pytest.approx(W, rel=0.02)
-    assert not any("of the case" in sentence for sentence in curve["warnings"])
-    assert (table.parent / "probe-fit.csv").exists()
 
 
 def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path) -> None:
@@ -171,48 +150,30 @@ def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path)
     assert "drift_m_per_s" in (table.parent / "probe-fit.csv").read_text()
 
 
-def test_a_body_by_flags_says_what_is_missing(jkr: Callable[..., Outcome], table: Path) -> None:
-    done = jkr("fit", "--radius", "5 um", str(table))
-    assert (done.code, done.err) == (
-        2, "jkr: error: fit: needs a case or solution file, or the specimen from options: --nu missing\n"
-    )  # fmt: skip
-    done = jkr("fit", str(table))
-    assert (done.code, done.err) == (
-        2, "jkr: error: fit: needs --radius and --nu (specimen from options), or a case: jkr fit CASE MEASURED\n"
-    )  # fmt: skip
+@pytest.mark.parametrize(("words", "said"), [
+    (("--radius", "5 um"), "fit: needs a case or solution file, or the specimen from options: --nu missing"),
+    ((), "fit: needs --radius and --nu (specimen from options), or a case: jkr fit CASE MEASURED"),
+    (("sphere.toml", "--radius", "5 um", "--nu", "0.5"), "from options, not both: sphere.toml and --radius, --nu"),
+    (("gel.h5", "--radius", "5 um"), "from options, not both: gel.h5 and --radius"),
+])  # fmt: skip
+def test_a_body_is_a_file_or_flags(jkr: Callable[..., Outcome], table: Path, words: tuple[str, ...], said: str) -> None:
+    """A series file was read as a measured one: "--nu missing"."""
+    if "gel.h5" in words:
+        assert jkr("run", CASES / "soft-gel.toml", "-o", "gel.h5", "-q").code == 0
+    jkr("fit", *words, str(table)).refused(said)
 
 
 def test_a_file_without_any_usable_curve_leaves_its_table_and_picture(
     jkr: Callable[..., Outcome], tmp_path: Path
 ) -> None:
     """Exit code 2 with the reason; the folder can be used again."""
-    path, noise = tmp_path / "free.csv", np.random.default_rng(1).normal(size=400)
     z = np.concatenate([np.linspace(-3, 0, 200), np.linspace(0, -3, 200)])
-    path.write_text("delta_um,P_nN\n" + "".join(f"{x},{y}\n" for x, y in zip(z, noise, strict=True)))
+    path = write_table(tmp_path / "free.csv", "delta_um,P_nN", z, np.random.default_rng(1).normal(size=400))
     words = ("fit", "--radius", "5 um", "--nu", "0.5", "--contact", "fitted", str(path))
     for _ in range(2):
-        done = jkr(*words)
-        assert done.code == 2
-        assert done.err == f"jkr: error: {path}: no contact: the load never leaves its base line\n"
+        jkr(*words).refused(f"{path}: no contact: the load never leaves its base line")
     assert json.loads((tmp_path / "free-fit.json").read_text())["curves"][0]["status"] == "unusable"
     assert (tmp_path / "free-fit-free.png").exists()
-
-
-def test_a_body_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome], table: Path) -> None:
-    done = jkr("fit", "sphere.toml", str(table), "--radius", "5 um", "--nu", "0.5")
-    assert (done.code, done.err) == (
-        2, "jkr: error: fit: give a case or solution file or the specimen from options, not both: sphere.toml and "
-        "--radius, --nu\n"
-    )  # fmt: skip
-
-
-def test_a_series_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome], table: Path) -> None:
-    """It was read as a measured file: "--nu missing"."""
-    assert jkr("run", CASES / "soft-gel.toml", "-o", "gel.h5", "-q").code == 0
-    done = jkr("fit", "gel.h5", str(table), "--radius", "5 um")
-    assert (done.code, done.err) == (
-        2, "jkr: error: fit: give a case or solution file or the specimen from options, not both: gel.h5 and --radius\n"
-    )  # fmt: skip
 
 
 def test_what_is_no_measurement_is_said_to_be_none(jkr: Callable[..., Outcome], table: Path) -> None:
@@ -225,8 +186,7 @@ def test_what_is_no_measurement_is_said_to_be_none(jkr: Callable[..., Outcome], 
         ("run", "gel.h5", "-o", "other.h5"): "gel.h5: is not a text file (byte 0 is not UTF-8); for the case of a "
         "solution file use jkr show --case",
     }.items():
-        done = jkr(*words)
-        assert (done.code, done.err) == (2, f"jkr: error: {line}\n")
+        jkr(*words).refused(line)
 
 
 def test_a_column_of_an_unknown_unit_is_said_to_be_left_out(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
@@ -242,30 +202,19 @@ def test_a_column_of_an_unknown_unit_is_said_to_be_left_out(jkr: Callable[..., O
 def test_a_sensitivity_without_volts_is_refused(jkr, tmp_path: Path) -> None:
     rows = "".join(f"{i},{i * i},{i**3}\n" for i in range(1, 12))
     (tmp_path / "probe.csv").write_text(f"a_um,delta_nm,P_nN\n{rows}")
-    done = jkr("look", "probe.csv", "--sensitivity", "45 nm/V")
-    assert done.code == 2
-    assert done.err == (
-        "jkr: error: probe.csv: --sensitivity converts volts to a deflection, and this file holds no volts, its load "
-        'is column 3 "P_nN": leave it out, or give the unit: --unit P=V\n'
-    )
+    jkr("look", "probe.csv", "--sensitivity", "45 nm/V").refused("this file holds no volts", "--unit P=V")
 
 
-@pytest.mark.parametrize("json_flag", [(), ("--json",)])
-def test_a_file_that_is_missing_among_good_ones_is_an_exit_code(
-    jkr: Callable[..., Outcome], table: Path, tmp_path: Path, json_flag: tuple[str, ...]
-) -> None:
-    done = jkr("look", str(tmp_path / "missing.txt"), str(table), "--stiffness", "0.05 N/m", "--no-plots", *json_flag)
-    assert done.code == 2
-    assert "missing.txt" in done.err
-    assert "2.37" in done.out or json_flag
-    assert "probe" in done.out
+def test_a_file_that_is_missing_among_good_ones_is_an_exit_code(jkr: Callable[..., Outcome], table: Path) -> None:
+    for flags in ((), ("--json",)):
+        done = jkr("look", "missing.txt", table, "--no-plots", *flags)
+        assert (done.code, "missing.txt" in done.err, "probe" in done.out) == (2, True, True)
 
 
 def test_a_table_of_contact_radii_is_called_one(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
     a = np.concatenate([np.linspace(3e-4, 7e-4, 30), np.linspace(7e-4, 3e-4, 30)])
-    rows = [f"{1e6 * r:.3f},{1e6 * r**2 / 1e-2:.4f},{1e3 * 2e9 * r**3:.6f}" for r in a]
-    file = tmp_path / "lens.csv"
-    file.write_text("\n".join(["contact radius (um),displacement (um),load (mN)", *rows]))
+    names = "contact radius (um),displacement (um),load (mN)"
+    file = write_table(tmp_path / "lens.csv", names, 1e6 * a, 1e6 * a**2 / 1e-2, 1e3 * 2e9 * a**3)
     printed = jkr("look", str(file), "--no-plots").out
     assert "loading-unloading table" in printed
     assert "contact radius 300 um to 700 um" in printed

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import described_body
 import numpy as np
 import pytest
+from conftest import write_table
 from force_curves import Instrument, record
 
 from jkrcli.base.executors import executor
@@ -98,9 +100,7 @@ def test_a_folder_of_files_is_a_map(jkr, tmp_path: Path) -> None:
     for number, w in {2: 1e-4, 10: 2e-4, 1: 5e-5}.items():
         force = 1.5 * np.pi * w * R
         made = record(E_STAR, R, 0.0, w, Instrument(K, 300, 3e-6, 4 * force, 0.005 * force), number)
-        rows = zip(made["z"] * 1e6, made["P"] * 1e9, strict=True)
-        text = "piezo (um),force (nN)\n" + "".join(f"{z:.7g},{P:.7g}\n" for z, P in rows)
-        (folder / f"curve{number}.csv").write_text(text)
+        write_table(folder / f"curve{number}.csv", "piezo (um),force (nN)", made["z"] * 1e6, made["P"] * 1e9)
     (folder / "curve3.csv").write_text("no table\n")
     (folder / "photo.png").write_bytes(b"no table")
     outcome = jkr(*BY_FLAGS, "--stiffness", f"{K} N/m", folder, "--no-plots", "-o", tmp_path / "out")
@@ -123,21 +123,12 @@ def test_a_folder_of_files_is_a_map(jkr, tmp_path: Path) -> None:
 
 def test_an_empty_folder_is_refused(jkr, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
-    outcome = jkr(*BY_FLAGS, tmp_path / "empty", "-o", tmp_path / "out")
-    assert outcome.code == 2
-    assert "empty: the folder holds no measured curves" in outcome.err
+    jkr(*BY_FLAGS, tmp_path / "empty").refused("empty: the folder holds no measured curves")
 
 
 def test_a_map_is_named_after_its_file_not_after_the_case(jkr, tmp_path: Path) -> None:
     case = tmp_path / "tip.toml"
-    case.write_text("""[indenter]
-shape = "paraboloid"
-radius = "5 um"
-[specimen]
-half_space = { E = "15 kPa", nu = 0.5 }
-[loading]
-radius = "4 um"
-""")
+    case.write_text(described_body.CASE.format(shape="paraboloid"))
     scan(tmp_path / "scan.h5", ("grid index x", *POSITIONS), [(0, 0), (3, 0)])
     outcome = jkr("fit", case, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out")
     assert outcome.code == 0, outcome.err

@@ -1,11 +1,13 @@
 """Files of force microscopes through the optional package afmformats: real files, written and read back."""
 
 import math
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 
@@ -18,12 +20,7 @@ from jkrcli.measured.segmentation import segment_force_curve
 HEIGHT = np.array([9.0, 5.0, 1.0, 3.0, 8.0]) * 1e-6  # grows away from the specimen
 FORCE = np.array([0.0, 1.0, 40.0, 10.0, -3.0]) * 1e-9
 K = 0.04
-CONTENT = {
-    "force": FORCE,
-    "height (measured)": HEIGHT,
-    "time": np.arange(5.0),
-    "segment": np.array([0, 0, 0, 1, 1]),
-}
+CONTENT = {"force": FORCE, "height (measured)": HEIGHT, "time": np.arange(5.0), "segment": np.repeat([0, 1], [3, 2])}
 
 
 def data(index: int = 0, columns: dict[str, np.ndarray] | None = None, **meta: Any) -> Any:
@@ -35,7 +32,6 @@ def data(index: int = 0, columns: dict[str, np.ndarray] | None = None, **meta: A
 
 
 def written(path: Path, *sets: Any) -> Path:
-    h5py = pytest.importorskip("h5py")
     with h5py.File(path, "w") as file:
         for one in sets:
             one.export_data(file, fmt="hdf5")
@@ -58,7 +54,7 @@ def test_indentation_is_minus_height_minus_deflection(tmp_path: Path) -> None:
 def columns_read(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the columns whose values are read from HDF5 files, in their order."""
     loaded: list[str] = []
-    whole, name = hdf5.values_of, pytest.importorskip("h5py").h5i.get_name
+    whole, name = hdf5.values_of, h5py.h5i.get_name
     monkeypatch.setattr(hdf5, "values_of", lambda data, *of: loaded.append(name(data).decode()) or whole(data, *of))
     return loaded
 
@@ -92,8 +88,6 @@ def test_columns_that_are_not_needed_are_not_read(tmp_path: Path, columns_read: 
 
 def test_damage_to_one_column_is_told_of_its_curve_alone(tmp_path: Path) -> None:
     path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(3)))
-    import h5py
-
     with h5py.File(path) as file:
         place = file["1/force"].id.get_chunk_info(0)
     content = bytearray(path.read_bytes())
@@ -107,8 +101,6 @@ def test_damage_to_one_column_is_told_of_its_curve_alone(tmp_path: Path) -> None
 
 def test_a_map_with_links_in_it_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(2)))
-    import h5py
-
     with h5py.File(path, "a") as file:
         del file["1"]
         file["1"] = h5py.SoftLink("/0")
@@ -140,35 +132,27 @@ def test_one_bad_curve_of_a_map_is_told_and_the_others_follow(tmp_path: Path) ->
 WRONG: dict[str, tuple[Callable[[Path], Path], Reading, str]] = {
     "another spring constant than the file's": (
         lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(stiffness=0.05),
-        "{path}: names a spring constant of 0.04 N/m, with which its loads were computed: leave out --stiffness 0.05",
-    ),
-    "a lever that does not bend": (
-        lambda path: written(path / "m.h5", data()), Reading(stiffness=math.inf),
-        "{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid",
-    ),
+        "names a spring constant of 0.04 N/m, with which its loads were computed: leave out --stiffness 0.05"),
+    "a lever that does not bend": (lambda path: written(path / "m.h5", data()), Reading(stiffness=math.inf),
+                                   "whose cantilever bends: give its stiffness, not rigid"),
     "columns of a file that knows its own": (
         lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(columns={"P": "force"}),
-        "{path}: the columns of a microscope's file and their units are known: leave out --column and --unit, or "
-        "read it as text, --format text",
-    ),
+        "are known: leave out --column and --unit, or read it as text"),
     "no height": (
         lambda path: written(path / "m.h5", data(columns={"force": FORCE, "time": np.arange(5.0)}, spring_constant=K)),
-        Reading(), "{path}: holds no height or no force (columns: force, time)",
-    ),
-    "not there": (
-        lambda path: path / "none.jpk-force", Reading(), "{path}: file of force curves not found",
-    ),
+        Reading(), "holds no height or no force (columns: force, time)"),
+    "not there": (lambda path: path / "none.jpk-force", Reading(), "file of force curves not found"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("mistake", WRONG)
 def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str) -> None:
     pytest.importorskip("afmformats")
-    make, reading, expected = WRONG[mistake]
-    path = make(tmp_path)
+    make, reading, said = WRONG[mistake]
     with pytest.raises(InputError) as caught:
-        measured.read(path, reading)
-    assert str(caught.value) == expected.format(path=path)
+        measured.read(path := make(tmp_path), reading)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert said in str(caught.value)
 
 
 JUNK = {
@@ -194,11 +178,8 @@ def test_what_is_no_such_file_is_refused_quietly(
 
 def test_without_the_package_one_line_says_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "afmformats", None)
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, match=f"needs the optional package afmformats: {re.escape(installs('afm'))}"):
         measured.read(tmp_path / "m.jpk-force")
-    assert str(caught.value) == (
-        f"{tmp_path / 'm.jpk-force'}: needs the optional package afmformats: {installs('afm')}"
-    )
 
 
 def test_a_table_of_names_is_not_taken_for_three_columns_without(tmp_path: Path) -> None:
@@ -208,13 +189,9 @@ def test_a_table_of_names_is_not_taken_for_three_columns_without(tmp_path: Path)
     rows = "".join(f"{1e-5 - i * 1e-9:.4e} {i * 1e-11:.3e} {i * 1e-3:.3f}\n" for i in range(50))
     path = tmp_path / "probe.txt"
     path.write_text("# segment: extend\n# columns: way1 vDeflection time\n# units: m N s\n" + rows)
-    with pytest.raises(InputError) as caught:
+    said = r'are needed, recognised: P = column 2 "vDeflection \[N\]", t = column 3 .* \(columns: 1 "way1 \[m\]", 2 '
+    with pytest.raises(InputError, match=said):
         measured.read(path)
-    assert caught.value.lines == (
-        f"{path}: at least two of contact radius (or area), displacement and load are needed, recognised: P = column 2 "
-        '"vDeflection [N]", t = column 3 "time [s]"; say which columns they are, --column P=NAME (columns: 1 "way1 '
-        '[m]", 2 "vDeflection [N]", 3 "time [s]")',
-    )
 
 
 def test_records_of_creep_and_relaxation_are_read_by_their_motion(
@@ -223,8 +200,8 @@ def test_records_of_creep_and_relaxation_are_read_by_their_motion(
     """JPK numbers their waits as a segment between the directions: 1 was a retraction, and they were refused."""
     afmformats = pytest.importorskip("afmformats")
     z = np.concatenate([np.linspace(1e-6, 0.0, 30), np.full(40, 0.0), np.linspace(0.0, 1e-6, 30)])
-    columns = {"force": np.maximum(2e-7 - z, 0.0) * 1e-3, "height (measured)": z, "time": np.arange(100.0)}
-    columns["segment"] = np.repeat([0, 1, 2], [30, 40, 30])
+    columns = {"force": np.maximum(2e-7 - z, 0.0) * 1e-3, "height (measured)": z, "time": np.arange(100.0),
+               "segment": np.repeat([0, 1, 2], [30, 40, 30])}  # fmt: skip
     for modality in ("creep-compliance", "stress-relaxation"):
         kind = afmformats.AFMCreepCompliance if modality.startswith("creep") else afmformats.AFMStressRelaxation
         made = kind(columns, {"imaging mode": modality, "path": "x.h5", "enum": 0, "point count": 100,

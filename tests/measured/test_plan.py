@@ -1,10 +1,13 @@
 """Which further measurement would narrow E* and w, against the errors of the records that it proposes."""
 
 import math
+from dataclasses import replace
 
+import described_body
 import numpy as np
 import pytest
 from force_curves import Instrument, record
+from raw_records import read
 
 import jkrcli as python
 from jkrcli.base.errors import InputError
@@ -15,8 +18,7 @@ from jkrcli.measured.procedure import fit, further
 from jkrcli.measured.settings import settings_of
 
 E_STAR, W, K, LOAD = 2e5, 1e-3, 0.3, 60e-9
-CASE = '[indenter]\nshape = "paraboloid"\nradius = "5 um"\n[specimen.half_space]\nE = "100 kPa"\nnu = 0.5\n'
-CASE += '[loading]\nradius = "1 um"\npoints = 60\nspacing = "log"\n'
+CASE = described_body.CASE.format(shape="paraboloid")
 
 
 @pytest.fixture(scope="module", name="body")
@@ -26,9 +28,7 @@ def _body() -> FittedBody:
 
 def made(R: float, seed: int, largest: float = LOAD, w: float = W) -> Curve:
     device = Instrument(K, 400, far=2e-6, largest=largest, noise=0.4e-9, offset=1e-8)
-    columns = record(E_STAR, R, 0.2 * w, w, device, seed)
-    P = columns["P"]
-    return Curve(f"{R}", delta=columns["z"] - P / K, P=P, segment=columns["segment"], stiffness=K)
+    return replace(read(record(E_STAR, R, 0.2 * w, w, device, seed), K, "segment"), name=f"{R}")
 
 
 def test_what_is_said_of_another_tip_comes_true(body: FittedBody) -> None:

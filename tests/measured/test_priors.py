@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from test_fit_record import BODY
+from raw_records import BODY
 
 from jkrcli.measured import priors
 from jkrcli.measured.free_rows import DECAY, LAWS, LEVEL, RELAXED, VIRTUAL, WAVE

@@ -5,20 +5,15 @@ from typing import Any
 
 import pytest
 from force_curves import Instrument, record
+from raw_records import BODY, R, usual
 
-from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import JkrError
-from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.measured.curve import Reading
 from jkrcli.measured.files import read
-from jkrcli.measured.forward_model import FittedBody
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.result import Fit
-from jkrcli.measured.settings import settings_of
-from jkrcli.methods.closed_form import ClosedForm
 
-E_STAR, R, W = 20e3, 5e-6, 2.5e-4
+E_STAR, W = 20e3, 2.5e-4
 DEVICE = Instrument(0.05, 400, far=1e-6, largest=8e-9, noise=1e-11, offset=0.0)
 
 
@@ -37,13 +32,10 @@ def test_a_remedy_of_a_misread_curve_leads_to_its_fit(
     made = record(E_STAR, R, W, W, DEVICE, 5)
     lines = [f"{by[0] * z * 1e6:.7f},{by[1] * P * 1e9:.6f}" for z, P in zip(made["z"], made["P"], strict=True)]
     (file := tmp_path / "curve.csv").write_text("\n".join([head, *lines]) + "\n")
-    problem = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(0.75 * E_STAR, 0.5))), Loading("radius", 1e-6, 60))
-    series = ClosedForm()(problem).series
-    body = FittedBody.of(problem, series, slopes(series), extensible=True)
 
     def fitted(**reading: Any) -> Fit:
         (curve,) = read(file, Reading(stiffness=DEVICE.k, **reading))
-        return fit(body, curve, settings_of(body))
+        return fit(BODY, curve, usual())
 
     try:
         found = fitted()

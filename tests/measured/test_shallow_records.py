@@ -5,45 +5,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from force_curves import Instrument, record
+from raw_records import R, body, inside, read
 from shallow_records import drawn
 
-from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.measured.curve import APPROACH, RETRACT, Curve
 from jkrcli.measured.force_curve import radii_at
-from jkrcli.measured.forward_model import FittedBody
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.record import whole_fit
-from jkrcli.measured.result import Fit
 from jkrcli.measured.segmentation import segment_force_curve
 from jkrcli.measured.settings import settings_of
-from jkrcli.methods.closed_form import ClosedForm
 
-R, K, E_STAR, W = 5e-6, 0.1, 2e5, 1e-3  # the pull-off force is 23.6 nN
-
-
-def body() -> FittedBody:
-    problem = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(0.75e5, 0.5))), Loading("radius", 1e-6, 60))
-    series = ClosedForm()(problem).series
-    return FittedBody.of(problem, series, slopes(series), extensible=True)
-
-
-BODY = body()
+K, E_STAR, W = 0.1, 2e5, 1e-3  # the pull-off force is 23.6 nN
+BODY = body(1e5)
 
 
 def pressed(largest: float, w_approach: float = 0.0, seed: int = 3, kind: str = "", **dirt: float) -> Curve:
     """A record up to the load ``largest`` [N], or its direction of one ``kind``."""
     device = Instrument(K, 700, 1.5e-6, largest, noise=2e-11, offset=1e-9, **dirt)
     columns = record(E_STAR, R, w_approach, W, device, seed)
-    z, P = (columns[name][np.isin(columns["segment"], kind or ("approach", "retract"))] for name in "zP")
-    return Curve("made", delta=z - P / K, P=P, stiffness=K)
-
-
-def inside(found: Fit, name: str, true: float) -> bool:
-    item = found.estimate(name)
-    return item.low <= true <= (np.inf if item.high is None else item.high)
+    return read(columns, K).rows(np.flatnonzero(np.isin(columns["segment"], kind or ("approach", "retract"))))
 
 
 @pytest.mark.first(2)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from force_curves import Instrument, record
-from test_fit_record import BODY, R, usual
+from raw_records import BODY, R, read, usual
 
 from jkrcli.base.executors import executor
 from jkrcli.measured.curve import Curve
@@ -17,8 +17,7 @@ from jkrcli.measured.result import Fit
 def cycle(seed: int) -> Curve:
     force, E_star = 1.5 * math.pi * 1e-4 * R, 1e4 * (1 + seed)
     columns = record(E_star, R, 3e-5, 1e-4, Instrument(0.05, 250, 1e-6, 3 * force, 0.01 * force), seed)
-    z, P = columns["z"], columns["P"]
-    return Curve(str(seed), delta=z - P / 0.05, P=P, segment=columns["segment"], stiffness=0.05)
+    return replace(read(columns, 0.05, "segment"), name=str(seed))
 
 
 def numbers(found: Fit | Failure) -> list[object]:

@@ -3,19 +3,14 @@
 import numpy as np
 import pytest
 from force_curves import Instrument, equilibrium, record
+from raw_records import R, body, usual
 
-from jkrcli.adhesion.slopes import slopes
-from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.measured.curve import Curve, Reading
 from jkrcli.measured.files import from_columns
-from jkrcli.measured.forward_model import FittedBody
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.segmentation import SUBTRACTED_TWICE
-from jkrcli.measured.settings import settings_of
-from jkrcli.methods.closed_form import ClosedForm
 
-E_STAR, R, W = 1e5, 5e-6, 2e-4
+E_STAR, W = 1e5, 2e-4
 S = 2 * E_STAR * 1e-6  # of the contact, about [N/m]
 
 
@@ -31,17 +26,13 @@ def read(columns: dict[str, np.ndarray], delta: np.ndarray, stiffness: float | N
     return from_columns({"delta_m": delta, "P_N": columns["P"]}, Reading(stiffness=stiffness))
 
 
-@pytest.mark.parametrize("stiffness", [None, np.inf])
-@pytest.mark.parametrize("ratio", [0.05, 0.5, 5.0])
+@pytest.mark.parametrize(("ratio", "stiffness"), [(0.05, None), (0.5, np.inf), (5.0, None)])
 def test_the_noise_tells_the_stiffness_and_the_fit_holds_the_truth(ratio: float, stiffness: float | None) -> None:
     """With the spring half and a twentieth as stiff as the contact E* was 0.5 and 98 % off, or nothing was fitted."""
     columns = made(ratio * S)
     curve = read(columns, columns["z"] - columns["P"] / (ratio * S), stiffness)
     assert curve.stiffness == pytest.approx(ratio * S, rel=1e-3)  # measured: 1e-4, by the turn
-    problem = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(0.75 * E_STAR, 0.5))), Loading("radius", 2e-6, 60))
-    series = ClosedForm()(problem).series
-    body = FittedBody.of(problem, series, slopes(series), extensible=True)
-    found = fit(body, curve, settings_of(body))
+    found = fit(body(E_STAR, 2e-6), curve, usual())
     assert not found.flags
     for name, true in (("E_star", E_STAR), ("w", W)):
         item = found.estimate(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import shutil
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CASES
+from conftest import CASES, write_table
 from rate_records import retraction
 
 from jkrcli.case import store
@@ -38,8 +39,7 @@ def series_of(jkr: Callable, gel: Path, origin: str) -> Path:
         exact, rng = store.read_solution(gel / "layered.h5").series, np.random.default_rng(0)
         columns = [getattr(exact, name) * (1 + NOISE[origin] * rng.normal(size=len(exact))) for name in ("a", "delta")]
         columns.append(exact.P * (1 + NOISE[origin] * rng.normal(size=len(exact))))
-        rows = "\n".join(",".join(map(repr, row)) for row in np.stack(columns, 1).tolist())
-        Path("table.csv").write_text(f"a_m,delta_m,P_N\n{rows}\n")
+        write_table("table.csv", "a_m,delta_m,P_N", *columns)
         done = jkr("import", "table.csv", "--case", CASES / "gel.toml", "-o", path, "-q")
     else:
         done = jkr("run", CASES / "gel.toml", "--method", origin, "-o", path, "-q")
@@ -74,14 +74,21 @@ def test_a_fit_of_records(jkr: Callable, gel: Path, origin: str) -> None:
         t, delta, P, _ = retraction(body, *LAW, V, 7e-4, math.inf, 250)
         P = P + 0.01 * np.ptp(P) * rng.normal(size=t.size)
         delta = delta + 0.01 * np.ptp(delta) * rng.normal(size=t.size)
-        rows = "\n".join(",".join(map(repr, row)) for row in np.stack([t, delta * 1e6, P * 1e3], 1).tolist())
-        names.append(f"v{V:g}.csv")
-        Path(names[-1]).write_text(f"t_s,delta_um,P_mN\n{rows}\n")
-    done = jkr(
-        "fit", series_of(jkr, gel, origin), *names, "--law", "power", "--free", "w0,v0,n", "--json", "--no-plots"
-    )
-    assert done.code == 0, done.err
-    estimates = json.loads(done.out)["estimates"]
+        names.append(str(write_table(f"v{V:g}.csv", "t_s,delta_um,P_mN", t, delta * 1e6, P * 1e3)))
+    words = ("--law", "power", "--free", "w0,v0,n", "--json", "--no-plots")
+    told = jkr("fit", series_of(jkr, gel, origin), *names, *words).told
+    rows = list(csv.DictReader(Path(f"{origin}-fit.csv").read_text().splitlines()))
+    assert len(rows) == sum(one["rows"] for one in told["records"])
     for name, truth in zip(("w0", "v0", "n"), LAW, strict=True):
-        item = estimates[name]
+        item = told["estimates"][name]
         assert abs(math.log(item["value"] / truth)) < 4 * item["standard_error"] / item["value"]
+
+
+def test_what_is_wrong_is_one_line(jkr: Callable, gel: Path) -> None:
+    for columns, words, said in (
+        ("t_s,delta_um,P_mN", ("--loss", "huber"), "fit: --law does not take --loss huber: leave it out"),
+        ("t_s,delta_um,P_mN", ("--fix", "n=-1"), "fit: n: must be > 0 and <= 100, got -1"),
+        ("a_um,delta_um,P_mN", (), "a.csv: a fit over speed needs t, delta and P, it lacks t"),
+    ):
+        write_table("a.csv", columns, *[np.arange(1.0, 30)] * 3)
+        jkr("fit", gel / "layered.h5", "a.csv", "--law", "power", *words, "-o", ".").refused(said)

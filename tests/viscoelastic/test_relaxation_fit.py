@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import described_body
 import numpy as np
 import pytest
+from conftest import write_table
 from relaxation_records import record
 from ting_records import ramp_record, ting_loads, ting_record
 
@@ -115,29 +115,22 @@ def test_what_cannot_be_fitted(body: FittedBody) -> None:
     ):
         with pytest.raises(InputError, match=line):
             relaxation_fit(body, Curve("made", **columns), relaxation_settings("sls"))
-    with pytest.raises(InputError, match='unknown parameter "ratoi", did you mean "ratio"'):
-        relaxation_settings("sls", [("ratoi", "0.3")])
-    with pytest.raises(InputError, match="time: must be > 0, got -1"):
-        relaxation_settings("sls", [("time", "-1")])
-
-
-def test_one_parameter_by_two_names_is_refused() -> None:
-    """The last was taken in silence."""
-    with pytest.raises(InputError, match="E_star and modulus are one parameter, which is given twice"):
-        relaxation_settings("sls", [("E_star", "1"), ("modulus", "2")])
+    for fixed, line in (
+        ([("ratoi", "0.3")], 'unknown parameter "ratoi", did you mean "ratio"'),
+        ([("time", "-1")], "time: must be > 0, got -1"),
+        ([("E_star", "1"), ("modulus", "2")], "E_star and modulus are one parameter, which is given twice"),
+    ):
+        with pytest.raises(InputError, match=line):
+            relaxation_settings("sls", fixed)
 
 
 @pytest.mark.slow
 def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
     made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.0)
     (tmp_path / "gel.toml").write_text(CASE)
-    rows = np.stack([made.t, made.delta, made.P], axis=1)
-    np.savetxt(tmp_path / "held.csv", rows, delimiter=",", header="t_s,delta_m,P_N", comments="")
-    done = jkr(
-        "fit", "gel.toml", "held.csv", "--free", "relaxation", "--relaxation", "sls", "--fix", "delta0=0", "--json"
-    )
-    assert done.code == 0, done.err
-    found = json.loads(done.out)["fits"][0]
+    write_table("held.csv", "t_s,delta_m,P_N", made.t, made.delta, made.P)
+    words = ("fit", "gel.toml", "held.csv")
+    (found,) = jkr(*words, "--free", "relaxation", "--relaxation", "sls", "--fix", "delta0=0", "--json").told["fits"]
     assert found["estimates"]["ratio"]["value"] == pytest.approx(0.25, abs=0.02)
     assert found["control"] == "displacement"
     assert (tmp_path / "gel-fit.png").exists()
@@ -147,8 +140,7 @@ def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
         (("--relaxation", "sls", "--bound", "w=..1"), "fit: --relaxation does not take --bound"),
         (("--terms", "2"), "fit: --terms: applies only with --relaxation prony"),
     ):
-        done = jkr("fit", "gel.toml", "held.csv", *words)
-        assert (done.code, line in done.err) == (2, True), done.err
+        jkr("fit", "gel.toml", "held.csv", *words).refused(line)
 
 
 def test_a_retraction_that_adheres_and_a_base_line(body: FittedBody) -> None:
@@ -157,10 +149,8 @@ def test_a_retraction_that_adheres_and_a_base_line(body: FittedBody) -> None:
     history = history_of(body, t, x)
     at, rng = np.linspace(0, 5, 6001), np.random.default_rng(3)
     load = history.states(at)[2] + 0.2 + 0.05 * np.interp(at, t, x) - np.where(at > 4.3, 0.3, 0.0)
-    noisy = (column + 0.01 * rng.standard_normal(at.size) for column in (np.interp(at, t, x), load))
-    fit = relaxation_fit(
-        body, Curve("made", t=at, **dict(zip(("delta", "P"), noisy, strict=True))), relaxation_settings("sls")
-    )
+    delta, P = (column + 0.01 * rng.standard_normal(at.size) for column in (np.interp(at, t, x), load))
+    fit = relaxation_fit(body, Curve("made", t=at, delta=delta, P=P), relaxation_settings("sls"))
     assert fit.free[-2:] == ("P0", "tilt")
     assert fit.record.t.size < 1500
     assert "adhesion pulls with" in fit.warnings[0]

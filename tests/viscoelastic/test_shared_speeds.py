@@ -4,7 +4,6 @@ equations (``adhesive_curves.py``); names of spring and dashpot models."""
 from __future__ import annotations
 
 import csv
-import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,6 +13,7 @@ import described_body
 import numpy as np
 import pytest
 from adhesive_curves import Made, cycle, sampled, solid
+from conftest import write_table
 
 import jkrcli as jkr
 from jkrcli.adhesion.finite_range import AttractedBody
@@ -101,31 +101,6 @@ def test_when_half_of_the_tension_is_gone() -> None:
     assert math.isinf(recovers(t, np.zeros(6), 0.0))
 
 
-@pytest.mark.parametrize(
-    ("shared", "own", "line"),
-    [
-        (["delta0"], [], "delta0: is each force curve's own"),
-        (["w"], ["w"], "w: is each force curve's own"),
-        (["wo"], [], 'unknown parameter "wo"'),
-    ],
-)
-def test_what_cannot_be_shared(shared: list, own: list, line: str) -> None:
-    with pytest.raises(InputError, match=line):
-        relaxation_settings("sls", free=["w"], shared=shared, own=own)
-
-
-@pytest.mark.parametrize(
-    ("options", "line"),
-    [
-        ({"shared": ["E_star"]}, "--shared: force curves are fitted together with w: add --free w"),
-        ({"rate": "power", "segment": "retract"}, "--segment retract: whole force curves are fitted together"),
-    ],
-)
-def test_what_does_not_go_together(options: dict, line: str) -> None:
-    with pytest.raises(InputError, match=line):
-        relaxation_settings("sls", **options)
-
-
 def test_an_option_of_joint_fits_alone(jkr: Callable) -> None:
     done = jkr("fit", "gel.toml", "v0.csv", "--relaxation", "sls", "--free", "w", "--own", "w")
     assert "--own: applies only with --shared; leave it out" in done.err
@@ -133,9 +108,7 @@ def test_an_option_of_joint_fits_alone(jkr: Callable) -> None:
 
 def test_a_curve_without_an_approach(body: FittedBody) -> None:
     curve = record(2.0, 0.0, 1)
-    top = int(np.argmax(curve.device))
-    some = slice(top, None)
-    half = Curve("half", t=curve.time[some], delta=curve.depth[some], P=curve.load[some], stiffness=STIFFNESS)
+    half = replace(curve.rows(np.arange(int(np.argmax(curve.device)), len(curve))), name="half")
     with pytest.raises(InputError, match="half: force curves with approach and retraction are fitted together"):
         shared_speeds_fit(body, [curve, half], relaxation_settings("sls", rate="power"))
 
@@ -201,12 +174,9 @@ def test_a_search_that_is_cut_short_says_so(
 def test_the_command(jkr: Callable, tmp_path: Path, two: list[Curve]) -> None:
     (tmp_path / "gel.toml").write_text(CASE)
     for i, curve in enumerate(two):
-        rows = np.stack([curve.time, curve.depth, curve.load], axis=1)
-        np.savetxt(tmp_path / f"v{i}.csv", rows, delimiter=",", header="t_s,delta_m,P_N", comments="")
-    done = jkr("fit", "gel.toml", "v0.csv", "v1.csv", "--relaxation", "sls", "--law", "power", "--fix", "n=0.4",
-               "--json")  # fmt: skip
-    assert done.code == 0, done.err
-    found = json.loads(done.out)
+        write_table(f"v{i}.csv", "t_s,delta_m,P_N", curve.time, curve.depth, curve.load)
+    found = jkr("fit", "gel.toml", "v0.csv", "v1.csv", "--relaxation", "sls", "--law", "power", "--fix", "n=0.4",
+               "--json").told  # fmt: skip
     assert found["rate"]["law"] == "power"
     w = found["estimates"]["w"]
     assert abs(w["value"] - W) < 4 * w["standard_error"]

@@ -489,6 +489,8 @@ class State:
 
 
 def _roughness(roughness: dict[str, str] | None, surface_energy: float | None) -> Roughness | None:
+    if roughness is None and surface_energy is None:
+        return None
     from ..adhesion.roughness import Roughness
 
     return Roughness.of_words(roughness, surface_energy)

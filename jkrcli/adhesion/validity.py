@@ -101,6 +101,13 @@ class Validity:
     large_strains: Strains = None
 
     @property
+    def verdict(self) -> str:
+        """Whether JKR holds, by the Tabor number or, where the tip has none, by what a range changes; "" if unknown."""
+        if isinstance(self.tabor, Unknown):
+            return "" if isinstance(self.effect_of_range, Unknown) else self.regime
+        return f"Tabor number {self.tabor:.3g}: {self.regime}"
+
+    @property
     def warnings(self) -> list[str]:
         """What is beyond a limit, each with its number; empty where all is well or nothing is known."""
         # What is lost without a range, solved for; by the Tabor number where that is not known
@@ -109,7 +116,7 @@ class Validity:
         range_warning = []
         if not isinstance(effect, Unknown):
             if abs(effect) >= LIMITS.effect:
-                range_warning = [f"{_by_range(effect)}{by_tabor}: {REMEDY}"]
+                range_warning = [f"{_by_range(effect)}{by_tabor}{f': {REMEDY}' if by_tabor else ''}"]
         elif not isinstance(number, Unknown) and number < LIMITS.tabor_jkr:
             range_warning = [f"Tabor number {number:.3g} is below {LIMITS.tabor_jkr:g}: {self.regime}"]
         # What large strains do to the load, in per cent where that is known

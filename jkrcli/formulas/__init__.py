@@ -305,6 +305,22 @@ def adhesive_half_space(a: Array, delta_H: Array, P_H: Array, E_star: float, w: 
     return lagging(delta_H, P_H, 2 * E_star * a, shift(w, a, 2 * E_star))
 
 
+def punch_of_range(R: float, w: float, E_star: float, z0: float) -> float:
+    """Pull-off force [N] of a rigid flat punch of radius ``R`` [m] on a half-space, with a tension w/z0 in an annulus
+    at its rim (Maugis and Dugdale): Kendall's where that is narrow, pi R^2 w/z0 where it covers the end.
+
+    Inside a the end is in contact, and the stress is finite at a = R cos(theta); the gap at the rim is z0 at pull-off:
+
+        z0 = 4 sigma R/(pi E*) [theta sin(theta) + cos(theta) - 1],  F = 2 sigma R^2 [theta + sin(theta) cos(theta)].
+    """
+    sigma, low, high = w / z0, 0.0, math.pi / 2
+    while (theta := (low + high) / 2) not in (low, high):
+        # cos(theta) - 1 without cancellation
+        gap = 4 * sigma * R / (math.pi * E_star) * (theta * math.sin(theta) - 2 * math.sin(theta / 2) ** 2)
+        low, high = (theta, high) if gap < z0 else (low, theta)
+    return 2 * sigma * R**2 * (theta + math.sin(theta) * math.cos(theta))
+
+
 def tabor(R: float, w: float, E_star: float, z0: float) -> float:
     """Tabor number (Eq. 1 corrected): (R w^2/(E*^2 z0^3))^(1/3), of ``R`` [m], ``w`` [J/m^2], ``E_star`` [Pa] and the
     range of the forces ``z0`` [m]."""

@@ -135,10 +135,10 @@ class Check(Result):
             error = tables.percent(expected.profile_error)
             yield f"  profile   {error} of the load is uncertain by the points of its table, whatever the method"
         for w, point, judged in expected.adhesion:
-            regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
-            regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
             number = f"none ({judged.tabor})" if isinstance(judged.tabor, Unknown) else f"{judged.tabor:.3g}"
-            tabor = f"Tabor number {number}{regime}"
+            tabor = judged.verdict or f"Tabor number {number}"
+            if range_ != "":
+                tabor = f"Tabor number {number}{'' if isinstance(range_, Unknown) else f'; {range_}'}"
             if isinstance(point, Unknown):
                 lost = point.reason
             else:

@@ -56,7 +56,7 @@ def draw_curves(curves: Sequence[Analysis], scales: Scales | None = None) -> Fig
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
          "theta": "edge_angle"}  # fmt: skip
-ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
+ABOVE = "Tabor", "JKR does not hold"  # how the warnings begin that say again what the line of the Tabor number says
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,11 +235,10 @@ def validity_lines(result: Analysis, *points: CriticalPoint | Unknown) -> list[s
     """JKR holds, is doubtful or does not: by every number that the body has, with pull-off at ``points``, then the
     other warnings."""
     judged = result.validity_at(*points)
-    tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
     warnings += [*yield_warning(result.problem, result.curve.series), *getattr(result.curve, "doubts", ())]
     warnings += faces(result.problem, result.w)
-    lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
+    lines = [judged.verdict, ", ".join(tables.size_words(judged, SIZES)), *warnings]
     return [f"  {line}" for line in lines if line.strip()]
 
 

@@ -478,9 +478,8 @@ def _of_curve(result: Analysis) -> Iterator[str]:
             )
         elif result.w > 0:
             yield f"{name + ' control':<21} not in the solution (see the warning)"
-    tabor = result.validity.tabor
-    if not isinstance(tabor, Unknown):
-        yield f"Tabor number {tabor:.3g}: {result.validity.regime}"
+    if words := result.validity.verdict:
+        yield words
     yield from _comparison(result)
     budget, slopes = result.budget, result.curve.slopes
     largest, name = result.curve.interpolation_error, result.problem.indenter.error_name

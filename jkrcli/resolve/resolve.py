@@ -20,7 +20,7 @@ from ..base.process import PATIENCE, duration
 from ..base.units import show
 from ..bodies.indenters import Sphere
 from ..bodies.problem import PUNCH_WITHOUT_RANGE, Loading, Problem, without_side_walls
-from ..formulas import adhesive_half_space, shift
+from ..formulas import adhesive_half_space, punch_of_range, shift
 from ..methods.layered import contact as stack
 from ..methods.layered import no_slip, solver
 from ..methods.protocol import METHODS, Method, method_class
@@ -385,8 +385,10 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     h = min(point.a, problem.top_thickness)
     if math.pi * z0**2 * problem.E_star / (4 * w) < RANGE_EFFECT_NARROW * h:
         return 0.0
-    if problem.indenter.rim < math.inf:
-        return Unknown(PUNCH_WITHOUT_RANGE)
+    if (R := problem.indenter.rim) < math.inf:
+        if not problem.is_half_space or point.a < R:
+            return Unknown(PUNCH_WITHOUT_RANGE)
+        return punch_of_range(R, w, problem.E_star, z0) / -point.P - 1
     try:
         pull_off = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
     except JkrError as error:

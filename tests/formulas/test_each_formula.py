@@ -3,6 +3,7 @@
 import ast
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
-from scipy.special import sici
+from scipy.special import ellipk, sici
 
 from jkrcli import formulas
 
@@ -256,6 +257,31 @@ def test_device_factors() -> None:
     )
     delta, P = formulas.adhesive(four[:, None], s, v)
     assert_allclose(formulas.device_factors(s, v, k) @ four, np.stack([delta + P / k, P], 1))
+
+
+def test_punch_of_range() -> None:
+    """The stress of Dugdale's annulus, sigma on a < r < R and (2 sigma/pi) arctan(sqrt((R^2 - a^2)/(a^2 - r^2))) within
+    a, leaves the end flat, z0 open at the rim, and carries the force; at the ends Kendall's, and w/z0 everywhere."""
+    R, a, sigma, E_star = 1.0, 0.7, 3.0, 50.0
+
+    def stress(s: float) -> float:
+        return sigma if s >= a else 2 * sigma / math.pi * math.atan(math.sqrt((R**2 - a**2) / (a**2 - s**2)))
+
+    def raised(r: float) -> float:
+        """4/(pi E*) int p s/(r + s) K(m) ds, m = 4 r s/(r + s)^2."""
+        parts = sorted({0.0, r, a, R})
+        whole = sum(quad(lambda s: stress(s) * s / (r + s) * ellipk(4 * r * s / (r + s) ** 2), low, high, limit=200)[0]
+                    for low, high in pairwise(parts))  # fmt: skip
+        return 4 / (math.pi * E_star) * whole
+
+    inside = [raised(r) for r in (0.1, 0.4, 0.65)]
+    assert inside == pytest.approx([inside[0]] * 3, rel=1e-6)
+    gap = inside[0] - raised(R)
+    force = quad(lambda s: 2 * math.pi * s * stress(s), 0, a)[0] + sigma * math.pi * (R**2 - a**2)
+    assert formulas.punch_of_range(R, sigma * gap, E_star, gap) == pytest.approx(force, rel=1e-6)
+    kendall = math.sqrt(8 * math.pi * 0.05 * E_star * R**3)
+    assert formulas.punch_of_range(R, 0.05, E_star, 1e-8) == pytest.approx(kendall, rel=1e-6)
+    assert formulas.punch_of_range(R, 0.05, E_star, 10.0) == pytest.approx(math.pi * R**2 * 0.05 / 10.0, rel=1e-12)
 
 
 def test_tabor() -> None:

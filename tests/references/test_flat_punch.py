@@ -18,6 +18,7 @@ from jkrcli.adhesion.device_path import cycle, stability_under, turning_radius
 from jkrcli.adhesion.pull_off_error import error_of_rows
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import FlatPunch
+from jkrcli.formulas import punch_of_range
 from jkrcli.resolve.analysis import analyse
 
 E, W = 1e6, 0.05
@@ -294,3 +295,12 @@ def test_the_stated_error_of_a_pressed_punch_holds_the_true_one() -> None:
     assert P > 20 * abs(rough.P.min())
     assert abs(P - exact) <= error
     assert error == pytest.approx(float(rough.series.errors["S"][-1]) * delta, rel=0.2)
+
+
+def test_a_small_punch_on_something_stiff_says_what_a_range_changes(jkr: Callable) -> None:
+    Path("punch.toml").write_text(
+        CASE.format(R=1e-8, specimen="half_space = { E = 70e9, nu = 0.2 }", loading="load = 1e-9")
+    )
+    said = jkr("pull-off", "punch.toml", "--stiffness", "load")
+    share = punch_of_range(1e-8, W, 70e9 / 0.96, 0.3e-9) / math.sqrt(8 * math.pi * W * 70e9 / 0.96 * 1e-24)
+    assert f"attraction over the range z0 makes the pull-off force {100 * (1 - share):.3g} % smaller" in said.out

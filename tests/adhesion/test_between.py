@@ -1,11 +1,8 @@
 """Between its rows a series belongs to one energy: dP_H = S d(delta_H), S' the slope of S, the work of a cycle."""
 
-import math
-
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import Nonadhesive, Rows
 from jkrcli.adhesion.device_path import there_and_back
@@ -94,11 +91,3 @@ def test_columns_that_contradict_each_other_are_followed_each_for_itself() -> No
     series = Series(a, delta, P, 2 * a * (1 + 0.5 * (-1) ** np.arange(10)), np.full(10, 2.0))
     body = Nonadhesive(series, slopes(series, "exact"))
     assert body.logs.columns.x.size == 10
-
-
-def test_a_trace_of_ten_thousand_rows_on_a_layer_is_quick() -> None:
-    body = gel(EVEN)
-    with takes_less_than(0.3):  # measured 0.06
-        contact = RateContact(body, PowerRate(1e-6, 0.5), 0.04, 0.04, math.inf, tolerance=1e-8)
-        table = contact.history(there_and_back(1e-5, 1e-6, 1e-6)).table(10_000)
-    assert table["t_s"].size > 10_000

@@ -63,11 +63,6 @@ def test_monotone_cubics_are_those_of_scipy(step: list[float], seed: int, shape:
         assert pchip(x, y)(at, order) == pytest.approx(expected, rel=1e-9, abs=1e-10 * size)
 
 
-def test_a_cubic_is_reproduced() -> None:
-    x = np.array([0.0, 0.1, 1.0, 1.5, 4.0])
-    assert spline_slopes(x, x**3 - 2 * x) == pytest.approx(3 * x**2 - 2, rel=1e-13, abs=1e-12)
-
-
 @given(steps, st.integers(0, 2**32 - 1))
 def test_values_and_slopes_between_and_beyond_the_knots(step: list[float], seed: int) -> None:
     chance = np.random.default_rng(seed)

@@ -238,6 +238,7 @@ def test_check_says_what_transform_will_refuse(jkr, case: str, says: str) -> Non
     assert ("jkr transform includes its range" in found.out) == (not says)
 
 
+@pytest.mark.slow
 def test_a_range_between_those_that_are_tried_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The curve of the guide, 20 pN and 1 pm of noise: its valley is narrower than the ranges to begin with are apart,
     and a search from these ended at 176 pm with four times the noise."""

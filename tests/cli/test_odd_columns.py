@@ -38,6 +38,7 @@ def write(first: Callable[[int], str] | None, name: str = "first", separator: st
     return path
 
 
+@pytest.mark.first(8)
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 @pytest.mark.parametrize(
     "first",

@@ -40,6 +40,7 @@ def shell(folder: Path, line: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("line", "plain"), [
     ("jkr transform <(zcat s.h5.gz) --no-plots --json", "jkr transform s.h5 --no-plots --json"),
     pytest.param("zcat s.toml.gz | jkr check /dev/stdin --json", "jkr check s.toml --json", marks=pytest.mark.slow),

@@ -40,6 +40,7 @@ def test_a_cone_on_a_half_space(jkr: Run) -> None:
     assert forces(found) == pytest.approx([force, force / 9], rel=1e-6)
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("thickness", ["1 mm", "3 um", "50 nm"])
 @pytest.mark.parametrize("base", ["bonded", "frictionless"])
 def test_a_layer_is_that_of_a_case(jkr: Run, thickness: str, base: str) -> None:
@@ -70,6 +71,7 @@ def test_a_layer_far_thinner_than_the_half_space_s_contact(jkr: Run) -> None:
     assert back["w_J_per_m2"] == pytest.approx(W, rel=1e-8)
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize("control", ["load", "rigid", "0.3 N/m"])
 @pytest.mark.parametrize(
     "body",

@@ -100,12 +100,6 @@ def test_thin_layers_obey_dP_equal_S_ddelta() -> None:
         assert np.diff(S)[0] / np.diff(a)[0] == pytest.approx(dS[0], rel=1e-5)
 
 
-def test_tabor_number_of_the_papers_cases() -> None:
-    E_star = 5e9 / (1 - 0.4**2)
-    assert formulas.tabor(100e-6, 50, E_star, 0.3e-9) == pytest.approx(639, abs=0.5)
-    assert formulas.tabor(1e-3, 10, E_star, 0.3e-9) == pytest.approx(471, abs=0.5)
-
-
 @pytest.mark.parametrize("quantity", ["depth", "load", "radius"])
 @pytest.mark.parametrize("spacing", ["radius", "depth", "load", "given"])
 def test_loading_reaches_what_was_asked(quantity: str, spacing: str) -> None:

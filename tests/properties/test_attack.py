@@ -218,6 +218,7 @@ def bombs(most: int) -> dict[str, str]:
     }
 
 
+@pytest.mark.first(4)
 @pytest.mark.parametrize("name", bombs(0))
 def test_a_file_of_as_much_as_can_be_is_refused_soon(jkr, name: str, tuned) -> None:
     """An eighth of what is read, in an eighth of the time; each mistake is told, of very many the first."""

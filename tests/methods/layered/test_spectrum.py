@@ -95,20 +95,6 @@ def test_layer_of_the_substrate_is_a_half_space() -> None:
     assert np.max(np.abs(deviation(specimen, np.geomspace(1e-8, 1e3, 50)))) < ROUNDING
 
 
-@pytest.mark.parametrize("nu", NUS)
-def test_infinitely_stiff_substrate_is_a_rigid_base(nu: float) -> None:
-    k = np.geomspace(1e-2, 10, 20)
-    stiff = compliance_ratio(one_layer(nu, HalfSpace(Elastic(1e14, 0.3))), k)
-    # the substrate adds about 1e-14, against g of 6e-7 at nu = 1/2, k h = 0.01
-    assert stiff == pytest.approx(compliance_ratio(one_layer(nu, Rigid()), k), rel=1e-7)
-
-
-def test_incompressible_limit_is_continuous() -> None:
-    k = np.geomspace(0.1, 10, 20)
-    near = compliance_ratio(one_layer(0.5 - 1e-12, Rigid()), k)
-    assert near == pytest.approx(compliance_ratio(one_layer(0.5, Rigid()), k), rel=1e-8)  # 1e-12/g at k h = 0.1
-
-
 def test_elastic_indenter_adds_its_half_space() -> None:
     specimen, indenter = one_layer(0.4, Rigid()), Elastic(0.5, 0.2)
     k, both = np.geomspace(0.01, 10, 20), contact_modulus(Elastic(1.0, 0.4), Elastic(0.5, 0.2))

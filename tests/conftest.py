@@ -107,6 +107,12 @@ class Outcome:
         assert self.code == 0, self.err
         return json.loads(self.out)
 
+    @property
+    def ok(self) -> "Outcome":
+        """The outcome of a command that ended well."""
+        assert self.code == 0, self.err
+        return self
+
     def refused(self, *said: str) -> None:
         """Is a command that was refused in one line, which holds what is ``said``."""
         assert (self.code, self.out, self.err.count("\n")) == (2, "", 1), self

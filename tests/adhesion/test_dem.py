@@ -1,6 +1,5 @@
 """The contact law for particle codes: its points, its table, and the C that reads it."""
 
-import json
 import math
 import shutil
 import subprocess
@@ -26,9 +25,7 @@ E_STAR, R, W = 1e8, 1e-5, 0.05
 def exported(jkr, specimen: str, *words: str) -> dict:
     Path("x.toml").write_text(CASE.format(specimen=specimen))
     assert jkr("run", "x.toml").code == 0
-    done = jkr("export", "x.h5", "--dem", "--json", *words)
-    assert done.code == 0, done.err
-    return json.loads(done.out)
+    return jkr("export", "x.h5", "--dem", "--json", *words).told
 
 
 def test_points_of_a_half_space_are_those_of_jkr(jkr) -> None:

@@ -58,13 +58,13 @@ def test_elastic_indenter_and_prescribed_load_scale_too(jkr: Callable) -> None:
 
 def test_verbs_take_it(jkr: Callable, pair: tuple[Path, Path]) -> None:
     words = ["--modulus-factor", "3", "--json"]
-    ours = json.loads(jkr("pull-off", "soft.h5", *words).out)["results"][0]
-    theirs = json.loads(jkr("pull-off", "stiff.h5", "--json").out)["results"][0]
+    ours = jkr("pull-off", "soft.h5", *words).told["results"][0]
+    theirs = jkr("pull-off", "stiff.h5", "--json").told["results"][0]
     assert (ours["modulus_factor"], theirs["modulus_factor"]) == (3.0, 1.0)
     for one, other in zip(ours["controls"], theirs["controls"], strict=True):
         for key in ("P_N", "delta_m", "a_m"):
             assert one["pull_off"][key] == pytest.approx(other["pull_off"][key], rel=1e-6)
-    cycles = [json.loads(jkr("cycle", *call).out) for call in (["soft.h5", *words], ["stiff.h5", "--json"])]
+    cycles = [jkr("cycle", *call).told for call in (["soft.h5", *words], ["stiff.h5", "--json"])]
     assert cycles[0]["energy_lost_J"] == pytest.approx(cycles[1]["energy_lost_J"], rel=1e-6)
 
 

@@ -226,11 +226,11 @@ def test_verbs_carry_it(jkr: Any, tmp_path: Path) -> None:
         'E = "1 MPa"\nnu = 0.5\n[loading]\nradius = "12 um"\n[adhesion]\nw = "50 mJ/m^2"\n'
     )
     assert jkr("run", "film.toml").code == 0
-    lost = json.loads(jkr("pull-off", "film.h5", "--roughness", WORDS, "--json").out)["results"][0]
+    lost = jkr("pull-off", "film.h5", "--roughness", WORDS, "--json").told["results"][0]
     U = lost["roughness"]["elastic_energy_J_per_m2"]
     assert lost["w_smooth_J_per_m2"] - lost["w_J_per_m2"] == pytest.approx(U, rel=1e-12)
     force = -lost["controls"][0]["pull_off"]["P_N"]
-    plain = json.loads(jkr("pull-off", "film.h5", "--w", repr(lost["w_J_per_m2"]), "--json").out)["results"][0]
+    plain = jkr("pull-off", "film.h5", "--w", repr(lost["w_J_per_m2"]), "--json").told["results"][0]
     assert plain["controls"] == lost["controls"]
     back = jkr("pull-off", "film.h5", "--load", f"{force!r} N", "--roughness", WORDS, "--json")
     measured = json.loads(back.out)["results"][0]
@@ -241,7 +241,7 @@ def test_verbs_carry_it(jkr: Any, tmp_path: Path) -> None:
     row = dict(zip(header.split(","), first.split(","), strict=True))
     assert float(row["w_J_per_m2"]) == lost["w_J_per_m2"]
     assert float(row["w_smooth_J_per_m2"]) == 0.05
-    checked = json.loads(jkr("check", "film.toml", "--roughness", WORDS, "--json").out)["adhesion"][0]
+    checked = jkr("check", "film.toml", "--roughness", WORDS, "--json").told["adhesion"][0]
     assert checked["w_J_per_m2"] == lost["w_J_per_m2"]
     text = " ".join(jkr("pull-off", "film.h5", "--roughness", WORDS, "-v").out.split())
     assert "42.02 mJ/m^2 at least, by full conformal contact, of 50 mJ/m^2 between smooth surfaces" in text

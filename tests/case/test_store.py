@@ -345,8 +345,7 @@ def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable,
         ("explore", "old.h5"),
         ("compare", "old.h5", "old.h5"),
     ):
-        done = jkr(*words)
-        assert done.code == 0, done.err
+        done = jkr(*words).ok
         assert done.err.count(warning) == 1, words
     assert store.NO_DIGEST in jkr("show", "old.h5", "--json").out
     assert store.NO_DIGEST in (tmp_path / "old-w50.json").read_text()
@@ -387,8 +386,7 @@ def test_transform_opens_each_file_once_and_reads_its_case_once(
         monkeypatch.setattr(module, name, counted(getattr(module, name)))
     plain = store.parse_case
     monkeypatch.setattr(store, "parse_case", lambda text, source: parsed.append(source) or plain(text, source))
-    done = jkr("transform", path, other, "--w", "40", "--w", "50", "--no-plots")
-    assert done.code == 0, done.err
+    assert jkr("transform", path, other, "--w", "40", "--w", "50", "--no-plots").code == 0
     assert (opened.count("data.h5"), opened.count("other.h5")) == (1, 1)
     assert parsed == [f"{path}: case", f"{other}: case"]
 

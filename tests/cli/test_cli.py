@@ -33,8 +33,7 @@ def test_run_writes_the_case_stem_here_and_transform_beside_it(jkr, tmp_path: Pa
     outcome = jkr("run", HALFSPACE, "--method", "closed-form")
     assert (outcome.code, outcome.err) == (0, "")
     assert files(tmp_path) == ["halfspace.h5"]
-    outcome = jkr("transform", "halfspace.h5")
-    assert outcome.code == 0
+    outcome = jkr("transform", "halfspace.h5").ok
     names = [f"halfspace-w50{ending}" for ending in (".csv", ".json", ".png", ".svg")]
     assert files(tmp_path) == [*names, "halfspace.h5"]
     assert (tmp_path / names[0]).read_text().splitlines()[0].split(",")[: len(COLUMNS)] == COLUMNS
@@ -50,8 +49,7 @@ def test_run_writes_the_case_stem_here_and_transform_beside_it(jkr, tmp_path: Pa
 
 def test_many_works_with_units_and_no_adhesion(jkr, tmp_path: Path) -> None:
     jkr("run", HALFSPACE, "--method", "layered", "-o", "x.h5")
-    outcome = jkr("transform", "x.h5", "--w", "35 mJ/m^2", "--w", "0", "--w", "7", "-o", "out", "--no-plots")
-    assert outcome.code == 0
+    assert jkr("transform", "x.h5", "--w", "35 mJ/m^2", "--w", "0", "--w", "7", "-o", "out", "--no-plots").code == 0
     assert files(tmp_path / "out") == [f"x-w{w}.{end}" for w in ("0.035", "0", "7") for end in ("csv", "json")]
     nonadhesive = read_curve(tmp_path / "out" / "x-w0.csv")
     np.testing.assert_array_equal(nonadhesive["P_N"], nonadhesive["P_H_N"])
@@ -92,8 +90,7 @@ def test_change_of_units_scales_every_output(jkr, tmp_path: Path) -> None:
 def test_compare_agrees_differs_and_refuses(jkr, tmp_path: Path) -> None:
     jkr("run", HALFSPACE, "--method", "closed-form", "-o", "a.h5")
     jkr("run", HALFSPACE, "--method", "layered", "-o", "b.h5")
-    outcome = jkr("compare", "a.h5", "b.h5", "--rtol", "1e-10", "--column", "P", "--column", "S", "--plot", "d.png")
-    assert outcome.code == 0
+    outcome = jkr("compare", "a.h5", "b.h5", "--rtol", "1e-10", "--column", "P", "--column", "S", "--plot", "d.png").ok
     assert outcome.out.startswith("a.h5 against b.h5: agree at rtol 1e-10\n")
     assert (tmp_path / "d.png").exists()
     text = HALFSPACE.read_text().replace('shape = "sphere"', 'shape = "paraboloid"')
@@ -297,8 +294,7 @@ def test_auto_takes_the_tolerance_that_a_failure_advises(jkr, tmp_path: Path) ->
         '[loading]\nradius = "10 mm"\npoints = 10\n[layered]\ntolerance = 1e-12\n'
     )
     jkr("run", "thin.toml", "--method", "layered").refused("above the tolerance 1.0e-12; set layered.tolerance to ")
-    outcome = jkr("run", "thin.toml")
-    assert outcome.code == 0
+    outcome = jkr("run", "thin.toml").ok
     assert "method    layered: to a tolerance of " in outcome.out
     assert "because layered failed (layered: the estimated relative error is " in outcome.out
 

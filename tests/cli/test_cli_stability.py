@@ -57,9 +57,7 @@ def test_pull_off_in_words(jkr, body: Path) -> None:
 
 
 def test_pull_off_as_json(jkr, body: Path) -> None:
-    (result,) = json.loads(jkr("pull-off", "p.h5", "--json", "--stiffness", "100 kN/m", "--stiffness", "rigid").out)[
-        "results"
-    ]
+    (result,) = jkr("pull-off", "p.h5", "--json", "--stiffness", "100 kN/m", "--stiffness", "rigid").told["results"]
     spring, rigid = result["controls"]
     assert (spring["control"], spring["stiffness_N_per_m"]) == ("instrument stiffness 100 kN/m", 1e5)
     assert (rigid["control"], rigid["stiffness_N_per_m"]) == ("displacement control", None)
@@ -94,7 +92,7 @@ def test_the_work_of_adhesion_behind_a_measured_pull_off(jkr, body: Path) -> Non
         ]
         assert lines[3].startswith("  Tabor number 408")
     jkr("run", CASES / "gel.toml")
-    found = json.loads(jkr("pull-off", "gel.h5", "--load", "1.4833 mN", "--json").out)["results"][0]
+    found = jkr("pull-off", "gel.h5", "--load", "1.4833 mN", "--json").told["results"][0]
     assert found["w_J_per_m2"] == pytest.approx(
         40e-3, rel=5e-5, abs=0
     )  # the gel at 40 mJ/m^2, published to five digits
@@ -168,7 +166,7 @@ def test_cycle_writes_what_the_device_records(jkr, body: Path) -> None:
 
 
 def test_cycle_defaults_to_the_case_and_a_rigid_device(jkr, body: Path) -> None:
-    found = json.loads(jkr("cycle", "p.h5", "--json", "--no-plots", "-o", "out").out)
+    found = jkr("cycle", "p.h5", "--json", "--no-plots", "-o", "out").told
     assert (found["control"], found["stiffness_N_per_m"]) == ("displacement control", None)
     assert found["w_approach_J_per_m2"] == found["w_retract_J_per_m2"] == 50.0
     assert [path.name for path in (body / "out").iterdir()] == ["p-cycle.csv"]
@@ -186,7 +184,7 @@ def test_study_writes_the_map(jkr, tmp_path: Path) -> None:
     table = rows(tmp_path / "map" / "pull-off-map.csv")
     assert [float(row["minus_P_over_pi_w_R"]) for row in table] == pytest.approx([1.6267, 1.7936], abs=5e-5)
     assert jkr(*words).code == 0  # replaces its own files
-    found = json.loads(jkr(*words, "--json", "--no-plots").out)
+    found = jkr(*words, "--json", "--no-plots").told
     assert found["base"] == ["bonded"] * 2
 
 

@@ -288,10 +288,9 @@ def test_large_strains_stand_beside_a_program_that_parts_the_surfaces(jkr: Calla
     case.write_text(SOFT.format(unit="kPa", nu=0.5, relaxation=""))
     for name, end in (("parts", "-3 um"), ("stays", "0.2 um")):
         (tmp_path / f"{name}.csv").write_text(f"t,x\ns,um\n0,-0.5\n1,0.5\n2,{end.split()[0]}\n")
-    whole = json.loads(jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path).out)
+    whole = jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path).told
     assert len(whole["large_strains"]) == 2
-    done = jkr("cycle", case, "--program", tmp_path / "parts.csv", "--no-plots", "--json", "-o", tmp_path)
-    assert done.code == 0, done.err
+    done = jkr("cycle", case, "--program", tmp_path / "parts.csv", "--no-plots", "--json", "-o", tmp_path).ok
     assert json.loads(done.out)["large_strains"] == whole["large_strains"]
     printed = jkr("cycle", case, "--program", tmp_path / "parts.csv", "--no-plots", "-o", tmp_path, "--force").out
     assert "of the pull-off force (model)" in printed
@@ -304,8 +303,6 @@ def test_large_strains_stand_beside_a_cycle_from_rest(jkr: Callable, tmp_path: P
     case = tmp_path / "ball.toml"
     relaxation = '[specimen.relaxation]\nlaw = "sls"\nratio = 0.35\ntime = "1 s"'
     case.write_text(SOFT.format(unit="kPa", nu=0.5, relaxation=relaxation))
-    done = jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path)
-    assert done.code == 0, done.err
-    limits = json.loads(done.out)["limits"]
+    limits = jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path).told["limits"]
     assert [len(limits[name]["large_strains"]) for name in ("very fast", "very slow")] == [2, 2]
     assert "not estimated, a/R" in limits["from rest"]["large_strains_reason"]

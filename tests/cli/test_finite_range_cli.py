@@ -231,8 +231,7 @@ def test_check_says_what_transform_will_refuse(jkr, case: str, says: str) -> Non
     """And not that JKR holds, which was not asked."""
     text = case if "range" in case else case.replace("[adhesion]", "[adhesion]\nrange = '0.5 nm'")
     Path("my.toml").write_text(text)
-    found = jkr("check", "my.toml")
-    assert found.code == 0
+    found = jkr("check", "my.toml").ok
     assert "JKR holds" not in found.out
     assert says in found.err
     assert ("jkr transform includes its range" in found.out) == (not says)

@@ -39,15 +39,13 @@ def test_help_lists_every_verb_in_a_group(jkr: Callable) -> None:
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_verb_has_help_with_an_example(jkr: Callable, verb: str) -> None:
-    done = jkr(verb, "--help")
-    assert done.code == 0
+    done = jkr(verb, "--help").ok
     assert f"\n  jkr {verb}" in done.out, "no example"
 
 
 @pytest.mark.parametrize("study", STUDIES)
 def test_every_study_has_help_with_an_example(jkr: Callable, study: str) -> None:
-    done = jkr("study", study, "--help")
-    assert done.code == 0
+    done = jkr("study", study, "--help").ok
     assert f"\n  jkr study {study}" in done.out, "no example"
 
 

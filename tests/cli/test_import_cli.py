@@ -2,7 +2,6 @@
 
 import importlib
 import itertools
-import json
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +49,7 @@ def test_after_import_every_verb_works_as_on_our_own(jkr, table: Path, tmp_path:
         '  columns   P = column 3 "RF2 (mN)", a = column 1 "contact radius (um)", delta = column 2 "U2 (um)"; '
         "separated by: semicolon",
     ]
-    summary = json.loads(jkr("transform", "t.h5", "--no-plots", "--json").out)["results"][0]
+    summary = jkr("transform", "t.h5", "--no-plots", "--json").told["results"][0]
     assert summary["method"] == "import"
     # Exact data on 60 points: the slopes are polynomials, which their splines hold; 1e-12 measured.
     assert summary["pull_off"]["load"]["P_N"] == pytest.approx(-1.5 * np.pi * 0.05 * 1e-3, rel=1e-11)
@@ -83,7 +82,7 @@ def test_bodies_by_flags(jkr, table: Path) -> None:
     jkr("import", table, "--case", "my.toml", "-o", "case.h5")
     assert jkr("import", table, *BODY, "-o", "flags.h5").code == 0
     assert store.read_solution("flags.h5").problem.key == store.read_solution("case.h5").problem.key
-    found = json.loads(jkr("import", table, *BODY, "--thickness", "1 mm", "--base", "frictionless", "--json").out)
+    found = jkr("import", table, *BODY, "--thickness", "1 mm", "--base", "frictionless", "--json").told
     assert (found["file"], found["points"], found["method"]) == ("t.h5", 60, "import")
     model = parse_case(store.read_solution("t.h5").record.toml.encode(), "t").model
     assert (model.specimen.base, model.specimen.layers[0].thickness) == ("frictionless", 1e-3)

@@ -1,6 +1,5 @@
 """``jkr pull-off`` of a body by flags: no case file, no series file, as far as the question needs."""
 
-import json
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -15,9 +14,7 @@ Run = Callable[..., Outcome]
 
 
 def lost(jkr: Run, *words: str) -> Mapping[str, Any]:
-    done = jkr("pull-off", *words, "--json")
-    assert done.code == 0, done.err
-    (result,) = json.loads(done.out)["results"]
+    (result,) = jkr("pull-off", *words, "--json").told["results"]
     found: Mapping[str, Any] = result
     return found
 

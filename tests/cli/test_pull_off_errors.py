@@ -1,6 +1,5 @@
 """``jkr pull-off`` states errors: of the points, and of w from a measured force and uncertain inputs."""
 
-import json
 import math
 from pathlib import Path
 
@@ -32,9 +31,8 @@ def solved(jkr, text: str) -> None:
 
 def test_points_carry_their_errors(jkr) -> None:
     solved(jkr, CASE)
-    outcome = jkr("pull-off", "x.h5", "--stiffness", "load", "--stiffness", "5 N/m")
-    assert outcome.code == 0
-    told = json.loads(jkr("pull-off", "x.h5", "--json").out)["results"][0]
+    assert jkr("pull-off", "x.h5", "--stiffness", "load", "--stiffness", "5 N/m").code == 0
+    told = jkr("pull-off", "x.h5", "--json").told["results"][0]
     for control, exact in zip(told["controls"], (-1.5, -5 / 6), strict=True):
         point = control["pull_off"]
         error = abs(point["P_N"] / (exact * math.pi * 50e-3 * 50e-6) - 1)
@@ -50,16 +48,14 @@ def test_points_carry_their_errors(jkr) -> None:
 def test_the_radius_at_pull_off_is_that_of_the_control(jkr, words: tuple[str, ...]) -> None:
     """Of a half-space 3^(-2/3) = 0.48 of that under load control."""
     solved(jkr, CASE)
-    told = json.loads(jkr("pull-off", "x.h5", "--json", *words).out)["results"][0]
+    told = jkr("pull-off", "x.h5", "--json", *words).told["results"][0]
     point = told["pull_off"] if "--load" in words else told["controls"][0]["pull_off"]
     assert told["validity"]["a_over_R_pull_off"] == pytest.approx(point["a_m"] / 50e-6, rel=1e-12)
     assert f"a/R at pull-off = {point['a_m'] / 50e-6:.3g}" in jkr("pull-off", "x.h5", *words).out
 
 
 def inverse(jkr, *words: str) -> dict:
-    outcome = jkr("pull-off", "x.h5", "--json", *words)
-    assert outcome.code == 0, outcome.err
-    return json.loads(outcome.out)["results"][0]
+    return jkr("pull-off", "x.h5", "--json", *words).told["results"][0]
 
 
 @pytest.mark.slow

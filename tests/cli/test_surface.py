@@ -43,13 +43,13 @@ def folder(tmp_path):
 @pytest.mark.slow
 def test_the_surface_goes_from_the_case_to_every_summary(jkr, folder):
     for surface in ("sliding", "sticking"):
-        told = json.loads(jkr("run", folder / f"{surface}.toml", "-o", folder / f"{surface}.h5", "--json").out)
+        told = jkr("run", folder / f"{surface}.toml", "-o", folder / f"{surface}.h5", "--json").told
         assert told["surface"] == surface
         assert told["sticking"]["load"] == pytest.approx(1.5, abs=0.1)
         path = folder / f"{surface}.h5"
         assert read(path).problem.sticks == (surface == "sticking")
         assert f"surface   {surface}" in jkr("show", path).out
-        result = json.loads(jkr("transform", path, "--json", "--no-plots").out)["results"][0]
+        result = jkr("transform", path, "--json", "--no-plots").told["results"][0]
         assert result["surface"] == surface
         assert result["sticking"]["pull_off"][0]["ratio"] == pytest.approx(0.956, abs=0.005)
 

@@ -1,6 +1,5 @@
 """Surface tension from the command line: what is refused and why, what is stated, what check tells where it is none."""
 
-import json
 import re
 
 import pytest
@@ -69,7 +68,7 @@ def test_refused_in_one_line_with_a_remedy(jkr, gel, change, said):
 def test_a_gel_with_surface_tension(jkr, gel):
     gel()
     assert jkr("run", "gel.toml").code == 0
-    found = json.loads(jkr("pull-off", "gel.h5", "--json").out)
+    found = jkr("pull-off", "gel.h5", "--json").told
     assert found["results"][0]["validity"]["edge_angle"] == pytest.approx((2 / 30) ** 0.5)
     assert "theta = 0.258" in jkr("pull-off", "gel.h5").out
     steep = jkr("pull-off", "gel.h5", "--w", "10 mJ/m^2")
@@ -83,7 +82,7 @@ def test_check_says_what_a_surface_tension_would_change(jkr, gel):
     gel((TENSION + "\n[[specimen.layers]]", "[specimen.half_space]"), ('thickness = "10 um"\n', ""),
         ('radius = "1.2 um"', 'radius = "0.3 mm"'), ('radius = "5 um"', 'radius = "3 mm"'),
         ('w = "1 mJ/m^2"', "w = 0"))  # fmt: skip
-    rows = {row["name"]: row for row in json.loads(jkr("check", "gel.toml", "--json").out)["left_out"]}
+    rows = {row["name"]: row for row in jkr("check", "gel.toml", "--json").told["left_out"]}
     row = rows["surface tension 30 mN/m"]
     kappa = 2 * 30e-3 / (5e3 / 0.75)
     assert row["load"] == pytest.approx(3 * kappa / (3.141593 * 0.3e-3), rel=0.1)

@@ -57,8 +57,7 @@ DEAR: tuple[tuple[object, ...], ...] = (
 
 def judge(jkr: Callable, words: tuple[object, ...], whole: list[str]) -> None:
     """``whole``: what was said, before it was folded."""
-    done = jkr(*words)
-    assert done.code == 0, done.err
+    done = jkr(*words).ok
     wide = [line for line in (done.out + done.err).splitlines() if len(line) > 80]
     assert [line for line in wide if len(line.split()) > 1 and max(map(len, line.split())) < 76] == []
     lines = done.out.splitlines()

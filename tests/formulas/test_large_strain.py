@@ -1,7 +1,6 @@
 """Pull-off at large strains: the first order by its energy, the ranges where elements measured them, who is told."""
 
 import csv
-import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -87,15 +86,14 @@ def test_whose_change_is_known() -> None:
 def test_no_nine_digits_where_strains_are_large(jkr: Callable) -> None:
     """R 5 um, E 5 kPa, nu 1/2, w 1 mJ/m^2: once "below 1e-9", "JKR holds" at wc = 0.31."""
     where = ("--shape", "paraboloid", "--radius", "5 um", "--nu", 0.5, "--w", "1 mJ/m^2")
-    done = jkr("pull-off", "--E", "5 kPa", *where)
-    assert done.code == 0, done.err
+    done = jkr("pull-off", "--E", "5 kPa", *where).ok
     for gone in ("below 1e-", "JKR holds", "23.56 nN (load)"):
         assert gone not in done.out
     assert "large strains beyond the estimate" in " ".join(done.out.split())
     done = jkr("pull-off", "--E", "100 kPa", *where)
     assert "pull-off force 23.6 nN (load)" in done.out
     assert "large strains -5.9 to +1.4 % (model)" in done.out
-    found = json.loads(jkr("pull-off", "--E", "100 kPa", *where, "--json").out)["results"][0]
+    found = jkr("pull-off", "--E", "100 kPa", *where, "--json").told["results"][0]
     point = found["controls"][0]["pull_off"]
     assert point["large_strains"] == [pytest.approx(-0.059, abs=1e-3), pytest.approx(0.0144, abs=1e-3)]
     assert point["P_err_N"] < 1e-6 * abs(point["P_N"])  # the numerical error is its own
@@ -105,7 +103,7 @@ def test_no_nine_digits_where_strains_are_large(jkr: Callable) -> None:
 def test_every_w_of_a_force_carries_them(jkr: Callable) -> None:
     words = ("pull-off", "--shape", "paraboloid", "--radius", "5 um", "--E", "100 kPa", "--nu", 0.5, "--load", "23 nN")
     assert "large strains -1.4 to +6.2 % (model)" in jkr(*words).out
-    found = json.loads(jkr(*words, "--json").out)["results"][0]
+    found = jkr(*words, "--json").told["results"][0]
     assert found["large_strains"] == [pytest.approx(-0.0141, abs=1e-3), pytest.approx(0.062, abs=1e-3)]
     glass = ("pull-off", "--radius", "5 um", "--E", "1 GPa", "--nu", 0.3, "--load", "1 uN")
     assert "large strains" not in jkr(*glass).out
@@ -145,10 +143,9 @@ quantities = ["pull_off.load.P_N"]
 def test_rows_of_a_sweep_say_them(jkr: Callable, tmp_path: Path) -> None:
     """wc of 0.31, 0.11 and 0.005: unknown with the reason, the largest change, none; once none of it was told."""
     (tmp_path / "s.toml").write_text(SWEEP)
-    done = jkr("sweep", tmp_path / "s.toml", "-o", tmp_path / "out")
-    assert done.code == 0, done.err
+    done = jkr("sweep", tmp_path / "s.toml", "-o", tmp_path / "out").ok
     assert "large strains change the pull-off force in 2" in " ".join(done.out.split())
-    assert json.loads(jkr("sweep", tmp_path / "s.toml", "-o", tmp_path / "out", "--json").out)["large_strains"] == 2
+    assert jkr("sweep", tmp_path / "s.toml", "-o", tmp_path / "out", "--json").told["large_strains"] == 2
     with (tmp_path / "out" / "table.csv").open() as file:
         soft, rubber, stiff = csv.DictReader(file)
     name = "validity.large_strains"

@@ -1,6 +1,5 @@
 """What would cost too much is refused before it begins, with its estimate; what costs much is announced."""
 
-import json
 import math
 import os
 import resource
@@ -192,7 +191,7 @@ radius = "50 um"
 [adhesion]
 w = "50 mJ/m^2"
 """)
-    told = json.loads(jkr("check", "thin.toml", "--json").out)
+    told = jkr("check", "thin.toml", "--json").told
     options = {option["name"]: option for option in told["options"]}
     assert "needs 9000 nodes for 100 radii (limit 4000)" in options["layered"]["refusal"]
     assert told["method"] == "fem"

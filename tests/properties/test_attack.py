@@ -112,8 +112,7 @@ def test_names_that_are_no_text_work(jkr, series: Path) -> None:
              ("work", f"{name}.h5", f"{name}.csv"), ("show", f"{name}.h5"), ("transform", f"{name}.h5"),
              ("bench", f"{name}.toml", "--repeat", "1"))  # fmt: skip
     for line in lines:
-        done = jkr(*line)
-        assert done.code == 0, done.err
+        assert jkr(*line).code == 0
     assert jkr("show", f"{name}.h5").out.count("jkr run 'x\\udcff.toml'") == 1
 
 
@@ -130,8 +129,7 @@ def test_no_word_of_a_foreign_file_steers_the_terminal(jkr, series: Path) -> Non
         edit(series, lambda file, group=group: file[group].attrs.__setitem__("x", escape))
     edit(series, lambda file: file.attrs.__setitem__("command_line", escape))
     for verb in ("show", "transform"):
-        done = jkr(verb, series)
-        assert done.code == 0
+        done = jkr(verb, series).ok
         assert all(line.isprintable() for line in (done.out + done.err).splitlines())
 
 
@@ -143,8 +141,7 @@ def test_a_case_that_is_shown_steers_no_terminal_and_reads_back(jkr, series: Pat
     before = parse_case(read_text(series), "x").model
     text = "# \x85\n" + read_text(series).decode().replace('"plain"', f"'{STEERING}'")
     edit(series, lambda file: _replace(file, "case", text))
-    done = jkr("show", "--case", series)
-    assert done.code == 0
+    done = jkr("show", "--case", series).ok
     assert all(map(str.isprintable, done.out.split("\n")))
     again = parse_case(done.out.encode(), "x").model
     assert again.title == STEERING
@@ -166,8 +163,7 @@ def _replace(file: h5py.File, name: str, text: str) -> None:
 def test_what_is_printed_of_foreign_files_steers_no_terminal(jkr, series: Path, verb: tuple[str, ...]) -> None:
     name = "a\x9b31m"
     shutil.copy(series.with_suffix(".toml") if verb[0] == "check" else series, f"{name}.h5")
-    done = jkr(verb[0], f"{name}.h5", *verb[1:])
-    assert done.code == 0
+    done = jkr(verb[0], f"{name}.h5", *verb[1:]).ok
     assert all(map(str.isprintable, (done.out + done.err).split("\n")))
 
 
@@ -417,8 +413,7 @@ def test_a_name_that_no_file_can_have_is_refused(jkr, series: Path, words: tuple
 def test_a_mesh_goes_into_a_folder_whose_name_is_no_text(jkr, series: Path) -> None:
     folder = os.fsdecode(b"x\xff")
     (series.parent / "f.toml").write_text(CASE.format(title="").replace("closed-form", "fem"))
-    done = jkr("mesh", "f.toml", "-o", folder)
-    assert done.code == 0, done.err
+    assert jkr("mesh", "f.toml", "-o", folder).code == 0
     assert Path(folder, "f-mesh.msh").read_bytes().startswith(b"$MeshFormat\n")
 
 

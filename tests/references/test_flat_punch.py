@@ -1,7 +1,6 @@
 """Flat punch with a sharp edge: Kendall's pull-off on a half-space (J. Phys. D 4 (1971) 1186), G = w at the full end on
 any stack, and the edge that recedes on a thin incompressible layer, against a solution of its own in Hankel space."""
 
-import json
 import math
 from collections.abc import Callable
 from functools import cache
@@ -66,7 +65,7 @@ def slope(a_over_h: float) -> float:
 
 def controls(jkr: Callable, R: float, specimen: str, *options: str, loading: str = 'depth = "10 um"') -> list[dict]:
     Path("punch.toml").write_text(CASE.format(R=R, specimen=specimen, loading=loading))
-    return json.loads(jkr("pull-off", "punch.toml", "--json", *options).out)["results"][0]["controls"]
+    return jkr("pull-off", "punch.toml", "--json", *options).told["results"][0]["controls"]
 
 
 def test_the_reference_is_the_published_stiffness() -> None:
@@ -82,7 +81,7 @@ def test_kendalls_pull_off_under_either_control(jkr: Callable, E_nu, R: float, w
     specimen = f"half_space = {{ E = {E}, nu = {nu} }}"
     text = CASE.replace("{{ {loading} }}", "{{ " + loading.replace("\n", ", ") + " }}")
     Path("punch.toml").write_text(text.format(R=R, specimen=specimen).replace("w = 0.05", f"w = {w}"))
-    found = json.loads(jkr("pull-off", "punch.toml", "--json").out)["results"][0]["controls"]
+    found = jkr("pull-off", "punch.toml", "--json").told["results"][0]["controls"]
     E_star = E / (1 - nu**2)
     for one in found:
         assert one["pull_off"]["a_m"] == R
@@ -267,7 +266,7 @@ def test_a_loading_that_ends_inside_the_punch_says_that_the_rim_is_not_reached(j
 def test_neglected_effects_are_at_the_radius_that_is_reached(jkr: Callable, reached: str) -> None:
     """The substrate in series, S_film and S_glass, moves S by less than their ratio, wherever loading ends."""
     Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading=f'radius = "{reached}"'))
-    said = json.loads(jkr("check", "punch.toml", "--json").out)["left_out"]
+    said = jkr("check", "punch.toml", "--json").told["left_out"]
     changes = {one["name"]: one["S"] for one in said}
     a = float(reached.split()[0])
     film, glass = 2 * E_STAR * a * 1e-3 * stiffness(a), 2 * 70e9 / (1 - 0.2**2) * a * 1e-3

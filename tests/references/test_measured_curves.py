@@ -21,9 +21,7 @@ def test_modulus_of_a_measured_approach(jkr: Callable[..., Outcome], name: str) 
     column takes some 60 % of the misfit, which names none and is in the error."""
     body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5")
     asked = ("--segment", "approach", "--fix", "w=0", "--json", "--no-plots", "-o", "found")
-    done = jkr("fit", *body, *asked, str(TABLES / name))
-    assert done.code == 0
-    (curve,) = json.loads(done.out)["curves"]
+    (curve,) = jkr("fit", *body, *asked, str(TABLES / name)).told["curves"]
     E, misfit = NANITE[name]
     assert curve["estimates"]["E:base"]["value"] == pytest.approx(E, rel=0.1)
     if name == "gel.csv":  # beside noise of 15 pN
@@ -52,9 +50,7 @@ def test_estimated_zeros_and_fitted_ones_give_the_same(jkr: Callable[..., Outcom
     found = []
     for contact in ("auto", "estimate"):
         body = ("--radius", "5 um", "--nu", "0.5", "--contact", contact, "--segment", "retract")
-        done = jkr("fit", *body, str(TABLES / "spot.csv"), "--json", "--no-plots", "-o", contact)
-        assert done.code == 0
-        (curve,) = json.loads(done.out)["curves"]
+        (curve,) = jkr("fit", *body, str(TABLES / "spot.csv"), "--json", "--no-plots", "-o", contact).told["curves"]
         found.append(curve["estimates"])
     assert found[0] == found[1]
     assert found[0]["E_star"]["low"] > 15e3
@@ -63,6 +59,5 @@ def test_estimated_zeros_and_fitted_ones_give_the_same(jkr: Callable[..., Outcom
 def test_a_stiffness_against_that_of_the_file_is_warned_of(jkr: Callable[..., Outcome]) -> None:
     """A rigid device in the place of a lever makes E 2.4 times too small; only ``look`` used to say so."""
     body = ("--radius", "5 um", "--nu", "0.5", "--segment", "approach", "--fix", "w=0", "--stiffness", "rigid")
-    done = jkr("fit", *body, str(TABLES / "spot.csv"), "--no-plots", "-o", "found")
-    assert done.code == 0
+    done = jkr("fit", *body, str(TABLES / "spot.csv"), "--no-plots", "-o", "found").ok
     assert "stiffness rigid as specified, the header of the file says 0.0434937 N/m" in done.err

@@ -125,7 +125,7 @@ def test_an_earlier_version_reads_and_is_said_to_be_without_protection(
     jkr, archives: dict[str, Path], kind: str
 ) -> None:
     path = archives[kind]
-    wanted = json.loads(jkr("show", "--json", path).out)["files"][0]
+    wanted = jkr("show", "--json", path).told["files"][0]
     assert wanted["warnings"] == []
 
     def older(file: h5py.File) -> None:
@@ -165,7 +165,7 @@ def test_archives_are_told(jkr, archives: dict[str, Path]) -> None:
     assert "  probe.csv, probe: fitted" in fits
     assert table.startswith(f"{archives['table']} (format jkr-sweep-table 3, ")
     assert "  status                                   failed, ok" in table
-    told = json.loads(jkr("show", "--json", *archives.values()).out)["files"]
+    told = jkr("show", "--json", *archives.values()).told["files"]
     assert told[0]["curves"] == json.loads(Path("s-fit.json").read_text())["curves"]
     assert (told[1]["rows"], told[1]["columns"]["case"]) == (8, [0, 7])
 

@@ -38,11 +38,8 @@ class Parameters(dict):
 
 def exported(jkr: Callable, specimen: str = LAYER, indenter: str = "", words: tuple[str, ...] = ()) -> dict:
     Path("my film.toml").write_text(CASE.format(specimen=specimen, indenter=indenter))
-    done = jkr("run", "my film.toml", "--force")
-    assert done.code == 0, done.err
-    done = jkr("export", "my film.h5", "--nanite", "--json", "--force", *words)
-    assert done.code == 0, done.err
-    return json.loads(done.out)
+    assert jkr("run", "my film.toml", "--force").code == 0
+    return jkr("export", "my film.h5", "--nanite", "--json", "--force", *words).told
 
 
 def loaded(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
@@ -122,7 +119,7 @@ def test_approach_jumps_in_where_bodies_touch_and_retraction_lasts_longer(
     assert (approach[tip > 0] == 0).all()
     assert approach[tip < -1e-9] == pytest.approx(retraction[tip < -1e-9], rel=1e-12)
     held = tip[(retraction < 0) & (tip > 0)]
-    tear_off = json.loads(jkr("export", "my film.h5", "--dem", "--json").out)["tear_off"]["delta_m"]
+    tear_off = jkr("export", "my film.h5", "--dem", "--json").told["tear_off"]["delta_m"]
     assert -held.max() == pytest.approx(tear_off, abs=1e-9)
 
 
@@ -168,8 +165,7 @@ REFUSED = {
 def test_what_does_not_scale_with_the_modulus_is_refused(jkr: Callable, why: str) -> None:
     specimen, indenter, said = REFUSED[why]
     Path("x.toml").write_text(CASE.format(specimen=specimen, indenter=indenter))
-    done = jkr("run", "x.toml")
-    assert done.code == 0, done.err
+    assert jkr("run", "x.toml").code == 0
     jkr("export", "x.h5", "--nanite").refused(said)
     assert not list(Path().glob("model_*"))
 

@@ -1,6 +1,5 @@
 """Contacts that are no discs, imported: ellipses against the least energy over all ellipses, other shapes not known."""
 
-import json
 import math
 import subprocess
 import sys
@@ -33,9 +32,7 @@ def ellipse_table(path: Path, ratio: float, rows: int = 40) -> None:
 
 def pull_off_of(jkr: Any, table: str, shape: str, *words: Any) -> dict[str, Any]:
     assert jkr("import", table, "--contact-shape", shape, *(words or BODY), "-o", "shape.h5", "--force").code == 0
-    outcome = jkr("pull-off", "shape.h5", "--w", "10 mJ/m^2", "--json")
-    assert outcome.code == 0, outcome.err
-    found: dict[str, Any] = json.loads(outcome.out)["results"][0]
+    found: dict[str, Any] = jkr("pull-off", "shape.h5", "--w", "10 mJ/m^2", "--json").told["results"][0]
     return found
 
 
@@ -76,7 +73,7 @@ def test_a_disc_of_any_shape_is_todays_disc(jkr: Any, tmp_path: Path) -> None:
     write_table(tmp_path / "area.csv", a**2 / R, 4 * E_STAR * a**3 / (3 * R), math.pi * a**2)
     shaped = pull_off_of(jkr, "area.csv", "any")
     assert jkr("import", "area.csv", *BODY, "--area", "projected", "-o", "disc.h5").code == 0
-    disc = json.loads(jkr("pull-off", "disc.h5", "--w", "10 mJ/m^2", "--json").out)["results"][0]
+    disc = jkr("pull-off", "disc.h5", "--w", "10 mJ/m^2", "--json").told["results"][0]
     for one, other in zip(shaped["controls"], disc["controls"], strict=True):
         assert one["pull_off"]["P_N"] == pytest.approx(other["pull_off"]["P_N"], rel=1e-7)
     assert -shaped["controls"][0]["pull_off"]["P_N"] == pytest.approx(1.5 * math.pi * W * R, rel=1e-6)
@@ -132,8 +129,7 @@ def test_verbs_that_state_no_change_by_other_shapes_warn_of_it(
     ellipse_table(tmp_path / "table.csv", 4.0)
     pull_off_of(jkr, "table.csv", "ellipse=4")
     verb, *options = words
-    outcome = jkr(verb, "shape.h5", *options)
-    assert outcome.code == 0
+    outcome = jkr(verb, "shape.h5", *options).ok
     said = " ".join(outcome.err.split())
     assert "R1/R2 = 4: what other shapes change of the pull-off force: -0.03 to +1.1 % (load)" in said
     assert "no error here includes it" in said
@@ -168,7 +164,7 @@ def test_tables_by_fft(jkr: Any, tmp_path: Path, words: Any, shape: str, radius:
     pull_off = pull_off_of(jkr, "table.csv", shape, *body)["controls"][0]["pull_off"]
     force = -pull_off["P_N"]
     if shape == "any":
-        exact = json.loads(jkr("pull-off", *body, "--w", "10 mJ/m^2", "--json").out)["results"][0]
+        exact = jkr("pull-off", *body, "--w", "10 mJ/m^2", "--json").told["results"][0]
         true = -exact["controls"][0]["pull_off"]["P_N"]
         assert force == pytest.approx(true, rel=2e-3 if radius == "10 um" else 0.03)
     else:

@@ -1,6 +1,5 @@
 """Pull-off below the first row of a series: exact methods solve on, and a flat end lets go at its rim."""
 
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -27,7 +26,7 @@ w = {w}
 
 def controls(jkr: Callable, indenter: str, w: float, spacing: str = "radius") -> list[dict]:
     Path("body.toml").write_text(CASE.format(indenter=indenter, w=w, spacing=spacing))
-    return json.loads(jkr("pull-off", "body.toml", "--json").out)["results"][0]["controls"]
+    return jkr("pull-off", "body.toml", "--json").told["results"][0]["controls"]
 
 
 @pytest.mark.parametrize("spacing", ["radius", "log"])
@@ -75,7 +74,7 @@ def test_a_stiff_film_has_a_fold_of_its_own_below_the_first_row(jkr: Callable) -
     found = []
     for points in (8, 100):
         Path("body.toml").write_text(f"{FILM}loading = {{ radius = 13e-6, points = {points} }}")
-        held = json.loads(jkr("pull-off", "body.toml", "--json").out)["results"][0]["controls"][1]
+        held = jkr("pull-off", "body.toml", "--json").told["results"][0]["controls"][1]
         found.append(held["pull_off"])
         assert len(held["jumps_before_pull_off"]) == 1
     assert found[0]["a_m"] == pytest.approx(8.1615e-7, rel=1e-4)

@@ -221,7 +221,6 @@ def test_wrong_constants_in_a_case(old, new, lines):
 
 def test_from_the_case_to_the_curve(jkr, tmp_path):
     (tmp_path / "my.toml").write_bytes(case(FIVE))
-    solved = jkr("run", "my.toml", "--method", "layered")
-    assert solved.code == 0
+    solved = jkr("run", "my.toml", "--method", "layered").ok
     assert "transversely isotropic, E = 5 MPa in the plane, 1 MPa along z, h = 10 um" in solved.out
     assert jkr("transform", "my.h5", "--w", "10 mJ/m^2").code == 0

@@ -463,8 +463,7 @@ def test_the_spectrum_is_resolved_with_few_evaluations():
 
 def test_from_the_case_to_the_curve(jkr, tmp_path):
     (tmp_path / "my.toml").write_bytes(case("E = {law = 'linear', top = '1 MPa', bottom = '3 MPa'}\nnu = 0.4"))
-    solved = jkr("run", "my.toml", "--method", "layered")
-    assert solved.code == 0
+    solved = jkr("run", "my.toml", "--method", "layered").ok
     assert "E graded from 1 MPa at the top, linear, nu = 0.4, h = 10 um" in solved.out
     shown = jkr("show", "--case", "my.h5")
     assert (

@@ -225,8 +225,7 @@ def test_wrong_laws_in_a_case(parts, place, words):
 
 def test_from_the_case_to_the_curve(jkr, tmp_path):
     (tmp_path / "my.toml").write_bytes(case())
-    solved = jkr("run", "my.toml")
-    assert solved.code == 0
+    solved = jkr("run", "my.toml").ok
     assert "1 MPa in the plane, 3 MPa along z at the top, graded (E_p linear, G_z tabulated), h = 10 um" in " ".join(
         solved.out.split()
     )

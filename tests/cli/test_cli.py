@@ -129,19 +129,13 @@ REFUSALS = [
     (("run", HALFSPACE, "-o", "no/x.h5"), "no/x.h5: the folder no does not exist"),
     (("run", HALFSPACE, "-o", "x.csv"), "x.csv: a solution is written as HDF5, its name must end in .h5"),
     (("run", HALFSPACE, "-o", "."), ".: is a folder, cannot be written as a file"),
-    (
-        ("run", CASES / "gel.toml", "--method", "closed-form"),
-        "method closed-form: the thin-layer formula gives up to 48 times",
-    ),
+    (("run", CASES / "gel.toml", "--method", "closed-form"), "the thin-layer formula gives up to 48 times"),
     (("transform", "no.h5"), "no.h5: solution file not found"),
     (("transform", "x.h5", "--w", "-1"), "invalid value for '--w': must be >= 0, got -1"),
     (("transform", "x.h5", "--w", "5 kg"), "invalid value for '--w': must be a work of adhesion, got \"5 kg\""),
     (("transform", "x.h5", "x.h5"), "x-w50.csv: would be written twice"),
     (("transform", "x.h5", "--w", "1", "--w", "1 N/m"), "x-w1.csv: would be written twice"),
-    (
-        ("transform", "x.h5", "--dimensionless", "thin-layer"),
-        "--dimensionless thin-layer: needs one homogeneous isotropic layer",
-    ),
+    (("transform", "x.h5", "--dimensionless", "thin-layer"), "thin-layer: needs one homogeneous isotropic layer"),
     (("compare", "x.h5", "no.h5"), "no.h5: solution file not found"),
     (("compare", "x.csv", "x.csv"), "x.csv: curve not found"),
 ]

@@ -194,58 +194,26 @@ def test_study_lists_its_studies(jkr) -> None:
 
 
 REFUSALS = [
-    (("pull-off", "p.h5", "--load", "1 uN", "--w", "1"), "pull-off: give either --w or --load, not both"),
-    (("pull-off", "p.h5", "--load", "0 N"), "pull-off: --load must not be 0; give the measured pull-off force"),
-    (
-        ("pull-off", "p.h5", "--load", "1 N"),
-        "p.h5: load: a pull-off force of 1 N lies outside the solution, which covers forces from 1.902 uN to 410.9 "
-        "mN: "
-        "increase [loading] radius",
-    ),
-    (
-        ("pull-off", "p.h5", "--load", "1e20 N"),  # once "from 0 N to 0 N": rounded at its own size
-        "p.h5: load: a pull-off force of 1e+17 kN lies outside the solution, which covers forces from 1.902 uN to "
-        "410.9 mN: increase [loading] radius",
-    ),
-    (
-        ("pull-off", "p.h5", "--load", "1 mN", "--uncertain", "R=1 m"),  # once w with an error of 0.04 of it
-        "p.h5: the uncertainty of R is 1e+04 times its value: give less than the value",
-    ),
-    (
-        ("pull-off", "p.h5", "--stiffness", "soft"),
-        'invalid value for \'--stiffness\': must be a stiffness, such as "0.2 N/m", got "soft"; '
-        "see jkr pull-off --help",
-    ),
-    (
-        ("pull-off", "p.h5", "--stiffness", "0"),
-        'invalid value for \'--stiffness\': must be > 0 or "load" or "rigid", got 0; see jkr pull-off --help',
-    ),
-    (("pull-off", "no.h5"), 'no.h5: solution file not found, did you mean "p.h5"?'),
-    (
-        ("cycle", "p.h5", "--w-retract", "10 J/m^2"),
-        "cycle: w on retraction must be >= w on approach, got 10 J/m^2 and 50 J/m^2",
-    ),
-    (
-        ("cycle", "p.h5", "--to-load", "1 N", "--to-depth", "1 um"),
-        "cycle: give at most one of --to-load and --to-depth",
-    ),
-    (
-        ("cycle", "p.h5", "--to-load", "1 N"),
-        "cycle: the reversal at P = 1 N is not reached on approach, which in this solution goes from "
-        "-20.94 mN to 214.1 mN",
-    ),
-    (
-        ("cycle", "p.h5", "--w-approach", "5000 J/m^2"),
-        "p.h5: contact at delta = 0 spreads beyond the largest radius of the solution, a = 17.3 um: increase [loading] "
-        "radius",
-    ),
-    (("study", "pull-off-map", "--nu", "0.6"), "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
-    (("study", "pull-off-map", "--q", "1e9"), "pull-off map: q must be >= 1e-06 and <= 1e+07, got 1000000000.0"),
-]
+    ("pull-off p.h5 --load 1uN --w 1", "pull-off: give either --w or --load, not both"),
+    ("pull-off p.h5 --load 0N", "pull-off: --load must not be 0; give the measured pull-off force"),
+    ("pull-off p.h5 --load 1N", "p.h5: load: a pull-off force of 1 N lies outside the solution, which covers forces"),
+    ("pull-off p.h5 --load 1e20N", "from 1.902 uN to 410.9 mN: increase [loading] radius"),  # rounded to 0 N once
+    ("pull-off p.h5 --load 1mN --uncertain R=1m", "p.h5: the uncertainty of R is 1e+04 times its value: give less"),
+    ("pull-off p.h5 --stiffness soft", 'must be a stiffness, such as "0.2 N/m", got "soft"; see jkr pull-off --help'),
+    ("pull-off p.h5 --stiffness 0", 'must be > 0 or "load" or "rigid", got 0; see jkr pull-off --help'),
+    ("pull-off no.h5", 'no.h5: solution file not found, did you mean "p.h5"?'),
+    ("cycle p.h5 --w-retract 10J/m^2", "w on retraction must be >= w on approach, got 10 J/m^2 and 50 J/m^2"),
+    ("cycle p.h5 --to-load 1N --to-depth 1um", "cycle: give at most one of --to-load and --to-depth"),
+    ("cycle p.h5 --to-load 1N", "the reversal at P = 1 N is not reached on approach, which in this solution goes from "
+                                "-20.94 mN to 214.1 mN"),
+    ("cycle p.h5 --w-approach 5000J/m^2", "p.h5: contact at delta = 0 spreads beyond the largest radius of the"),
+    ("study pull-off-map --nu 0.6", "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
+    ("study pull-off-map --q 1e9", "pull-off map: q must be >= 1e-06 and <= 1e+07, got 1000000000.0"),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(("words", "line"), REFUSALS, ids=[" ".join(words) for words, _ in REFUSALS])
-def test_refusals_are_one_line_with_exit_code_2(jkr, body: Path, words: tuple[str, ...], line: str) -> None:
+@pytest.mark.parametrize(("words", "line"), REFUSALS)
+def test_refusals_are_one_line_with_exit_code_2(jkr, body: Path, words: str, line: str) -> None:
     before = sorted(path.name for path in body.iterdir())
-    jkr(*words).refused(f"{line}")
+    jkr(*words.split()).refused(line)
     assert sorted(path.name for path in body.iterdir()) == before

@@ -38,27 +38,14 @@ def _gel(tmp_path):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (
-            ("30 mN/m", "30 kPa"),
-            'must be a surface tension, got "30 kPa": unknown unit "kPa", a pressure is no force per',
-        ),
+        (("30 mN/m", "30 kPa"), 'got "30 kPa": unknown unit "kPa", a pressure is no force per'),
         (("30 mN/m", "-1 mN/m"), "specimen.surface_tension: must be >= 0, got -1 mN/m"),
         ((TENSION, TENSION + '\nsurface = "sticking"'), 'leave it out, or take specimen.surface = "sliding"'),
-        (
-            ("[indenter]", 'method = "fem"\n[indenter]\nE = "1 MPa"\nnu = 0.3'),
-            "an elastic indenter on a surface under tension is not represented by a rigid profile: use method layered",
-        ),
+        (("[indenter]", 'method = "fem"\n[indenter]\nE = "1 MPa"\nnu = 0.3'), "rigid profile: use method layered"),
         (("[adhesion]", '[adhesion]\nrange = "10 nm"'), "leave range, stress and capillary out, or specimen.surface"),
-        (
-            ("[indenter]", 'method = "hybrid"\n[indenter]'),
-            "method hybrid: does not represent surface tension: use method",
-        ),
-        (
-            ("[indenter]", 'method = "closed-form"\n[indenter]'),
-            "use method layered or fem, or leave specimen.surface_tension",
-        ),
-        ((TENSION, TENSION + '\nradius = "20 um"\nside = "free"\n[layered]'), "[layered]"),
-    ][:-1],
+        (("[indenter]", 'method = "hybrid"\n[indenter]'), "does not represent surface tension: use method"),
+        (("[indenter]", 'method = "closed-form"\n[indenter]'), "use method layered or fem, or leave specimen.surface_"),
+    ],
 )
 def test_refused_in_one_line_with_a_remedy(jkr, gel, change, said):
     gel(change)

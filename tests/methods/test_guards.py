@@ -39,31 +39,17 @@ REMEDY = "use fewer points, larger elements or a cheaper method, or raise the li
 
 
 @pytest.mark.parametrize(
-    ("forecast", "limits", "message"),
+    ("forecast", "limits", "needs", "limit", "remedy"),
     [
-        (
-            Forecast(7200.0, 10.24, 0.0),
-            Limits(1, 1),
-            f"x would need about 0.01 GiB of memory and 2 h of CPU time, the limit is 1 h: {REMEDY} --limit-time 2.6",
-        ),
-        (
-            Forecast(1.0, 20480.0, 0.0),
-            Limits(8, 1),
-            f"x would need about 20 GiB of memory and 1 s of CPU time, the limit is 8 GiB: {REMEDY} --limit-memory 26",
-        ),
-        (
-            Forecast(1.0, math.nan, 0.0),
-            Limits(8, 1),
-            f"x would need about nan GiB of memory and 1 s of CPU time, the limit is 8 GiB: {REMEDY} "
-            "--limit-memory nan",
-        ),
+        (Forecast(7200.0, 10.24, 0.0), Limits(1, 1), "0.01 GiB of memory and 2 h", "1 h", "--limit-time 2.6"),
+        (Forecast(1.0, 20480.0, 0.0), Limits(8, 1), "20 GiB of memory and 1 s", "8 GiB", "--limit-memory 26"),
+        (Forecast(1.0, math.nan, 0.0), Limits(8, 1), "nan GiB of memory and 1 s", "8 GiB", "--limit-memory nan"),
     ],
-    ids=["hours", "memory", "no number"],
 )
-def test_refused_with_its_estimate(forecast: Forecast, limits: Limits, message: str) -> None:
+def test_refused_with_its_estimate(forecast: Forecast, limits: Limits, needs: str, limit: str, remedy: str) -> None:
     with pytest.raises(Refusal) as refused:
         check_cost("x", forecast, limits)
-    assert str(refused.value) == message
+    assert str(refused.value) == f"x would need about {needs} of CPU time, the limit is {limit}: {REMEDY} {remedy}"
 
 
 @pytest.mark.parametrize(

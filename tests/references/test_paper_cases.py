@@ -189,9 +189,8 @@ WRONG = {
 @pytest.mark.parametrize(("old", "new", "line"), WRONG.values(), ids=WRONG.keys())
 def test_wrong_cylinders_in_case_files(old: str, new: str, line: str) -> None:
     assert old in CYLINDER
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, check=lambda error: list(error.lines) == [f"c.toml: {line}"]):
         parse_case(CYLINDER.replace(old, new).encode(), "c.toml")
-    assert list(caught.value.lines) == [f"c.toml: {line}"]
 
 
 def test_a_cylinder_in_a_case_file_reads_back_and_goes_to_the_hybrid(jkr, tmp_path: Path) -> None:

@@ -127,9 +127,8 @@ def test_peers_are_scaled_by_the_yardstick(tmp_path: Path) -> None:
 )
 def test_a_wrong_file_of_peers_is_refused(tmp_path: Path, changes: dict, words: str) -> None:
     path = stored(tmp_path, **changes)
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, check=lambda error: str(error) == f"{path}: {words}"):
         read_peers(path, 1.0)
-    assert str(caught.value) == f"{path}: {words}"
 
 
 def test_the_stored_peers_can_be_read() -> None:

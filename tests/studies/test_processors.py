@@ -47,9 +47,8 @@ def test_this_machine_takes_on_the_first_of_its_settings() -> None:
     ],
 )
 def test_a_setting_without_effect_is_refused(setting: Setting, said: str) -> None:
-    with pytest.raises(SolveError) as caught:
+    with pytest.raises(SolveError, check=lambda error: str(error).startswith(f"{setting.name}: {said}")):
         setting.check(NEW)
-    assert str(caught.value).startswith(f"{setting.name}: {said}")
 
 
 def test_a_failure_under_one_of_them_is_told(study, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -66,9 +66,8 @@ def test_stiffness_is_the_inverse_of_the_compliance(E_p, E_z, nu_p, share, G_z):
     ],
 )
 def test_constants_of_no_material(constants, line):
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, check=lambda error: error.lines == (line,)):
         TransverselyIsotropic(*constants)
-    assert caught.value.lines == (line,)
 
 
 # ---------------------------------------------------------------------- finite elements

@@ -84,25 +84,6 @@ def test_the_spectrum_solves_the_equations_of_elasticity(material, bonded):
     assert found == pytest.approx(exact, rel=2e-10)  # extrapolated to 1e-10
 
 
-@pytest.mark.parametrize("material", [ALL, TABLES])
-@pytest.mark.parametrize("base", [Rigid(), HalfSpace(TransverselyIsotropic(2.0, 3.0, 0.2, 0.3, 0.4))])
-def test_many_homogeneous_layers_become_the_graded_one_with_the_square_of_their_thickness(material, base):
-    k = np.array([0.1, 1.0, 3.0])
-
-    def compliance(*layers):
-        specimen = Specimen(layers, base)
-        return (1 + deviation(specimen, k)) / specimen.surface.E_star
-
-    exact, off = compliance(Layer(material, 1.0)), []
-    for count in (40, 80, 160):  # kinks at 0.3 and 0.5 are interfaces
-        moduli = material.at((np.arange(count) + 0.5) / count).T.tolist()
-        layers = (Layer(TransverselyIsotropic(p, z, 0.2, 0.3, G), 1 / count) for p, z, G in moduli)
-        off.append(compliance(*layers) / exact - 1)
-    assert np.all(np.abs(off[-1]) < 2e-4)
-    assert off[0] / off[1] == pytest.approx(np.full(3, 4.0), rel=0.02)
-    assert off[1] / off[2] == pytest.approx(np.full(3, 4.0), rel=0.005)
-
-
 @pytest.mark.parametrize("law", [Linear(1.0, 5.0, 1.0), Power(1.0, 0.3, 0.7), TABLES.E_p])
 def test_isotropic_constants_give_the_graded_isotropic_layer(law):
     nu = 0.3

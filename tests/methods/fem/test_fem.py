@@ -61,15 +61,6 @@ def test_default_settings_on_the_papers_half_space():
     assert np.abs(P).max() < solution.budget.discretisation < 20 * np.abs(P).max()
 
 
-@pytest.mark.parametrize("order", [pytest.param(1, marks=pytest.mark.slow), 2])
-def test_the_papers_truncation(order):
-    growth = 0.05 if order == 1 else 0.25
-    method = FEM(layout="zones", order=order, element_size=2e-7, growth=growth, contact="incremental", **CUT, **QUICK)
-    P, a = closed_form_errors(method(PAPER), PAPER)
-    assert np.abs(P).max() < 4e-3  # the truncation alone: 2.2e-3 at the end
-    assert np.abs(a).max() < 0.05  # an increment and a node spacing at a tenth of the depth
-
-
 def test_the_truncation_is_estimated():
     solution = FEM(**CUT)(PAPER)
     assert solution.budget.truncation == pytest.approx(
@@ -149,15 +140,6 @@ def test_first_order_elements_converge_with_order_two(element):
     assert last < 3e-3
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
-def test_second_order_elements_converge_with_order_three_halves(element):
-    """The square-root edge of the pressure limits them; their constant is twenty times smaller."""
-    slope, last = convergence(element, 2, (0.4, 0.2, 0.1, 0.05))
-    assert slope > 1.5  # measured 1.8 and 1.6
-    assert last < 1e-4  # first order at the same sizes: 1e-3 to 2e-3
-
-
 @pytest.mark.parametrize(
     "indenter",
     [PowerLaw(0.1, 1.0), PowerLaw(0.05, 4.0), RoundedFlat(0.5, 20.0)],
@@ -201,15 +183,6 @@ def test_stacks_agree_with_the_exact_layer_solution(specimen):
     P, a = layered_errors(FEM(estimate_error=False)(problem), problem)
     assert np.abs(P).max() < 5e-4  # measured 2e-5 to 6e-5
     assert np.abs(a).max() < 2e-3  # measured 6e-4
-
-
-def test_a_split_layer_is_the_whole_layer():
-    soft, load = Elastic(1.0, 0.4), Loading("depth", 0.02)
-    whole = Problem(Paraboloid(10.0), Specimen((Layer(soft, 1.0),), Rigid()), load)
-    split = Problem(Paraboloid(10.0), Specimen((Layer(soft, 0.4), Layer(soft, 0.6)), Rigid()), load)
-    for problem in (whole, split):
-        P, _ = layered_errors(FEM(**QUICK)(problem), whole)
-        assert np.abs(P).max() < 2e-4
 
 
 def test_an_elastic_indenter_acts_through_the_reduced_modulus():
@@ -297,15 +270,6 @@ def test_nested_ends_where_the_loading_ends(to, maximum, corrected):
     assert solution.pressure.p.shape[0] == len(series)
     assert solution.facts["events"] >= len(series)
     assert "nested has one radius per node, where it first touches" in solution.facts["radii"]
-
-
-def test_nested_ends_exactly_on_a_flat_ended_indenter():
-    problem = replace(UNIT, indenter=RoundedFlat(0.5, 20.0), loading=Loading("depth", 0.0193))
-    solution = FEM(estimate_error=False)(problem)
-    assert solution.series.delta[-1] == pytest.approx(0.0193, rel=1e-12)
-    P, a = closed_form_errors(solution, problem)
-    assert abs(P[-1]) < 2e-4
-    assert abs(a[-1]) < 1e-4
 
 
 @pytest.mark.parametrize(

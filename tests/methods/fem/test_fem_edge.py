@@ -197,38 +197,6 @@ def test_without_an_error_estimate_there_are_no_slopes():
     assert FEM(edge_correction=False)(UNIT).series.S is None
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("side", ["free", "roller", "clamped"])
-@pytest.mark.parametrize(("h", "a"), [(5.0, 1.0), (1.0, 5.0)], ids=["thick", "disc"])
-def test_cylinders_from_two_to_thirty_radii_reach_the_wide_layer(side, h, a):
-    """By 30 a the difference is below the stated error; a thin disc is there at 2 a."""
-    layers = (Layer(Elastic(1.0, 0.4), h),)
-    distances = []
-    for ratio in (2.0, 3.0, 5.0, 10.0, 30.0):
-        body = Specimen(layers, Rigid(), ratio * a, side)
-        solution = FEM()(Problem(Paraboloid(1000.0), body, Loading("radius", a)))
-        series = solution.series
-        use = series.delta >= solution.facts["judged_from_m"]
-        depths = Loading.given("depth", tuple(series.delta[use]))
-        wide = Layered()(Problem(Paraboloid(1000.0), Specimen(layers, Rigid()), depths)).series
-        distances.append(np.abs(series.P[use] / wide.P - 1).max())
-    assert distances[-1] < solution.budget.series
-    if h > a:
-        assert distances[0] > 10 * distances[-2] > 100 * distances[-1] / 10
-        assert distances[1:] == sorted(distances[1:], reverse=True)  # a roller crosses zero at 2 a
-    else:
-        assert max(distances) < solution.budget.series
-
-
-@pytest.mark.slow
-def test_the_corner_of_a_free_side_on_a_bonded_base_costs_no_order():
-    body = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid(), 1.3, "free")
-    problem = Problem(Paraboloid(1000.0), body, Loading.given("depth", (2e-4, 5e-4)))
-    P = np.array([FEM(spacing=s, growth=3.75 * s, estimate_error=False)(problem).series.P[-1]
-                  for s in (0.08, 0.04, 0.02, 0.01)])  # fmt: skip
-    assert np.abs(P[:-1] / P[-1] - 1) == pytest.approx(np.zeros(3), abs=3e-5)  # relative; measured 2e-5, 7e-6, 2e-6
-
-
 def test_a_convergence_study_meshes_every_level_once(monkeypatch):
     meshed = []
     grid = Layout.grid

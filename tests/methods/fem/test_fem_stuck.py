@@ -104,8 +104,8 @@ def test_the_half_space_has_mossakovskis_factor(nu):
         (0.499, {}),
         (0.3, {"order": 1}),
         (0.5, {"layout": "zones"}),
-        pytest.param(0.45, {}, marks=pytest.mark.slow),
-        pytest.param(0.499, {"element": "quadrilateral"}, marks=pytest.mark.slow),
+        (0.45, {}),
+        (0.499, {"element": "quadrilateral"}),
     ],
 )
 def test_a_confined_layer_that_sticks_is_as_accurate_as_one_that_slides(nu, options):
@@ -142,7 +142,7 @@ def test_auxetic_bodies_take_a_mesh_that_follows_the_edge():
 
 # measured 5e-6, 3e-5
 @pytest.mark.slow
-@pytest.mark.parametrize(("nu", "off"), [(0.0, 1e-5), pytest.param(0.499, 1e-4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("nu", "off"), [(0.0, 1e-5), (0.499, 1e-4)])
 def test_the_field_of_a_stuck_contact_carries_its_load(nu, off):
     """At nu = 0 the edge oscillates far from it: elements are not as small there as those of other bodies."""
     problem = Problem(PARABOLOID, bonded(nu), Loading.given("radius", [1.5]), True)
@@ -154,21 +154,12 @@ def test_the_field_of_a_stuck_contact_carries_its_load(nu, off):
 
 # S/(2 E* a) of flat ends, by tied finite elements of other make and an integral equation
 @pytest.mark.slow
-@pytest.mark.parametrize(("a", "exact"), [(1.0, 3.929038), pytest.param(5.0, 106.5713, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("a", "exact"), [(1.0, 3.929038), (5.0, 106.5713)])
 def test_flat_ends_within_their_stated_error(a, exact):
     fem = FEM()(Problem(RoundedFlat(a, 1000.0), bonded(0.5), Loading("radius", 1.05 * a), True))
     error = abs(fem.series.S0 / (2 / 0.75 * a) / exact - 1)
     assert error <= fem.budget.discretisation  # 4e-4
     assert error < 1e-4  # measured 4e-5, 5e-5
-
-
-@pytest.mark.slow
-def test_a_cylinder_that_is_wide_is_the_layer():
-    problem = Problem(PARABOLOID, bonded(0.3), Loading.given("depth", [2e-3]), True)
-    fem = FEM()(replace(problem, specimen=bonded(0.3, 20.0, "free")))
-    exact = Layered()(problem).series
-    assert abs(fem.series.P[0] / exact.P[0] - 1) <= fem.budget.discretisation  # 1.5e-4; measured 6e-5
-    assert abs(fem.series.a[0] / exact.a[0] - 1) <= fem.budget.radius  # 3e-4; measured 1.3e-4
 
 
 @pytest.mark.slow

@@ -11,7 +11,6 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import (
     Elastic,
-    Exponential,
     Graded,
     HalfSpace,
     Layer,
@@ -206,19 +205,6 @@ def test_graded_and_transversely_isotropic_layers_below_the_contact() -> None:
     same = Specimen((top, Layer(isotropic, 1.0)), Rigid())
     plain = Specimen((top, Layer(Elastic(2.0, 0.25), 1.0)), Rigid())
     assert difference(solve(same, 1.0, 1e-4).series, solve(plain, 1.0, 1e-4).series) < 1e-9  # the same matrices
-
-
-@pytest.mark.slow
-def test_a_cylinder_graded_from_the_contact_on() -> None:
-    """A modulus that hardly varies gives the homogeneous cylinder, a wide cylinder the graded layer."""
-    tiny = Graded(Linear(1.0, 1.0 + 1e-7, 1.0), 0.3)
-    nearly = Specimen((Layer(tiny, 1.0),), Rigid(), 1.5, "free")
-    plain = cylinder(1.5, 1.0, "free")
-    assert difference(solve(nearly, 1.0, 1e-4).series, solve(plain, 1.0, 1e-6).series) < 1e-4
-    graded = Specimen((Layer(Graded(Exponential(3.0, 1.0, 1.0), 0.4), 1.0),), Rigid())
-    wanted = Layered(1e-5)(Problem(PARABOLOID, graded, Loading("radius", 1.0, 20))).series
-    solution = solve(replace(graded, radius=15.0, side="clamped"), 1.0, 1e-4)
-    assert difference(solution.series, wanted) < stated(solution)
 
 
 # ---------------------------------------------------------------------------------------------- choice and refusals

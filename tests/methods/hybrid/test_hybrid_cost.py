@@ -58,16 +58,6 @@ def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
         Hybrid()(problem)
 
 
-@pytest.mark.slow
-def test_a_refusal_for_accuracy_comes_soon() -> None:
-    """In a slender rod the pressures hardly matter beside the rod's own compliance."""
-    rod = Specimen(stack((1.0, 0.1, 80.0), (0.0025, 0.3, 160.0)).layers, Rigid(False), 1.06, "roller")
-    problem = Problem(PARABOLOID, rod, Loading("radius", 1.0, 10))
-    wanted = r"hybrid: the estimated relative error is .* above the tolerance 1\.0e-05"
-    with takes_less_than(1.5), pytest.raises(Refusal, match=wanted):
-        Hybrid()(problem)
-
-
 def judged(elements: float, parameters: float, cut: float) -> ErrorEstimates:
     rows = (np.full((4, 1), error) for error in (elements, parameters, cut))
     return ErrorEstimates(np.ones(1), *rows)

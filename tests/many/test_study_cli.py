@@ -1,7 +1,6 @@
 """The studies, as verbs and as make runs them: small ones, from start to file."""
 
 import csv
-import itertools
 from pathlib import Path
 
 import pytest
@@ -69,7 +68,7 @@ def test_studies_do_not_depend_on_the_number_of_workers(jkr, study) -> None:
 
 def test_workers_and_scheduler_exclude_each_other(study) -> None:
     study("failures", "--cells", 1, "--workers", 2, "--scheduler", "tcp://node:8786").refused(
-        "--workers: the scheduler knows its own workers; give either --workers or --scheduler"
+        "give either --workers or --sched"
     )
 
 
@@ -77,15 +76,10 @@ def test_workers_and_scheduler_exclude_each_other(study) -> None:
 def test_noise_study_writes_its_table_and_picture(study, tmp_path: Path) -> None:
     words = ("noise", "--seeds", 2, "--body", "hertz", "--points", 30, "-o", "out")
     assert study(*words).code == 0
-    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [
-        "noise-hertz.png", "noise-hertz.svg", "noise-study.csv",
-    ]  # fmt: skip
-    with (tmp_path / "out" / "noise-study.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    noises = ("0.0", "1e-05", "0.0001", "0.001", "0.01")
-    assert {(row["method"], row["noise"]) for row in rows} == set(
-        itertools.product(("integral", "loocv", "gcv"), noises)
-    )
+    names = {"noise-hertz.png", "noise-hertz.svg", "noise-study.csv"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    rows = list(csv.DictReader((tmp_path / "out" / "noise-study.csv").read_text().splitlines()))
+    assert len({(row["method"], row["noise"]) for row in rows}) == 3 * 5
     fitted = {row["noise"]: float(row["median"]) for row in rows if row["method"] == "integral"}
     assert fitted["0.0"] < 1e-9  # a power law is exact
     assert fitted["0.0001"] < 1e-3  # 4e-5 in the median of many seeds

@@ -12,6 +12,7 @@ from sweep_files import AXIS, BAD, HALF_SPACE, rows, samples
 
 from jkrcli.base.errors import InputError
 from jkrcli.many import sweep_plan as plan
+from jkrcli.many.sweep import opened
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -55,10 +56,7 @@ def test_nothing_foreign_is_replaced(jkr, tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     (tmp_path / "r").mkdir()
     (tmp_path / "r" / "table.csv").write_text("my thesis")
-    outcome = jkr("sweep", "s.toml", "-o", "r")
-    assert outcome.err == (
-        "jkr: error: r/table.csv: exists and was not written by jkr; give --force to replace it, or another name\n"
-    )
+    jkr("sweep", "s.toml", "-o", "r").refused("r/table.csv: exists and was not written by jkr; give --force")
     (tmp_path / "r" / "table.csv").unlink()
     (tmp_path / "r" / "journal.jsonl").write_text('{"my": "diary"}\n')
     assert jkr("sweep", "s.toml", "-o", "r", "--force").code == 2
@@ -70,16 +68,14 @@ def test_an_empty_journal_marks_nothing_as_ours(jkr, tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     (tmp_path / "r").mkdir()
     (tmp_path / "r" / "journal.jsonl").touch()
-    arrow = pyarrow.table({"x": [1.0]})
     for name in ("table.csv", "table.h5", "table.parquet", "failed.csv"):
         foreign = tmp_path / "r" / name
         foreign.write_text("x,y\n1,2\n")
         if name == "table.parquet":
-            pyarrow.parquet.write_table(arrow, foreign)
+            pyarrow.parquet.write_table(pyarrow.table({"x": [1.0]}), foreign)
         content = foreign.read_bytes()
-        outcome = jkr("sweep", "s.toml", "-o", "r")
-        assert (outcome.code, foreign.read_bytes()) == (2, content)
-        assert f"r/{name}: exists and was not written by jkr" in outcome.err
+        jkr("sweep", "s.toml", "-o", "r").refused(f"r/{name}: exists and was not written by jkr")
+        assert foreign.read_bytes() == content
         foreign.unlink()
     assert jkr("sweep", "s.toml", "-o", "r").code == 0
     (tmp_path / "r" / "journal.jsonl").unlink()
@@ -99,9 +95,8 @@ def test_what_is_no_journal_is_not_read(jkr, tmp_path: Path, kind: str) -> None:
     }
     (tmp_path / "r").mkdir()
     make[kind]()
-    outcome = jkr("sweep", "s.toml", "-o", "r")
     said = "journal is larger than 2048 MiB" if "GiB" in kind else "is a folder, a device or a pipe, not a journal"
-    assert (outcome.code, outcome.err) == (2, f"jkr: error: r/journal.jsonl: {said}; give another folder\n")
+    jkr("sweep", "s.toml", "-o", "r").refused(f"r/journal.jsonl: {said}; give another folder")
 
 
 def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, solves: list) -> None:
@@ -120,8 +115,6 @@ def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, s
 
 
 def test_a_row_with_other_values_than_the_columns_is_not_believed(jkr, tmp_path: Path) -> None:
-    from jkrcli.many.sweep import opened
-
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     jkr("sweep", "s.toml", "-o", "r")
     wanted = (tmp_path / "r" / "table.csv").read_bytes()
@@ -135,8 +128,6 @@ def test_a_row_with_other_values_than_the_columns_is_not_believed(jkr, tmp_path:
 @pytest.mark.slow
 def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> None:
     """2,000 random bytes, or the head: every row that is still read is as it was written."""
-    from jkrcli.many.sweep import opened
-
     path, made = tmp_path / "journal.jsonl", np.random.default_rng(seed)
     with opened(path) as journal:
         for i in range(20):
@@ -156,12 +147,7 @@ def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> 
 
 
 def test_two_sweeps_into_one_folder_are_refused(jkr, tmp_path: Path) -> None:
-    from jkrcli.many.sweep import opened
-
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     (tmp_path / "r").mkdir()
     with opened(tmp_path / "r" / "journal.jsonl"):
-        outcome = jkr("sweep", "s.toml", "-o", "r")
-    assert outcome.err == (
-        "jkr: error: r/journal.jsonl: another jkr sweep is writing there; wait for it, or give another folder\n"
-    )
+        jkr("sweep", "s.toml", "-o", "r").refused("r/journal.jsonl: another jkr sweep is writing there; wait for it")

@@ -2,8 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from relaxing_rings import stepped
-from scipy.special import beta, betainc, gamma
+from scipy.special import beta, betainc
 
 Array = NDArray[np.float64]
 
@@ -39,32 +38,3 @@ def ting_record(
     read = P + noise * P.max() * rng.standard_normal(rows)
     x = tip + (P if exact else read) / k
     return np.stack([t - first, x, read], axis=1), k
-
-
-def power_modes(exponent: float, shortest: float, longest: float) -> tuple[float, Array, Array]:
-    """t^-al as a sum of exponentials between two times [s]: 1/Gamma(al) int exp(al u - t exp(u)) du by midpoints, what
-    is slower than all as a constant."""
-    step, low = 0.35, np.log(1e-7 / longest)
-    u = np.arange(low + step / 2, np.log(40 / shortest), step)
-    return np.exp(exponent * low) / gamma(1 + exponent), step * np.exp(exponent * u) / gamma(exponent), np.exp(u)
-
-
-def ramp_record(
-    rng: np.random.Generator, noise: float = 0.024, lever: float = 1.0, E_star: float = 4e3 / 3, exponent: float = 0.2,
-    R: float = 5e-6, rows: int = 1200, free: float = 7.5, deepest: float = 1e-6, speed: float = 1e-5, steps: int = 1500,
-) -> tuple[Array, float]:  # fmt: skip
-    """The same where the device, not its tip, moves at one ``speed``, by rings stepped through time; ``deepest``: of
-    the device in contact; ``lever``: about what it is to the contact where it turns."""
-    k = lever * 2 * E_star * (deepest / speed) ** -exponent * np.sqrt(R * deepest)
-    turn = deepest / speed
-    times = np.linspace(0, 2 * turn, steps + 1)
-    modes = power_modes(exponent, times[1] / 30, 2 * turn)
-    _, _, P = stepped(
-        lambda d: 4 / 3 * E_star * np.sqrt(R) * d**1.5, deepest, modes,
-        lambda t: np.interp(t, [0, turn, 2 * turn], [0, deepest, 0]), times, k, 500,
-    )  # fmt: skip
-    t = np.linspace(-free * turn, (2 + free) * turn, rows)
-    device = np.where(t <= turn, speed * t, deepest - speed * (t - turn))
-    load = np.interp(t, times, P, 0.0, 0.0)
-    read = load + noise * load.max() * rng.standard_normal(rows)
-    return np.stack([t + free * turn, device, read], axis=1), k

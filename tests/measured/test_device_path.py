@@ -10,12 +10,15 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.measured.branches import Branches, Rest, branch, rest
+from jkrcli.measured.force_curve import load_at, receding
 from jkrcli.measured.forward_model import Family
 from jkrcli.methods.closed_form import ClosedForm
 
 PROBLEM = Problem(Paraboloid(1.0), Specimen((), HalfSpace(Elastic(0.75, 0.5))), Loading("radius", 0.6, 60))
 SERIES = ClosedForm()(PROBLEM).series
 FAMILY = Family.of(SERIES, slopes(SERIES))
+FAR = ClosedForm()(replace(PROBLEM, loading=Loading("radius", 3.0, 200))).series
+WIDE = Family.of(FAR, slopes(FAR))
 # k, w on the way in and out, turned at z = 0.15: a and P at the turn, delta and P at the end of the rest, a, z, P at
 # the fold; by formulae of Johnson, Kendall and Roberts and a punch of radius a at rest.
 PATHS = [
@@ -42,9 +45,9 @@ def test_a_cycle_rests_recedes_and_folds(
     P = resting.at(np.array([resting.end]))[0][0]
     assert (resting.end - P / k, P) == pytest.approx(end, rel=1e-8)
     assert resting.released(math.sqrt(w_out), resting.end) == pytest.approx(math.sqrt(w_out), rel=1e-12)
-    receding = branch(FAMILY, 1.0, w_out, k)
-    end_of_path = np.array([receding.fold])
-    lost = (receding.radii(end_of_path)[0], receding.fold, moving(w_out, k, end_of_path, 1e-20)[0][0])
+    back = branch(FAMILY, 1.0, w_out, k)
+    end_of_path = np.array([back.fold])
+    lost = (back.radii(end_of_path)[0], back.fold, moving(w_out, k, end_of_path, 1e-20)[0][0])
     assert lost == pytest.approx(fold, rel=1e-6)
     assert moving(w_out, k, np.array([resting.end]), 1e-6)[0][0] == pytest.approx(P, rel=1e-6)
 
@@ -116,9 +119,53 @@ def test_a_turn_that_is_no_number_spoils_no_other() -> None:
 @pytest.mark.parametrize("k", [0.5, math.inf])
 def test_at_the_fold_loads_rise_as_a_root(k: float) -> None:
     """dP/d zeta, zeta = sqrt(z - fold), at the fold itself: P and z are parabolas of u there, z'' = bend."""
-    receding = branch(FAMILY, 1.0, 0.005, k)
-    _, by_u, by_uu = (column[:, 0] for column in FAMILY.at(receding.u[:1]))
-    factors = np.array([1.0, -receding.r, 1 / k, -receding.r / k])
-    rise = np.array([0.0, 0.0, 1.0, -receding.r]) @ by_u
+    back = branch(FAMILY, 1.0, 0.005, k)
+    _, by_u, by_uu = (column[:, 0] for column in FAMILY.at(back.u[:1]))
+    factors = np.array([1.0, -back.r, 1 / k, -back.r / k])
+    rise = np.array([0.0, 0.0, 1.0, -back.r]) @ by_u
     assert factors @ by_u == pytest.approx(0.0, abs=1e-8)
-    assert receding.slope[0] == pytest.approx(rise * math.sqrt(2 / (factors @ by_uu)), rel=1e-6)
+    assert back.slope[0] == pytest.approx(rise * math.sqrt(2 / (factors @ by_uu)), rel=1e-6)
+
+
+# ---------------------------------------------------------------------- a slow edge
+# w0 = v0 = 1, the device moved back at the speed V from equilibrium at P = 0: -P_min/pi (Runge and Kutta over time).
+@pytest.mark.parametrize(
+    ("n", "k", "V", "expected"),
+    [(0.6, math.inf, 1e-3, 1.515478), (0.6, math.inf, 0.1, 1.733807), (0.6, math.inf, 10.0, 4.196531),
+     (0.6, 1.0, 1e-2, 1.556731), (0.6, 1.0, 1.0, 2.153421), (0.25, math.inf, 1e-2, 1.887319),
+     (0.25, math.inf, 1.0, 2.681615)],
+)  # fmt: skip
+def test_pull_off_at_a_speed(n: float, k: float, V: float, expected: float) -> None:
+    a = (4.5 * math.pi) ** (1 / 3)  # JKR at P = 0
+    turn = a**2 - math.sqrt(2 * math.pi * a)
+    held = rest(WIDE, 1.0, 1.0, 1.0, k, turn)
+    assert math.exp(held.u) == pytest.approx(a, rel=1e-7)
+    z, P = receding(WIDE, 1.0, 1.0, k, (V**n, n), held, turn)
+    i = int(np.argmin(P))
+    lowest = np.polynomial.Polynomial.fit(z[i - 2 : i + 3], P[i - 2 : i + 3], 4)
+    assert -lowest(lowest.deriv().roots().real).min() / math.pi == pytest.approx(expected, rel=5e-4)
+    assert (np.diff(z) > 0).all()
+
+
+def test_a_very_slow_edge_is_that_of_jkr_and_a_resting_one_rests() -> None:
+    advanced, w, k, turn = 0.5, 1.0, 2.0, 6.0
+    held = rest(WIDE, 1.0, advanced, math.sqrt(w), k, turn)
+    path = receding(WIDE, 1.0, w, k, (1e-9, 0.5), held, turn)
+    jkr = branch(WIDE, 1.0, w, k)
+    z = np.linspace(jkr.fold + 0.05, held.end - 0.01, 50)
+    moving = Branches.of([(WIDE, 1.0, w, k)]).at(np.zeros(z.size, dtype=int), z, np.zeros(1))
+    np.testing.assert_allclose(load_at(path, held, turn, z), moving[0], atol=2e-3)
+    above = np.linspace(held.end, turn, 5)
+    np.testing.assert_allclose(load_at(path, held, turn, above), held.at(above)[0], rtol=1e-12)
+    assert load_at(path, held, turn, np.array([path[0][0] - 1.0])) == 0
+
+
+def test_loads_are_smooth_where_the_edge_begins() -> None:
+    """Rows that pass from rest to motion as w grows would make minima where there are none."""
+    turn, z = 6.0, np.linspace(0, 6.0, 400)
+    works = 1.2 + 0.1 * np.linspace(0, 1, 41)
+    held = [rest(WIDE, 1.0, 1.0, math.sqrt(w), 2.0, turn) for w in works]
+    loads = [load_at(receding(WIDE, 1.0, w, 2.0, (0.5, 0.4), one, turn), one, turn, z)
+             for w, one in zip(works, held, strict=True)]  # fmt: skip
+    bends = np.diff(np.sum(np.square(loads), axis=1), 2)
+    assert np.abs(np.diff(bends)).max() < 0.05 * np.abs(bends).max()

@@ -56,13 +56,6 @@ def test_both_branches_have_one_modulus_and_a_work_of_adhesion_each(columns: str
         assert found.value("a_turn") == pytest.approx(made.turn, rel=0.01)
 
 
-@pytest.mark.slow
-def test_the_order_of_rows_tells_the_branches() -> None:
-    told, untold = (fitted(lens(np.random.default_rng(1), "a,P", True, words).curve) for words in (WORDS, None))
-    names = ("E_star", "w", "w_approach")
-    assert [told.value(name) for name in names] == pytest.approx([untold.value(name) for name in names], rel=5e-3)
-
-
 def hertzian(seed: int, held: int) -> tuple[np.ndarray, np.ndarray]:
     """Depths [nm] and loads [mN] of a sphere of 20 um on an elastic body of E* = 3 GPa: pressed, held, unloaded,
     lifted."""

@@ -12,14 +12,11 @@ import pytest
 from force_curves import Instrument
 from force_curves import record as cycle
 from rate_records import retraction
+from test_tension import LARGE, SMALL
+from test_tension import record as tense
 
-from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes import slopes
-from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.case import store
 from jkrcli.measured.verbs import fit
-from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import nonadhesive
 
 CASE = """
@@ -91,17 +88,6 @@ def _pulled(path: Path, R: float, rng: np.random.Generator) -> None:
            P * 1e6 + rng.normal(0, 3, 70), segment)  # fmt: skip
 
 
-def _drawn(path: Path, R: float, depth: float, rng: np.random.Generator) -> None:
-    """Rows of a retraction from a soft body with surface tension, with noise."""
-    body = Specimen((), HalfSpace(Elastic(4e3, 0.49)), surface_tension=0.02)
-    series = Layered(1e-6)(Problem(Paraboloid(R), body, Loading("depth", depth, 60))).series
-    curve = transform(series, slopes(series, "exact"), 5e-4)
-    delta, P = (values[np.argmin(curve.delta) :] for values in (curve.delta, curve.P))
-    rows = np.linspace(delta[0] + 0.02 * np.ptp(delta), 0.95 * delta[-1], 60)
-    load = np.interp(rows, delta, P)
-    _write(path, "delta_um,P_nN", rows * 1e6, (load + 0.01 * np.ptp(load) * rng.normal(size=60)) * 1e9)
-
-
 @pytest.fixture(name="folder")
 def _folder(jkr: Callable, tmp_path: Path) -> Path:
     """Bodies, and records of every kind."""
@@ -110,8 +96,9 @@ def _folder(jkr: Callable, tmp_path: Path) -> Path:
     (tmp_path / "soft.toml").write_text(CASE.replace("1 mm", "5 um").replace("0.1 mm", "2 um").replace("0.3", "0.5"))
     for name, R in (("probe", 1e-3), ("second", 2e-3)):
         _pulled(tmp_path / f"{name}.csv", R, rng)
-    for name, R, depth in (("small", 3e-6, 1e-6), ("large", 30e-6, 4e-6)):
-        _drawn(tmp_path / f"{name}.csv", R, depth, rng)
+    for name, R in (("small", SMALL), ("large", LARGE)):
+        curve = tense(R, 0.01, 1)
+        _write(tmp_path / f"{name}.csv", "delta_um,P_nN", curve.delta * 1e6, curve.P * 1e9)
     raw = cycle(2e5, 5e-6, 2e-4, 1e-3, Instrument(0.3, 120, 2e-6, 6e-8, 1e-10), 1)
     _write(tmp_path / "raw.csv", "t_s,delta_um,P_nN,segment", raw["t"], raw["z"] * 1e6, raw["P"] * 1e9,
            raw["segment"])  # fmt: skip

@@ -1,13 +1,11 @@
 """Surface tension from records of one and of two radii, made by the exact solver: another table than the fit's."""
 
 import json
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from tension_records import TenseBody
-from tension_records import record as made
+from conftest import write_table
 
 import jkrcli
 from jkrcli.adhesion.curve import transform
@@ -59,23 +57,6 @@ def test_two_radii_tell_the_tension():
     assert not exact.warnings
 
 
-@pytest.mark.slow
-def test_a_slight_work_of_adhesion_is_told_as_a_limit():
-    """w was searched by its amount, whose slope at 0 is none, in curves that ended before so slight a contact does: the
-    interval was sixty times too wide, or w fourteen standard errors off."""
-    E, tension, w = 2e3, 0.06, 1e-3
-    start = Problem(Paraboloid(1e-5), Specimen((), HalfSpace(Elastic(1e3, 0.3))), Loading("depth", 1e-6))
-    curves = [
-        replace(made(TenseBody(2 * tension / E / R, nu=0.3), R, E, w, 0.6, 120, 0.01, 2e-7, 5), name=name)
-        for name, R in (("small", 3e-6), ("large", 1e-5))
-    ]
-    found = {item.name: item for item in tension_fit(start, curves, [3e-6, 1e-5], {}).estimates}
-    assert found["w"].low == 0
-    assert w < found["w"].high < 4 * w
-    for name, true in (("E_star", E), ("surface_tension", tension)):
-        assert abs(found[name].value - true) < 2 * found[name].error
-
-
 def test_one_radius_does_not_and_it_is_said_from_what():
     found = tension_fit(START, [record(LARGE, 0.01, 1)], [LARGE], {})
     assert found.estimate("surface_tension").low is None
@@ -91,8 +72,7 @@ def test_one_radius_does_not_and_it_is_said_from_what():
 def test_from_the_command_line(jkr, tmp_path):
     for name, R in (("small", SMALL), ("large", LARGE)):
         curve = record(R, 0.01, 3)
-        rows = "\n".join(f"{d:.8e},{P:.8e}" for d, P in zip(curve.delta, curve.P, strict=True))
-        (tmp_path / f"{name}.csv").write_text(f"delta_m,P_N\n{rows}\n")
+        write_table(f"{name}.csv", "delta_m,P_N", curve.delta, curve.P)
     (tmp_path / "gel.toml").write_text(
         '[indenter]\nshape = "paraboloid"\nradius = "10 um"\n[specimen.half_space]\nE = "10 kPa"\nnu = 0.49\n'
         '[loading]\ndepth = "1 um"\n'
@@ -119,9 +99,8 @@ def test_python_fits_as_the_command_does():
     """By a body, curves and radii as text; known values too."""
     curves = [record(R, 0.0, 0) for R in (SMALL, LARGE)]
     solved = jkrcli.solve(START, "closed-form")
-    found = jkrcli.fit(
-        solved, curves, ["surface_tension"], {"w": f"{W} J/m^2"}, tip_radii=[SMALL, f"{LARGE * 1e6:g} um"]
-    )
+    radii = [SMALL, f"{LARGE * 1e6:g} um"]
+    found = jkrcli.fit(solved, curves, ["surface_tension"], {"w": f"{W} J/m^2"}, tip_radii=radii)
     plain = tension_fit(START, curves, [SMALL, LARGE], {"w": W})
     assert found.estimate("E_star").value == plain.estimate("E_star").value
     with pytest.raises(jkrcli.InputError, match="give one for each of the 2 files, or one for all, got 3"):

@@ -1,13 +1,19 @@
 """Records whose displacement is that of the tip, z - P/k, with the noise of the load: k and the contact are found."""
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 from force_curves import Instrument, equilibrium, record
-from raw_records import R, body, usual
+from raw_records import BODY, R, body, usual
 
+from jkrcli.base.errors import JkrError
 from jkrcli.measured.curve import Curve, Reading
 from jkrcli.measured.files import from_columns
+from jkrcli.measured.files import read as read_file
 from jkrcli.measured.procedure import fit
+from jkrcli.measured.result import Fit
 from jkrcli.measured.segmentation import SUBTRACTED_TWICE
 
 E_STAR, W = 1e5, 2e-4
@@ -64,3 +70,36 @@ def test_a_deflection_that_is_subtracted_twice_is_flagged() -> None:
     columns = made(0.5 * S)
     assert SUBTRACTED_TWICE in read(columns, columns["z"] - columns["P"] / (0.5 * S), 0.5 * S).flags
     assert SUBTRACTED_TWICE not in read(columns, columns["z"], 0.5 * S).flags
+
+
+# ---------------------------------------------------------------------- remedies of misread curves
+DEVICE = Instrument(0.05, 400, far=1e-6, largest=8e-9, noise=1e-11, offset=0.0)
+
+
+@pytest.mark.parametrize(
+    ("head", "by", "remedy", "told"),
+    [
+        ("piezo (um),force (nN)", (1, -1), "--flip P", {"flip": frozenset({"P"})}),
+        ("piezo (um),force (nN)\nnm,nN", (1, 1), "--unit", {"units": {"delta": "um"}}),
+        ("piezo,force (nN)", (1, 1), "--unit delta=um", {"units": {"delta": "um"}}),
+        ("piezo (um),channel", (1, 1), "--column P=", {"columns": {"P": "2"}, "units": {"P": "nN"}}),
+    ],
+)
+def test_a_remedy_of_a_misread_curve_leads_to_its_fit(
+    tmp_path: Path, head: str, by: tuple[int, int], remedy: str, told: dict[str, Any]
+) -> None:
+    made = record(20e3, R, 2.5e-4, 2.5e-4, DEVICE, 5)
+    lines = [f"{by[0] * z * 1e6:.7f},{by[1] * P * 1e9:.6f}" for z, P in zip(made["z"], made["P"], strict=True)]
+    (file := tmp_path / "curve.csv").write_text("\n".join([head, *lines]) + "\n")
+
+    def fitted(**reading: Any) -> Fit:
+        (curve,) = read_file(file, Reading(stiffness=DEVICE.k, **reading))
+        return fit(BODY, curve, usual())
+
+    try:
+        found = fitted()
+        words = " ".join([*found.flags, *found.warnings])
+    except JkrError as error:
+        words = " ".join(getattr(error, "lines", [str(error)]))
+    assert remedy in words
+    assert fitted(**told).estimate("E_star").value == pytest.approx(20e3, rel=0.05)

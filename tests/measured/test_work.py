@@ -66,9 +66,8 @@ def test_between_the_points_of_the_series_w_errs_by_its_interpolation_alone(name
     series = Layered()(Problem(Paraboloid(R), specimen, Loading("radius", a_max, 457))).series
     lag = np.sqrt(4 * np.pi * W * series.a / series.dS)
     curve = Curve("c", a=series.a, delta=series.delta - lag, P=series.P - series.S * lag).rows(series.a > a_max / 20)
-    np.testing.assert_allclose(
-        work_along(body(name), curve, use).w, W, rtol=1e-11 if name == "half-space" else 1e-5
-    )  # 2e-12: quintics over close logs
+    near = 1e-11 if name == "half-space" else 1e-5  # 2e-12: quintics over close logs
+    np.testing.assert_allclose(work_along(body(name), curve, use).w, W, rtol=near)
 
 
 def test_pull_off_of_the_classical_theory() -> None:
@@ -142,12 +141,9 @@ def test_radii_outside_the_series_and_loads_above_it_with_a_measured_radius() ->
 def test_a_curve_without_any_usable_row_is_refused_with_the_counts() -> None:
     held = body("half-space")
     curve = Curve("c", delta=np.array([1e-6, 1.0, 1.0]), P=np.array([1.0, 0.0, 0.0]))
-    with pytest.raises(InputError) as caught:
+    said = "none of its 3 rows gives .*: 1 at or above the nonadhesive load, 2 at contact radii above 200 um"
+    with pytest.raises(InputError, match=said):
         work_along(held, curve)
-    assert str(caught.value) == (
-        "c: none of its 3 rows gives a work of adhesion: 1 at or above the nonadhesive load, 2 at contact radii above "
-        "200 um, where it ends; are contact point and force offset (--zero), signs (--flip), units and modulus right?"
-    )
 
 
 def test_what_was_not_measured_cannot_be_used() -> None:
@@ -174,10 +170,8 @@ def test_noise_is_carried_as_by_differences(name: str, use: tuple[str, str]) -> 
             moved = {key: getattr(curve, key) + sign * step * (key == quantity) for key in ("a", "delta", "P")}
             sides.append(work_along(held, Curve("c", **moved), use))
         squares += [(0.1 * (getattr(sides[0], key) - getattr(sides[1], key)) / 2) ** 2 for key in ("w", "a")]
-    assert found.w_err is not None
     np.testing.assert_allclose(found.w_err, 1.959964 * np.sqrt(squares[0]), rtol=2e-4)  # differences: of 2nd order
     if use == ("delta", "P"):
-        assert found.a_err is not None
         np.testing.assert_allclose(found.a_err, 1.959964 * np.sqrt(squares[1]), rtol=2e-4)
     else:
         assert found.a_err is None
@@ -189,11 +183,8 @@ def test_the_noise_of_the_load_is_in_the_deflection_too(use: tuple[str, str]) ->
     held, k, sigma = body("half-space"), 50.0, 1e-11
     curve = replace(synthetic("half-space", slice(10, 95, 5)), stiffness=k)
     found = work_along(held, curve, use, {"P": sigma})
-    up, down = (
-        work_along(held, replace(curve, P=curve.load + step, delta=curve.depth - step / k), use)
-        for step in (10 * sigma, -10 * sigma)
-    )
-    assert found.w_err is not None
+    up, down = (work_along(held, replace(curve, P=curve.load + step, delta=curve.depth - step / k), use)
+                for step in (10 * sigma, -10 * sigma))  # fmt: skip
     np.testing.assert_allclose(found.w_err, 1.959964 * np.abs(up.w - down.w) / 20, rtol=2e-4)  # of 2nd order
 
 
@@ -262,7 +253,6 @@ def test_rate_dependent_adhesion_is_read_back() -> None:
     segment = np.repeat(["retract", "hold"], [250, 150])
     found = work_along(held, Curve("c", delta=delta, P=P, t=t, segment=segment))
     np.testing.assert_allclose(found.w, w, rtol=2e-11)  # 1e-12 measured
-    assert found.speed is not None
     assert found.timed.all()
     np.testing.assert_allclose(found.speed, v, rtol=1e-4)  # cubics over 11 rows of e^(-t/8)
     backwards = Curve("c", delta=delta[::-1], P=P[::-1], t=t)

@@ -56,20 +56,6 @@ def test_the_intervals_hold_what_is_said_of_them(name: str, seeds: int) -> None:
     assert shares == pytest.approx(0.95, abs=3 * math.sqrt(0.95 * 0.05 / seeds))
 
 
-@pytest.mark.slow
-def test_profiles_hold_about_what_the_covariance_does() -> None:
-    """w0 and v0 trade unevenly: their profiles lean, and are as wide within a fifth."""
-    texts = (("w0", "0.04"), ("v0", "2e-6"), ("n", "0.5"), ("modulus", "1.03"), ("delta0", "0"))
-    rng = np.random.default_rng(1)
-    records = [record("gel", V, 150, rng, 5e-6) for V in (1e-6, 1e-5)]
-    plain, profiled = (rate_fit(body("gel"), records, rate_settings(body("gel"), "power", start=texts, confidence=how))
-                       for how in ("covariance", "profile"))  # fmt: skip
-    for name in ("E_star", "w0", "v0", "n", "delta0"):
-        widths = [item.high - item.low for item in (plain.estimate(name), profiled.estimate(name))]
-        assert widths[1] == pytest.approx(widths[0], rel=0.2)  # 8 % measured
-    assert profiled.estimate("w0").high < plain.estimate("w0").high - 0.1 * plain.estimate("w0").error
-
-
 def test_the_rows_of_a_record_do_not_follow_its_noise() -> None:
     """A hold before the way back is left out; what is read as the last row depends on noise, what is predicted not."""
     rng = np.random.default_rng(7)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import write_table
 from relaxation_records import record
-from ting_records import ramp_record, ting_loads, ting_record
+from ting_records import ting_loads, ting_record
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import Nonadhesive
@@ -239,15 +239,6 @@ def test_intervals_of_power_laws_on_levers(probed: FittedBody) -> None:
             found = fit.estimate(name)
             inside[name] += found.low <= true <= found.high
     assert min(inside.values()) >= 88, inside
-
-
-@pytest.mark.slow
-def test_a_device_at_constant_speed_on_a_lever(probed: FittedBody) -> None:
-    """By rings stepped through time; the turn lies between two rows."""
-    made = ramp_record(np.random.default_rng(1), 0.02, 1.0, rows=300)
-    fit = by_power(probed, made)
-    assert fit.record.control == "displacement"
-    assert max(map(abs, off(fit, E_star=4e3 / 3, exponent=0.2).values())) < 3.5
 
 
 def test_a_turn_between_two_rows_is_one_corner() -> None:

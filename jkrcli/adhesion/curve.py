@@ -1084,9 +1084,8 @@ class AdhesiveCurve(EquilibriumCurve):
             remedy += f"; contact is lost at the rim of the flat end at the latest, a = {rim}"
         return (
             f"the {controlled(stiffness)} is lowest at the {end} radius of the solution, a = "
-            f"{show(lowest.a, 'length')} "
-            f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; "
-            f"{remedy}"
+            f"{show(lowest.a, 'length')} (P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): "
+            f"pull-off lies outside it; {remedy}"
         )
 
 

@@ -816,16 +816,6 @@ class Path:
         )
 
     @cached_property
-    def unloaded_work(self) -> float | None:
-        """Work of the device [J] from the last state without load on; None where it passes none."""
-        total = 0.0
-        for piece in reversed(self.pieces):
-            if (part := piece.unloaded()) is not None:
-                return total + part.work
-            total += piece.work
-        return None
-
-    @cached_property
     def jumps(self) -> tuple[Jump, ...]:
         """Where the radius changes while no time goes by, and where contact is lost."""
         jumps = []
@@ -1045,9 +1035,12 @@ def separation_work(retraction: Path) -> Estimate:
     """Work of separation [J]: done by the device on a ``retraction`` from the last zero load to loss of contact."""
     if (missing := _no_energy(retraction)) is not None:
         return missing
-    if (work := retraction.unloaded_work) is None:
-        return Unknown("no state of zero load is passed on retraction: increase [loading] radius")
-    return work
+    total = 0.0
+    for piece in reversed(retraction.pieces):
+        if (part := piece.unloaded()) is not None:
+            return total + part.work
+        total += piece.work
+    return Unknown("no state of zero load is passed on retraction: increase [loading] radius")
 
 
 def _no_energy(retraction: Path) -> Unknown | None:
@@ -1165,8 +1158,7 @@ def turning_radius(
         name, unit = ("P", "load") if depth is None else ("delta", "length")
         raise InputError(
             f"cycle: the reversal at {name} = {show(value, unit)} is not reached on approach, which in this solution "
-            "goes "
-            f"from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
+            f"goes from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
         )
     return met[0]
 

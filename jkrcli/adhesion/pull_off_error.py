@@ -96,7 +96,13 @@ def error_of_rows(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) 
     rest = _beyond_gaps(curve, point, stiffness)
     if isinstance(rest, Unknown):
         return rest
-    rest = np.hypot(rest, _by_shift(curve, point, stiffness))
+    # How far delta and P move with all radii, by what is unknown of them together
+    found = (_pull_off(AdhesiveCurve(body, curve.w), curve, stiffness) for body in curve.nonadhesive.shifted)
+    moved = [_distance(other, point) for other in found if not isinstance(other, Unknown)]
+    together = np.max([np.zeros(2), *moved], axis=0)
+    if curve.series.shift is not None and not moved:  # beyond the series: what it is at the radius of the point
+        together = curve.shift_error_at(np.array(point.a))
+    rest = np.hypot(rest, together)
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
 
 
@@ -136,18 +142,6 @@ def _from_other_rule(curve: AdhesiveCurve, point: CriticalPoint, stiffness: floa
         return np.zeros(2)
     both = np.array([own[name] + theirs[name] for name in ("delta", "P")])
     return np.where(off > both, off * (1 + ROUNDED), 0.0)
-
-
-def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
-    """How far delta and P of the ``point`` move with all radii, by what is unknown of them together, (2,)."""
-    moved = []
-    for body in curve.nonadhesive.shifted:
-        found = _pull_off(AdhesiveCurve(body, curve.w), curve, stiffness)
-        if not isinstance(found, Unknown):
-            moved.append(_distance(found, point))
-    if curve.series.shift is not None and not moved:  # beyond the series: what it is at the radius of the point
-        return curve.shift_error_at(np.array(point.a))
-    return np.max([np.zeros(2), *moved], axis=0)
 
 
 def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:

@@ -87,15 +87,15 @@ def reader(kind: Any) -> Read:
     if origin is Mapping:
         return partial(_mapping, *map(reader, parts))
     simple: dict[Any, Read] = {
-        bool: _truth,
+        bool: lambda value: _instance(bool, "true or false", plain(value)),
         int: partial(_whole, Ranged("number")),
         float: Ranged("number").read,
         str: _text,
-        Path: _path,
+        Path: lambda value: Path(_instance((str, os.PathLike), "a path", value)),
     }
     if kind in simple:
         return simple[kind]
-    return partial(_instance, kind) if isinstance(kind, type) else lambda value: value
+    return partial(_instance, kind, f"a {kind.__name__}") if isinstance(kind, type) else lambda value: value
 
 
 def _choice(allowed: Sequence[Any], value: Any) -> Any:
@@ -135,8 +135,10 @@ def _several(made: Callable[[Iterable[Any]], Any], readers: Sequence[Read], coun
     items = [value] if alone else list(value)
     if count and len(items) != count:
         raise KindError(f"{count} values", value)
-    if _numbers_within(items, readers[0]) and not count:
-        return made(items)
+    many = len(items) >= MANY and not count and all(type(item) is float and math.isfinite(item) for item in items)
+    with contextlib.suppress(ValueError):  # as they are where the least and the largest are within the range
+        if many and [readers[0](end) for end in (min(items), max(items))] == [min(items), max(items)]:
+            return made(items)
     taken = []
     for i, item in enumerate(items):
         try:
@@ -146,15 +148,6 @@ def _several(made: Callable[[Iterable[Any]], Any], readers: Sequence[Read], coun
                 raise
             raise ValueError(f"entry {i + 1} {error}") from None
     return made(taken)
-
-
-def _numbers_within(items: Sequence[Any], read: Read) -> bool:
-    """Whether all of many ``items`` are numbers that ``read`` takes as they are, by the least and the largest."""
-    if len(items) < MANY or not all(type(item) is float and math.isfinite(item) for item in items):
-        return False
-    with contextlib.suppress(ValueError):
-        return [read(end) for end in (min(items), max(items))] == [min(items), max(items)]
-    return False
 
 
 def _per_name(note: PerName, value: Any) -> dict[str, Any]:
@@ -183,29 +176,13 @@ def _whole(ranged: Ranged, value: Any) -> int:
     return int(number)
 
 
-def _truth(value: Any) -> bool:
-    truth = plain(value)
-    if not isinstance(truth, bool):
-        raise KindError("true or false", truth)
-    return truth
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise KindError("a text", value)
-    return value
-
-
-def _path(value: Any) -> Path:
-    if not isinstance(value, str | os.PathLike):
-        raise KindError("a path", value)
-    return Path(value)
-
-
-def _instance(kind: type, value: Any) -> Any:
+def _instance(kind: type | tuple[type, ...], wanted: str, value: Any) -> Any:
     if not isinstance(value, kind) or isinstance(value, type):  # a class has the methods of a protocol, too
-        raise KindError(f"a {kind.__name__}", value)
+        raise KindError(wanted, value)
     return value
+
+
+_text: Read = partial(_instance, str, "a text")
 
 
 # --------------------------------------------------------------------------------------------------

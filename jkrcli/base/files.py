@@ -312,7 +312,8 @@ def _tidy(folder: Path) -> None:
     process here that is no more."""
     for path in folder.glob(f"{ASIDE}*"):
         with contextlib.suppress(OSError):
-            if time.time() - path.lstat().st_mtime > DAY or _is_left(path):
+            begun = re.match(rf"{re.escape(ASIDE)}{_here()}-(\d+)-", path.name)
+            if time.time() - path.lstat().st_mtime > DAY or (begun and process.has_ended(int(begun[1]))):
                 path.unlink()
 
 
@@ -322,12 +323,6 @@ def _here() -> str:
     space = Path("/proc/self/ns/pid")
     seen = f"{platform.node()} {space.stat().st_ino if space.exists() else ''}"
     return hashlib.sha256(writable(seen).encode()).hexdigest()[:8]
-
-
-def _is_left(path: Path) -> bool:
-    """Whether the process here that began a hidden file is no more; false where nobody knows."""
-    match = re.match(rf"{re.escape(ASIDE)}{_here()}-(\d+)-", path.name)
-    return match is not None and process.has_ended(int(match[1]))
 
 
 def write_text(path: Path, text: str) -> None:

@@ -8,11 +8,10 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, get_type_hints
 
 from .errors import InputError, installs
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from pandas import DataFrame
 

@@ -133,7 +133,12 @@ class Ranged:
             if (value.strip().lower() == word) if isinstance(value, str) else is_number(value) and value == meant:
                 return meant
         value = plain(value)
-        number = _number(value, self.dimension)
+        if not isinstance(value, str) and not is_number(value):
+            raise KindError(DIMENSIONS[self.dimension].words, value)
+        try:
+            number = parse(value, self.dimension) if isinstance(value, str) else float(value)
+        except OverflowError:
+            raise ValueError("must be a finite number, got one with more than 300 digits") from None
         entry = value if isinstance(value, str) else f"{value} {SI[self.dimension]}".strip()
         if not math.isfinite(number):
             raise ValueError(f"must be a finite number, got {entry}")
@@ -216,17 +221,6 @@ def plain(value: Any) -> Any:
 def is_number(value: Any) -> bool:
     """Whether ``value`` is a real number, and no truth value."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
-
-
-def _number(value: Any, dimension: str) -> float:
-    if not isinstance(value, str) and not is_number(value):
-        raise KindError(DIMENSIONS[dimension].words, value)
-    if isinstance(value, str):
-        return parse(value, dimension)
-    try:
-        return float(value)
-    except OverflowError:
-        raise ValueError("must be a finite number, got one with more than 300 digits") from None
 
 
 def show(value: float, dimension: str, digits: int = 4) -> str:

@@ -708,8 +708,7 @@ def relaxing(law: Relaxation | None) -> list[str]:
         return [f"{fast}; {over_time}"]
     return [
         f"{fast}, and no bound: pulled instantly from rest, contact holds up to {1 / law.relaxed:.3g} times as much; "
-        "jkr "
-        f"pull-off and jkr cycle give the force by the history; {over_time}"
+        f"jkr pull-off and jkr cycle give the force by the history; {over_time}"
     ]
 
 
@@ -996,29 +995,25 @@ class Specimen:
     @property
     def words(self) -> str:
         """``a layer (E = 1 MPa, nu = 0.4, h = 1 um) on a rigid base``."""
-        base = "" if self.is_half_space else self._words_of_base
-        height = f"h = {show(self.top_thickness, 'length')}" if base else ""
         surface = self.materials[0].words
         if self.surface_tension:
             surface += f", surface tension {show(self.surface_tension, 'tension')}"
-        if not base:
+        if self.is_half_space:
             return f"a half-space ({surface})"
+        height = f"h = {show(self.top_thickness, 'length')}"
         count = len(self.layers)
         layers, top = ("a layer", "") if count == 1 else (f"{count} layers", " on top")
         side = ""
         if self.radius is not None:
             side = f", cylinder of radius {show(self.radius, 'length')}, side {self.side}"
-        return f"{layers} ({surface}, {height}{top}{side}) on {base}"
-
-    @property
-    def _words_of_base(self) -> str:
         match self.base:
             case HalfSpace(material=Elastic(E=E)):
-                return f"an elastic half-space (E = {show(E, 'modulus')})"
+                base = f"an elastic half-space (E = {show(E, 'modulus')})"
             case HalfSpace(material=material):
-                return f"an elastic half-space ({material.words})"
+                base = f"an elastic half-space ({material.words})"
             case Rigid(bonded=bonded):
-                return "a rigid substrate" if bonded else "a rigid frictionless base"
+                base = "a rigid substrate" if bonded else "a rigid frictionless base"
+        return f"{layers} ({surface}, {height}{top}{side}) on {base}"
 
     def scaled(self, factor: float) -> Specimen:
         """The same specimen with every modulus, and the surface tension, multiplied by ``factor``: the same

@@ -12,7 +12,20 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    Self,
+    TypeVar,
+    Union,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import tomli_w
 from pydantic import (
@@ -65,7 +78,6 @@ from ..series import Record
 from ..tables import split_name, unit_power
 from ..tables.text import TextTable, read_table
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..methods.fem import FEM
 
@@ -1078,9 +1090,20 @@ def case_of(problem: Problem) -> Case:
         to: dict[str, Any] = {loading.to: loading.maximum, "points": loading.points, "spacing": loading.spacing}
     else:
         to = {loading.to: loading.values} if len(loading.values) > 1 else {loading.to: loading.maximum, "points": 1}
+    tree: dict[str, Any] = {"layers": [_layer(layer) for layer in problem.specimen.layers]}
+    if isinstance(problem.specimen.base, HalfSpace):
+        tree["half_space"] = _material(problem.specimen.base.material)
+    else:
+        tree["base"] = "bonded" if problem.specimen.base.bonded else "frictionless"
+    if problem.specimen.radius is not None:
+        tree |= {"radius": problem.specimen.radius, "side": problem.specimen.side}
+    if problem.specimen.surface_tension:
+        tree["surface_tension"] = problem.specimen.surface_tension
+    if problem.specimen.relaxation is not None:
+        tree["relaxation"] = RELAXATIONS.keys_in_file(problem.specimen.relaxation)
     tree = {
         "indenter": problem.indenter.keys | indenter,
-        "specimen": _specimen(problem.specimen) | ({"surface": "sticking"} if problem.sticks else {}),
+        "specimen": tree | ({"surface": "sticking"} if problem.sticks else {}),
         "loading": to,
     }
     return Case(model_of(tree, "problem"), "problem")
@@ -1092,21 +1115,6 @@ def _material(material: Material | None) -> dict[str, Any]:
     if isinstance(material, GradedTransverselyIsotropic):
         return {key: LAWS.keys_in_file(one) if isinstance(one, Law) else one for key, one in vars(material).items()}
     return {} if material is None else dict(vars(material))
-
-
-def _specimen(specimen: Specimen) -> dict[str, Any]:
-    tree: dict[str, Any] = {"layers": [_layer(layer) for layer in specimen.layers]}
-    if isinstance(specimen.base, HalfSpace):
-        tree["half_space"] = _material(specimen.base.material)
-    else:
-        tree["base"] = "bonded" if specimen.base.bonded else "frictionless"
-    if specimen.radius is not None:
-        tree |= {"radius": specimen.radius, "side": specimen.side}
-    if specimen.surface_tension:
-        tree["surface_tension"] = specimen.surface_tension
-    if specimen.relaxation is not None:
-        tree["relaxation"] = RELAXATIONS.keys_in_file(specimen.relaxation)
-    return tree
 
 
 def _layer(layer: Layer) -> dict[str, Any]:

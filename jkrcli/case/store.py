@@ -73,10 +73,6 @@ def versions() -> dict[str, str]:
 def write_solution(path: Path, solution: Solution, command_line: str = "") -> None:
     """Write ``solution`` to ``path``, whole or not at all; ``command_line``: what made it, unless its record has
     that."""
-    write_bytes(path, hdf5.image(_tree(solution, command_line)))
-
-
-def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     series, raw, pressure, record = solution.series, solution.raw, solution.pressure, solution.record
     first = {"a0_m": series.a0} | ({} if series.S0 is None else {"S0_N_per_m": series.S0})
     errors, columns, larger = _errors(series), _columns(series), dict(_larger_elements(series))
@@ -120,7 +116,7 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
         p = hdf5.unit_column(pressure.p, "Pa", "contact pressure, one row per increment")
         members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
     identity = {"format": SERIES, "version": VERSION, "method": solution.method, "problem_key": key}
-    return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
+    write_bytes(path, hdf5.image(hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)))
 
 
 def _larger_elements(series: Series) -> Iterator[tuple[str, hdf5.Group]]:

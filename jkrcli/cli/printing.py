@@ -14,14 +14,13 @@ import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
 from ..base.errors import counted, printable, writable
 from ..base.process import SILENCE, duration
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..base.registry import Result
 

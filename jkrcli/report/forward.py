@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from . import tables
 from .result import Figure, Several
 from .tables import Scales, format_state, is_refined, quantities, read_curve, transpose_rows
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..methods.fem import FEM
     from ..methods.fem.fields import ContactState

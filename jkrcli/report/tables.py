@@ -410,8 +410,7 @@ def scales_of(problem: Problem, w: float, name: str) -> Scales:
     if not isinstance(material, Elastic) or material.nu >= 0.5:
         raise InputError(
             "--dimensionless thin-layer: needs one homogeneous isotropic layer with nu < 0.5, bonded to a rigid "
-            "substrate "
-            "(Eq. 22)"
+            "substrate (Eq. 22)"
         )
     K = foundation_modulus(material.E, material.nu, layers[0].thickness)
     P, delta, a = scales_thin_layer(R, K, w)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from ..series.vocabulary import VOCABULARIES, check_chosen, factors_of, is_withi
 from ..tables import split_name, unit_power
 from ..tables.text import TextTable, read_table, some
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .node_radii import Compared
 

@@ -463,9 +463,8 @@ def _judged(gap: Array, rates: Array, x: Array, least: float, equal: str) -> tup
         return ()
     how = "drifts from" if name == "load" else "departs from"
     return (
-        f"the {name} {how} the solution of these bodies at the same {equal} by {spans[name]:+.1%}, beyond the "
-        "scatter (the modulus left free): drift, a wrong contact point, or other bodies; the stated errors do not "
-        "include it",
+        f"the {name} {how} the solution of these bodies at the same {equal} by {spans[name]:+.1%}, beyond the scatter "
+        "(the modulus left free): drift, a wrong contact point, or other bodies; the stated errors do not include it",
     )
 
 

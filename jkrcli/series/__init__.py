@@ -126,9 +126,6 @@ class Series:
         _freeze(self, [*COLUMNS])
         errors = {key: _frozen(f"errors[{key}]", value, len(self)) for key, value in self.errors.items()}
         object.__setattr__(self, "errors", errors)
-        self._check()
-
-    def _check(self) -> None:
         if self.a.size < 1:
             raise InputError("series: holds no points")
         for name, rising, unit in (("contact radii", self.a, " m"), ("delta", self.delta, ""), ("P", self.P, "")):

@@ -251,7 +251,14 @@ def read_table(
     comments = next((i for i, (_, line) in enumerate(lines_of_file) if not _is_comment(line)), len(lines_of_file))
     if comments > 2 * MOST_COLUMNS:
         lines_of_file = lines_of_file[:MOST_COLUMNS] + lines_of_file[comments - MOST_COLUMNS :]
-    alone = _alone(lines_of_file)
+    # The first or the last line that begins with a number, where an empty line parts it from a block of others
+    # without any between them: a number of rows above, a mean below
+    rows = [(n, line) for n, line in lines_of_file if _ROW.match(line)]
+    numbers, known = np.array([n for n, _ in rows]), {n for n, _ in lines_of_file}
+    alone = {}
+    for place, beside, block in ((0, 1, numbers[1:]), (-1, -1, numbers[:-1])):
+        if block.size >= TEXT_BLOCK and (np.diff(block) == 1).all() and rows[place][0] + beside not in known:
+            alone[rows[place][0]] = rows[place][1]
     beside = [item for item in lines_of_file if item[0] not in alone] if alone else lines_of_file
     dialect, sample = _dialect(path, beside, separator, decimal, least, is_text)
     lines, values = _rows(beside, dialect, gaps=not finite)
@@ -265,18 +272,6 @@ def read_table(
     table = _table(path, beside, dialect, lines, values, finite, is_note)
     failed = table.failed | set(lines[gone.any(axis=1)].tolist())
     return replace(table, failed=failed, missing=missing, alone=alone)
-
-
-def _alone(content: Lines) -> dict[int, str]:
-    """The first or the last line that begins with a number, where an empty line parts it from a block of others without
-    any between them: a number of rows above, a mean below."""
-    rows = [(n, line) for n, line in content if _ROW.match(line)]
-    numbers, known = np.array([n for n, _ in rows]), {n for n, _ in content}
-    alone = {}
-    for place, beside, block in ((0, 1, numbers[1:]), (-1, -1, numbers[:-1])):
-        if block.size >= TEXT_BLOCK and (np.diff(block) == 1).all() and rows[place][0] + beside not in known:
-            alone[rows[place][0]] = rows[place][1]
-    return alone
 
 
 def _missing(values: Array) -> dict[int, float]:

@@ -129,8 +129,7 @@ def exact(series: Series) -> Slopes:
     if series.S is None or series.dS is None:
         raise Refusal(
             "slopes: this solution carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a method "
-            "that "
-            "gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
+            "that gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
         )
     covariance = covariance_from_errors(series.a, series.errors, series.dS)
     error = NOT_STATED if covariance is None else shift_error(series.dS, covariance, HALF_WIDTH)
@@ -164,7 +163,19 @@ def slopes(series: Series, name: str = "auto", against: tuple[Series, Slopes] | 
         return replace(by_rule, reason=f"requested; {by_rule.reason}" if by_rule.reason else "requested")
     if series.S is not None and series.dS is not None:
         return _carried(series)
-    return _surer(series)
+    # The slopes of "integral" or "loocv", those with the smaller estimate of their error
+    fitted = slopes_function("integral")(series)
+    if fitted.correlation is not None:
+        reason = f"the solution is noisy and carries no exact slopes{_towards(series.own)}{_unseen(fitted)}"
+        return replace(fitted, reason=reason)
+    try:
+        paper = _measured_against(slopes_function("loocv")(series), fitted, series.rim < math.inf)
+    except InputError:
+        return replace(fitted, reason="the solution carries no exact slopes, and those of 'loocv' are not positive")
+    if _number(paper) < _number(fitted):
+        fitted, paper = paper, fitted
+    others = f"by {paper.method!r} {_words(paper)}"
+    return replace(fitted, reason=f"the solution carries no exact slopes; estimated error {_words(fitted)}, {others}")
 
 
 def _carried(series: Series) -> Slopes:
@@ -235,22 +246,6 @@ def _measured_against(paper: Slopes, fitted: Slopes | None, full: bool) -> Slope
         enough = np.clip(off.max() / own, 1.0, distance / paper.error)[:, None, None]
         covariance = covariance * (enough if full else distance / paper.error) ** 2
     return replace(paper, error=distance, covariance=covariance)
-
-
-def _surer(series: Series) -> Slopes:
-    """The slopes of "integral" or "loocv", those with the smaller estimate of their error."""
-    fitted = slopes_function("integral")(series)
-    if fitted.correlation is not None:
-        reason = f"the solution is noisy and carries no exact slopes{_towards(series.own)}{_unseen(fitted)}"
-        return replace(fitted, reason=reason)
-    try:
-        paper = _measured_against(slopes_function("loocv")(series), fitted, series.rim < math.inf)
-    except InputError:
-        return replace(fitted, reason="the solution carries no exact slopes, and those of 'loocv' are not positive")
-    if _number(paper) < _number(fitted):
-        fitted, paper = paper, fitted
-    others = f"by {paper.method!r} {_words(paper)}"
-    return replace(fitted, reason=f"the solution carries no exact slopes; estimated error {_words(fitted)}, {others}")
 
 
 def _number(fitted: Slopes) -> float:

@@ -122,7 +122,22 @@ class _Smoother:
 
     def influence(self, factor: Array) -> Array:
         """(Q B^-1 Q^T)_ii with B the factored matrix, shape (n,): (1 - A_ii) W_i/lambda."""
-        s0, s1, s2 = _inverse_bands(factor)
+        # Central bands of B^-1 from B = U^T U (Hutchinson and de Hoog): plain floats, the recursion is sequential
+        m = factor.shape[1]
+        first, second = np.zeros(m), np.zeros(m)
+        first[:-1] = factor[1, 1:] / factor[2, :-1]
+        second[:-2] = factor[0, 2:] / factor[2, :-2]
+        rows = zip((1 / factor[2] ** 2)[::-1].tolist(), first[::-1].tolist(), second[::-1].tolist(), strict=True)
+        next0 = next1 = beyond0 = 0.0  # B^-1 at (i+1, i+1), (i+1, i+2), (i+2, i+2)
+        bands = []
+        for pivot, l1, l2 in rows:
+            s2 = -l1 * next1 - l2 * beyond0
+            s1 = -l1 * next0 - l2 * next1
+            s0 = pivot - l1 * s1 - l2 * s2
+            bands.append((s0, s1, s2))
+            next0, next1, beyond0 = s0, s1, next0
+        s0, s1, s2 = np.array(bands[::-1]).T
+        s0, s1, s2 = s0, s1[:-1], s2[:-2]
         q = self.q
         out = np.zeros(q.shape[1] + 2)
         for k in range(3):
@@ -143,25 +158,6 @@ def _bands(diagonal: Array, first: Array, second: Array) -> Array:
     return out
 
 
-def _inverse_bands(factor: Array) -> tuple[Array, Array, Array]:
-    """Central bands of B^-1 from B = U^T U (Hutchinson and de Hoog): plain floats, the recursion is sequential."""
-    m = factor.shape[1]
-    first, second = np.zeros(m), np.zeros(m)
-    first[:-1] = factor[1, 1:] / factor[2, :-1]
-    second[:-2] = factor[0, 2:] / factor[2, :-2]
-    rows = zip((1 / factor[2] ** 2)[::-1].tolist(), first[::-1].tolist(), second[::-1].tolist(), strict=True)
-    next0 = next1 = beyond0 = 0.0  # B^-1 at (i+1, i+1), (i+1, i+2), (i+2, i+2)
-    bands = []
-    for pivot, l1, l2 in rows:
-        s2 = -l1 * next1 - l2 * beyond0
-        s1 = -l1 * next0 - l2 * next1
-        s0 = pivot - l1 * s1 - l2 * s2
-        bands.append((s0, s1, s2))
-        next0, next1, beyond0 = s0, s1, next0
-    s0, s1, s2 = np.array(bands[::-1]).T
-    return s0, s1[:-1], s2[:-2]
-
-
 def smoothing_spline(
     x: Array,
     y: Array,
@@ -178,7 +174,15 @@ def smoothing_spline(
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     weights = np.ones(x.size) if weights is None else np.asarray(weights, dtype=float)
-    _check(x, y, weights)
+    if x.ndim != 1 or x.shape != y.shape or x.shape != weights.shape:
+        raise InputError(f"smoothing spline: x, y and weights differ in shape: {x.shape}, {y.shape}, {weights.shape}")
+    if x.size < 4:
+        raise InputError(f"smoothing spline: needs at least 4 points, got {x.size}")
+    if not (np.isfinite(x).all() and np.isfinite(y).all() and (weights > 0).all()):
+        raise InputError("smoothing spline: x and y must be finite and the weights > 0")
+    if (np.diff(x) <= 0).any():
+        i = int(np.argmax(np.diff(x) <= 0)) + 1
+        raise InputError(f"smoothing spline: x must increase, point {i + 1} is {x[i]:g} after {x[i - 1]:g}")
     width = (x[-1] - x[0]) / (x.size - 1)
     height = float(np.ptp(y)) or 1.0
     smoother = _Smoother((x - x[0]) / width, 1 / weights)
@@ -218,18 +222,6 @@ def linear_fit(spline: SmoothingSpline, weights: Array, y: Array) -> tuple[Array
     slopes = np.diff(g, axis=0) / h
     first = slopes - h / 6 * (2 * c[:-1] + c[1:])
     return g, np.concatenate([first, slopes[-1:] + h[-1:] / 6 * (c[-2:-1] + 2 * c[-1:])])
-
-
-def _check(x: Array, y: Array, weights: Array) -> None:
-    if x.ndim != 1 or x.shape != y.shape or x.shape != weights.shape:
-        raise InputError(f"smoothing spline: x, y and weights differ in shape: {x.shape}, {y.shape}, {weights.shape}")
-    if x.size < 4:
-        raise InputError(f"smoothing spline: needs at least 4 points, got {x.size}")
-    if not (np.isfinite(x).all() and np.isfinite(y).all() and (weights > 0).all()):
-        raise InputError("smoothing spline: x and y must be finite and the weights > 0")
-    if (np.diff(x) <= 0).any():
-        i = int(np.argmax(np.diff(x) <= 0)) + 1
-        raise InputError(f"smoothing spline: x must increase, point {i + 1} is {x[i]:g} after {x[i - 1]:g}")
 
 
 def _score(smoother: _Smoother, y: Array, weights: Array, criterion: Criterion) -> Callable[[float], float]:

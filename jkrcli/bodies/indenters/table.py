@@ -96,7 +96,10 @@ def folded(x: Array, f: Array, noise: float) -> tuple[Array, Array]:
     return about((low + high) / 2)
 
 
-def smooth_convex(r: Array, f: Array, noise: float, bends: Array) -> SmoothProfile:
+@lru_cache(maxsize=REMEMBERED)  # a case is read and built several times, which takes a second each
+def smooth_convex(
+    radii: tuple[float, ...], heights: tuple[float, ...], noise: float, bends: tuple[float, ...]
+) -> SmoothProfile:
     """The smooth convex profile within the ``noise`` [m] of the points, with corners at ``bends`` [m] and where the
     points show them; InputError where they depart from any convex one by more.
 
@@ -104,7 +107,8 @@ def smooth_convex(r: Array, f: Array, noise: float, bends: Array) -> SmoothProfi
     taken, and what the others differ by is part of what the noise leaves open, with the weights exp(-score/2)
     (Buckland, Burnham and Augustin, Biometrics 53 (1997) 603).
     """
-    best = _Fit.of(r, f, noise, tuple(bends.tolist()))
+    r, f = np.array(radii), np.array(heights)
+    best = _Fit.of(r, f, noise, bends)
     fits = [best]
     for _ in range(SMOOTHING_CORNERS):
         fits += best.with_corner()
@@ -453,7 +457,7 @@ class TableProfile(Indenter):
                 )
         if whole:
             r, f = folded(r, f, noise)
-        return _smoothed(tuple(r.tolist()), tuple(f.tolist()), noise, self.bends)
+        return smooth_convex(tuple(r.tolist()), tuple(f.tolist()), noise, self.bends)
 
     @property
     def a0(self) -> float:
@@ -609,23 +613,12 @@ class TableProfile(Indenter):
         return tuple(_Thinned(tuple(r[row]), tuple(f[row]), self.bends) for row in rows if row.size < r.size)
 
 
-@lru_cache(maxsize=REMEMBERED)
-def _smoothed(r: tuple[float, ...], f: tuple[float, ...], noise: float, bends: tuple[float, ...]) -> SmoothProfile:
-    """Remembered: a case is read and built several times, which takes a second each."""
-    return smooth_convex(np.array(r), np.array(f), noise, np.array(bends))
-
-
 def _images(knots: Array, pieces: Array, x: Array) -> tuple[Array, Array]:
     """F(x) [m] and its slope [-] at radii x > 0 of any pieces: the slope alpha + beta r + gamma r^2 of f on one gives
     x [(alpha + gamma x^2/2) arcsin(r/x) - (beta + gamma r/2) sqrt(x^2 - r^2)]."""
-    angles, roots, bent, jumps = _sums(knots, pieces, x)
-    return x * (angles - roots + bent), angles - 2 * roots + 3 * bent + jumps
-
-
-def _sums(knots: Array, pieces: Array, x: Array) -> tuple[Array, Array, Array, Array]:
-    """The sums over all pieces of alpha times the change of arcsin(r/x), of beta times that of sqrt(x^2 - r^2) [m],
-    of gamma times the integral of r^2/sqrt(x^2 - r^2), and over jumps of the slope at knots k of k/sqrt(x^2 - k^2)
-    times them; r no larger than x; some x at a time, in little memory."""
+    # The sums over all pieces of alpha times the change of arcsin(r/x), of beta times that of sqrt(x^2 - r^2) [m], of
+    # gamma times the integral of r^2/sqrt(x^2 - r^2), and over jumps of the slope at knots k of k/sqrt(x^2 - k^2)
+    # times them; r no larger than x; some x at a time, in little memory
     _, slope, curvature, gamma = pieces * np.array([[1.0], [1.0], [1.0], [0.5]])
     k = knots[:-1]
     alpha, beta = slope - k * (curvature - k * gamma), curvature - 2 * k * gamma
@@ -643,7 +636,8 @@ def _sums(knots: Array, pieces: Array, x: Array) -> tuple[Array, Array, Array, A
         steps = np.divide(r, root, out=np.zeros_like(r), where=root > 0)[:, :last] @ jump[:last]
         sums = turns @ alpha[:last], np.diff(root) @ beta[:last], bent @ gamma[:last], steps
         columns[:, start : start + step] = sums
-    return tuple(columns.reshape(4, *x.shape))
+    angles, roots, bent, jumps = tuple(columns.reshape(4, *x.shape))
+    return x * (angles - roots + bent), angles - 2 * roots + 3 * bent + jumps
 
 
 class _Drawn(TableProfile):
@@ -755,7 +749,19 @@ def _with_corners(r: Array, f: Array, bends: Array) -> tuple[Array, Array, Array
 def _profile(r: Array, f: Array, bends: Array) -> tuple[Array, Array]:
     """Knots, and at the left end of each piece between them f and its three derivatives (4, pieces)."""
     chord = np.diff(f) / np.diff(r)
-    left, right = _end_slopes(r, f, chord, bends)
+    # Slopes at the left and the right end of every interval, chord between them; one value on both sides but at bends
+    start = _start(r, chord)
+    straight = _straight(chord, start)
+    ends = np.unique(np.concatenate([[0, chord.size], bends, np.flatnonzero(np.diff(straight)) + 1]))
+    left, right = chord.copy(), chord.copy()
+    for lo, hi in itertools.pairwise(ends.tolist()):
+        if not straight[lo]:
+            before = start if lo == 0 else chord[lo - 1] if straight[lo - 1] and lo not in bends else None
+            after = chord[hi] if hi < chord.size and straight[hi] and hi not in bends else None
+            slopes = _slopes(r[lo : hi + 1], f[lo : hi + 1], chord[lo:hi], before, after)
+            left[lo:hi], right[lo:hi] = slopes[:-1], slopes[1:]
+    middle = (chord[bends - 1] + chord[bends]) / 2
+    right[bends - 1], left[bends] = np.minimum(right[bends - 1], middle), np.maximum(left[bends], middle)
     h, second = np.diff(r), 2 * (right - left)
     # curvatures (times h) at both ends of the cubic with these slopes
     first, last = 6 * chord - 4 * left - 2 * right, 2 * left + 4 * right - 6 * chord
@@ -778,24 +784,6 @@ def _ends(knots: Array, pieces: Array) -> Array:
     h = np.diff(knots)
     bent = curvature + h * third
     return np.array([f + h * (slope + h * (curvature / 2 + h * third / 6)), slope + h * (curvature + bent) / 2, bent])
-
-
-def _end_slopes(r: Array, f: Array, chord: Array, bends: Array) -> tuple[Array, Array]:
-    """Slopes at the left and the right end of every interval, chord between them; one value on both sides but at
-    bends."""
-    start = _start(r, chord)
-    straight = _straight(chord, start)
-    ends = np.unique(np.concatenate([[0, chord.size], bends, np.flatnonzero(np.diff(straight)) + 1]))
-    left, right = chord.copy(), chord.copy()
-    for lo, hi in itertools.pairwise(ends.tolist()):
-        if not straight[lo]:
-            before = start if lo == 0 else chord[lo - 1] if straight[lo - 1] and lo not in bends else None
-            after = chord[hi] if hi < chord.size and straight[hi] and hi not in bends else None
-            slopes = _slopes(r[lo : hi + 1], f[lo : hi + 1], chord[lo:hi], before, after)
-            left[lo:hi], right[lo:hi] = slopes[:-1], slopes[1:]
-    middle = (chord[bends - 1] + chord[bends]) / 2
-    right[bends - 1], left[bends] = np.minimum(right[bends - 1], middle), np.maximum(left[bends], middle)
-    return left, right
 
 
 def _start(r: Array, chord: Array) -> float:

@@ -447,7 +447,17 @@ def nested_dissection(cell_nodes: Array, centres: Array, neighbours: Array) -> A
     ``cell_nodes`` (m, k): the nodes of each cell; ``centres`` (m, 2) [m]; ``neighbours`` (2, f): cells on both sides
     of every inner facet.
     """
-    code = _cell_codes(centres, neighbours)
+    # Path of every cell in the tree of halves, as a binary number with one digit per level
+    m = len(centres)
+    r, z = centres.T
+    # split along them, along both diagonals, and in the polar coordinates of meshes that are graded towards the origin
+    along = r, z, r + z, r - z, np.hypot(r, z), np.arctan2(z, r)
+    by_axis = [np.argsort(values, kind="stable") for values in along]
+    code = np.zeros(m, dtype=np.int64)
+    groups = 1
+    while m > FACTOR_LEAF * groups:
+        code = 2 * code + _halves(code, groups, by_axis, neighbours)
+        groups *= 2
     nodes = cell_nodes.ravel()
     codes = np.repeat(code, cell_nodes.shape[1])
     lowest, highest = np.full(nodes.max() + 1, code.max()), np.zeros(nodes.max() + 1, dtype=np.int64)
@@ -459,21 +469,6 @@ def nested_dissection(cell_nodes: Array, centres: Array, neighbours: Array) -> A
     rank = np.empty_like(order)
     rank[order] = np.arange(order.size)
     return rank
-
-
-def _cell_codes(centres: Array, neighbours: Array) -> Array:
-    """Path of every cell in the tree of halves, as a binary number with one digit per level."""
-    m = len(centres)
-    r, z = centres.T
-    # split along them, along both diagonals, and in the polar coordinates of meshes that are graded towards the origin
-    along = r, z, r + z, r - z, np.hypot(r, z), np.arctan2(z, r)
-    by_axis = [np.argsort(values, kind="stable") for values in along]
-    code = np.zeros(m, dtype=np.int64)
-    groups = 1
-    while m > FACTOR_LEAF * groups:
-        code = 2 * code + _halves(code, groups, by_axis, neighbours)
-        groups *= 2
-    return code
 
 
 def _halves(group: Array, groups: int, by_axis: list[Array], neighbours: Array) -> Array:
@@ -623,16 +618,8 @@ def condense(system: ElasticSystem, factor: StiffnessFactor) -> Surface:
     """Surface whose contact forces act on the displacements that the ``factor`` has last; checked by full solves."""
     n = np.unique(system.node_of[factor.last]).size
     C = factor.compliance()
-    residual, asymmetry = _check(factor, C)
-    radii, areas = system.radii[:n], system.areas[:n]
-    exempt = int(radii[0] == 0 and abs(areas[0]) < 1e-6 * abs(areas[1]))
-    surface = Surface(C, radii, system.is_vertex[:n], areas, exempt, residual, asymmetry)
-    return replace(surface, C=C * np.outer(surface.direction, surface.direction)) if surface.sticks else surface
-
-
-def _check(factor: StiffnessFactor, C: Array) -> tuple[float, float]:
-    """Residual of full solves for unit forces on the innermost and outermost candidate, and their distance to the
-    columns of C."""
+    # Residual of full solves for unit forces on the innermost and outermost candidate, and their distance to the
+    # columns of C
     residuals, distances = [], []
     for j in {0, len(C) - 1}:
         loads = factor.loads(np.eye(len(C))[j])
@@ -645,7 +632,11 @@ def _check(factor: StiffnessFactor, C: Array) -> tuple[float, float]:
             "sizes differ by too much for elements; use method layered or hybrid, or leave out what is far softer, "
             "stiffer or thinner than all else"
         )
-    return max(residuals), float(max(distances))
+    residual, asymmetry = max(residuals), float(max(distances))
+    radii, areas = system.radii[:n], system.areas[:n]
+    exempt = int(radii[0] == 0 and abs(areas[0]) < 1e-6 * abs(areas[1]))
+    surface = Surface(C, radii, system.is_vertex[:n], areas, exempt, residual, asymmetry)
+    return replace(surface, C=C * np.outer(surface.direction, surface.direction)) if surface.sticks else surface
 
 
 # --------------------------------------------------------------------------------------------------

@@ -296,7 +296,26 @@ def _state(model: Model, a: float, delta: float, p: Array, share: float) -> Cont
     lines |= {f"interface {i + 1}": stress.interface(i) for i in range(len(body.materials) - 1)}
     if not body.cut_below:
         lines["base"] = stress.base()
-    points, numbers = _nodes(system.basis.mesh)
+    # Positions (n, 2) [m] of the lattice of nodes on a mesh, and their numbers in each cell (cells, places): vertices
+    # first, then those on sides, from the lower vertex on, then those inside
+    n, (i, j) = STATE_ORDER, _PLACES[STATE_ORDER].T
+    weights = np.column_stack([n - i - j, i, j])
+    p, t, t2f, facets = system.basis.mesh.p, system.basis.mesh.t, system.basis.mesh.t2f, system.basis.mesh.facets
+    lower, upper = p[:, facets[0], None], p[:, facets[1], None]
+    on_sides = lower + (upper - lower) * np.arange(1, n) / n
+    inside = np.flatnonzero((weights > 0).all(axis=1))
+    centres = np.einsum("dkc,qk->dcq", p[:, t], weights[inside] / n)
+    points = np.concatenate([p, on_sides.reshape(2, -1), centres.reshape(2, -1)], axis=1).T
+    numbers = np.empty((t.shape[1], len(weights)), dtype=np.int64)
+    numbers[:, inside] = points.shape[0] - centres[0].size + np.arange(centres[0].size).reshape(-1, inside.size)
+    for q, weight in enumerate(weights):
+        ends = np.flatnonzero(weight)
+        if ends.size == 1:
+            numbers[:, q] = t[ends[0]]
+        elif ends.size == 2:
+            facet = t2f[[(0, 1), (1, 2), (0, 2)].index((ends[0], ends[1]))]
+            steps = np.where(t[ends[1]] == facets[1][facet], weight[ends[1]], weight[ends[0]])
+            numbers[:, q] = p.shape[1] + facet * (n - 1) + steps - 1
     parts, start = [], 0
     for layer in range(len(body.materials)):
         part = _written(stress, layer, points, numbers[system.grid.materials == layer], lines, a)
@@ -317,30 +336,6 @@ def _state(model: Model, a: float, delta: float, p: Array, share: float) -> Cont
 _PLACES = {
     n: np.array([(i, j) for j in range(n + 1) for i in range(n + 1 - j)]) for n in (STATE_ORDER, 2 * STATE_ORDER)
 }
-
-
-def _nodes(mesh: Any) -> tuple[Array, Array]:
-    """Positions (n, 2) [m] of the lattice of nodes on a mesh, and their numbers in each cell (cells, places): vertices
-    first, then those on sides, from the lower vertex on, then those inside."""
-    n, (i, j) = STATE_ORDER, _PLACES[STATE_ORDER].T
-    weights = np.column_stack([n - i - j, i, j])
-    p, t, t2f, facets = mesh.p, mesh.t, mesh.t2f, mesh.facets
-    lower, upper = p[:, facets[0], None], p[:, facets[1], None]
-    on_sides = lower + (upper - lower) * np.arange(1, n) / n
-    inside = np.flatnonzero((weights > 0).all(axis=1))
-    centres = np.einsum("dkc,qk->dcq", p[:, t], weights[inside] / n)
-    points = np.concatenate([p, on_sides.reshape(2, -1), centres.reshape(2, -1)], axis=1).T
-    numbers = np.empty((t.shape[1], len(weights)), dtype=np.int64)
-    numbers[:, inside] = points.shape[0] - centres[0].size + np.arange(centres[0].size).reshape(-1, inside.size)
-    for q, weight in enumerate(weights):
-        ends = np.flatnonzero(weight)
-        if ends.size == 1:
-            numbers[:, q] = t[ends[0]]
-        elif ends.size == 2:
-            facet = t2f[[(0, 1), (1, 2), (0, 2)].index((ends[0], ends[1]))]
-            steps = np.where(t[ends[1]] == facets[1][facet], weight[ends[1]], weight[ends[0]])
-            numbers[:, q] = p.shape[1] + facet * (n - 1) + steps - 1
-    return points, numbers
 
 
 def _triangles(n: int) -> Array:

@@ -190,19 +190,7 @@ def expected_triangles(law: SizeLaw, width: float, depth: float) -> float:
 
     Between two points the size h is linear: the integral of 1/h^2 is their distance over the product of both sizes.
     """
-    r, z = _looked_at(law, width, depth)
-    rows = max(1, AT_ONCE // z.size)
-    lines = np.concatenate([_along(law.on_grid(part, z), z) for part in np.split(r, range(rows, r.size, rows))])
-    return float(1.12 * 4 / np.sqrt(3) * _along(1 / np.sqrt(lines), r))
-
-
-def _along(size: Array, x: Array) -> Array:
-    """Integral of 1/size^2 over ``x`` (n,), ``size`` (..., n)."""
-    return np.sum(np.diff(x) / (size[..., 1:] * size[..., :-1]), axis=-1)
-
-
-def _looked_at(law: SizeLaw, width: float, depth: float) -> tuple[Array, Array]:
-    """Radii and depths at which a law is looked at to count elements: dense where its sizes may be small."""
+    # Radii and depths at which a law is looked at to count elements: dense where its sizes may be small
     many = len(law.layers)
     near = np.geomspace(1e-9, 1, max(COUNT_LEAST_NEAR, min(COUNT_NEAR, COUNT_POINTS // max(many, 1))))
     near *= max(width, depth)
@@ -214,7 +202,15 @@ def _looked_at(law: SizeLaw, width: float, depth: float) -> tuple[Array, Array]:
     ends = [0.0, *(tops + across)[-1:]]
     upwards = [corner - near for _, corner, _ in law.corners]
     z = np.concatenate([inside.ravel(), *(end + near for end in ends), *upwards, ends, [depth]])
-    return np.unique(np.clip(r, 0, width)), np.unique(np.clip(z, 0, depth))
+    r, z = np.unique(np.clip(r, 0, width)), np.unique(np.clip(z, 0, depth))
+    rows = max(1, AT_ONCE // z.size)
+    lines = np.concatenate([_along(law.on_grid(part, z), z) for part in np.split(r, range(rows, r.size, rows))])
+    return float(1.12 * 4 / np.sqrt(3) * _along(1 / np.sqrt(lines), r))
+
+
+def _along(size: Array, x: Array) -> Array:
+    """Integral of 1/size^2 over ``x`` (n,), ``size`` (..., n)."""
+    return np.sum(np.diff(x) / (size[..., 1:] * size[..., :-1]), axis=-1)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -617,7 +613,16 @@ def triangles(surface: Array, depth: float, interfaces: Array, size: str, strip:
         gmsh.model.mesh.field.setString(field, "F", size)
         gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(2)
-        points, cells, first = _arrays(gmsh, len(top))
+        # Points, cells, and the numbers of the first top points of the geometry
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        kinds, _, node_tags = gmsh.model.mesh.getElements(2)
+        if list(kinds) != [2]:
+            raise SolveError(f"mesh: expected triangles only, gmsh gave element types {list(kinds)}")
+        number = np.zeros(int(tags.max()) + 1, dtype=int)
+        number[tags.astype(int)] = np.arange(tags.size)
+        first = [int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in range(1, len(top) + 1)]
+        cells = number[node_tags[0].astype(int)].reshape(-1, 3)
+        points, cells, first = coordinates.reshape(-1, 3)[:, :2].copy(), cells, number[first]
     # Put vertices on the body's straight lines exactly, in place (gmsh leaves round-off there)
     width = surface[-1]
     depths = [0.0, *interfaces, depth]
@@ -651,19 +656,6 @@ def _rectangle(gmsh: ModuleType, top_points: Array, depths: list[float]) -> None
     geo.synchronize()
     for line in fixed:
         gmsh.model.mesh.setTransfiniteCurve(line, 2)
-
-
-def _arrays(gmsh: ModuleType, top: int) -> tuple[Array, Array, Array]:
-    """Points, cells, and the numbers of the first ``top`` points of the geometry."""
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    kinds, _, node_tags = gmsh.model.mesh.getElements(2)
-    if list(kinds) != [2]:
-        raise SolveError(f"mesh: expected triangles only, gmsh gave element types {list(kinds)}")
-    number = np.zeros(int(tags.max()) + 1, dtype=int)
-    number[tags.astype(int)] = np.arange(tags.size)
-    first = [int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in range(1, top + 1)]
-    cells = number[node_tags[0].astype(int)].reshape(-1, 3)
-    return coordinates.reshape(-1, 3)[:, :2].copy(), cells, number[first]
 
 
 def write_msh(grid: Grid, path: Path) -> None:

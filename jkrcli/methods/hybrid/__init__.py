@@ -157,7 +157,21 @@ class Hybrid(HybridOptions):
             with clock("radii"):
                 radii = search(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12)).radii
             if radii[-1] <= contact.limit * (1 + ROUNDED):
-                return contact, errors, radii, _facts(levels, degree, float(radii[-1]))
+                correction = levels.correction(degree)
+                region = levels.region
+                facts: dict[str, Any] = {
+                    "exact_part": "half-space" if levels.wide is None else "laterally unbounded layers",
+                    "degree": degree,
+                    "elements": correction.elements,
+                    "unknowns": correction.unknowns,
+                    "parameters": levels.count,
+                    "asymmetry": correction.asymmetry,
+                    "formulation": "displacement and pressure" if any(region.mixed) else "displacement",
+                    "a_over_h": float(radii[-1]) / (region.unit * region.thicknesses[0]),
+                }
+                if region.cut_beside:
+                    facts["cut_m"] = region.width * region.unit
+                return contact, errors, radii, facts
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
         raise Refusal(_no_radius(problem, reach))
 
@@ -246,21 +260,3 @@ def _too_much(problem: Problem) -> str:
         f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {kernel.HYBRID_EDGE:g} "
         f"of the body's radius, {show(radius, 'length')}): load less, or use method {kernel.fem_for(problem.indenter)}"
     )
-
-
-def _facts(levels: kernel.KernelLevels, degree: int, largest: float) -> dict[str, Any]:
-    correction = levels.correction(degree)
-    region = levels.region
-    facts: dict[str, Any] = {
-        "exact_part": "half-space" if levels.wide is None else "laterally unbounded layers",
-        "degree": degree,
-        "elements": correction.elements,
-        "unknowns": correction.unknowns,
-        "parameters": levels.count,
-        "asymmetry": correction.asymmetry,
-        "formulation": "displacement and pressure" if any(region.mixed) else "displacement",
-        "a_over_h": largest / (region.unit * region.thicknesses[0]),
-    }
-    if region.cut_beside:
-        facts["cut_m"] = region.width * region.unit
-    return facts

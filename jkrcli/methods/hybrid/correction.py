@@ -447,9 +447,8 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: boo
         if count[-1] > LINE_MOST:
             instead = "layered or fem" if wide else "fem (with a rigid indenter)"
             raise Refusal(
-                f"hybrid: the contact or body is so large against the nearest interface that elements would lie in "
-                f"{count[-1]:.2g} rows (limit {LINE_MOST}); "
-                f"use a smaller contact, or use the method {instead}"
+                "hybrid: the contact or body is so large against the nearest interface that elements would lie in "
+                f"{count[-1]:.2g} rows (limit {LINE_MOST}); use a smaller contact, or use the method {instead}"
             )
         pieces = max(1, math.ceil(float(count[-1]) - LINE_SPARE))
         edges += [np.interp(np.arange(1, pieces) * count[-1] / pieces, count, x), np.array([hi])]

@@ -506,11 +506,9 @@ class AdaptiveKernel:
             raise Refusal(
                 f"hybrid: contact radii up to {show(unit, 'length')} need elements of degree {degree} with about "
                 f"{cost.unknowns} unknowns for {levels.count} right-hand sides, "
-                f"{cost_words(cost.seconds, cost.memory_mib)} "
-                f"(limits {HYBRID_MOST_SECONDS:g} s, {HYBRID_MOST_MIB:g} MiB): the contact "
-                f"is large against the nearest interface or side ({away} away); "
-                "use a smaller contact or a larger hybrid.tolerance, or use method "
-                f"{instead(self.indenter, self.specimen)}"
+                f"{cost_words(cost.seconds, cost.memory_mib)} (limits {HYBRID_MOST_SECONDS:g} s, {HYBRID_MOST_MIB:g} "
+                f"MiB): the contact is large against the nearest interface or side ({away} away); use a smaller "
+                f"contact or a larger hybrid.tolerance, or use method {instead(self.indenter, self.specimen)}"
             )
 
     def expected_steps(self, levels: KernelLevels) -> float:

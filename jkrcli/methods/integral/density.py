@@ -212,9 +212,8 @@ def disc_warnings(
         if words:
             return (
                 f"at the contact radius {show(phi.a, 'length')} {words}: the contact without adhesion is not a full "
-                "disc there, the adhesive curve is right only where adhesion holds it together; use a smaller load, "
-                "or see "
-                "jkr profile",
+                "disc there, the adhesive curve is right only where adhesion holds it together; use a smaller load, or "
+                "see jkr profile",
             )
     return ()
 

@@ -85,47 +85,43 @@ class Edged:
         u, weights = (rule(order)[0] + 1) / 2, rule(order)[1] / 2
         z = edges[:, :-1, None] + width[..., None] * u
         z, w = z.reshape(a.size, -1), (width[..., None] * weights).reshape(a.size, -1)
-        K, at_edge = _collocated(tau, a, edges, z, w, order)
+        # Int K(x, t) l_j(t) dt of all nodes' polynomials, (m, n, n) at the nodes x and (m, n) at the edge x = a
+        m, panels, width = a.size, edges.shape[1] - 1, np.diff(edges)
+        own, across = np.abs(z[:, :, None] - z[:, None, :]), (2 * a[:, None] - z)[:, :, None] - z[:, None, :]
+        K = tau(own) * w[:, None, :]
+        blocks = K.reshape(m, panels, order, panels, order)
+        # Close panels: their polynomials at points that crowd at t = x, or at the end that faces it
+        u, v = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
+        away, facing = v[:, None] * lagrange(order, u), v[:, None] * lagrange(order, 1 - u)
+        # Distances from each Gauss node of points on both sides that crowd at it, and weights times polynomials there
+        nodes = (rule(order)[0] + 1) / 2
+        close, weight = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
+        below, above = nodes[:, None] * close, (1 - nodes)[:, None] * close
+        weights = np.concatenate([nodes[:, None] * weight, (1 - nodes)[:, None] * weight], axis=1)
+        points = np.concatenate([nodes[:, None] - below, nodes[:, None] + above], axis=1)
+        inside, both = np.concatenate([below, above], axis=1), weights[..., None] * lagrange(order, points)
+        each = np.arange(panels)
+        d = width[:, :, None, None]
+        blocks[:, each, :, each, :] = np.einsum("mpiq,iqj->pmij", tau(d * inside) * d, both)
+        local = (rule(order)[0] + 1) / 2
+        outer, nearer = d[:, 1:], d[:, :-1]
+        to_outer = tau(nearer * (1 - local)[:, None] + outer * u) * outer
+        to_nearer = tau(outer * local[:, None] + nearer * u) * nearer
+        blocks[:, each[:-1], :, each[1:], :] = np.moveaxis(to_outer @ away, 1, 0)
+        blocks[:, each[1:], :, each[:-1], :] = np.moveaxis(to_nearer @ facing, 1, 0)
+        # The mirrored half: only that of the panel at the axis is close, to itself
+        mirrored = tau(across) * w[:, None, :]
+        last = width[:, -1, None, None]
+        mirrored[:, -order:, -order:] = (tau(last * (1 - local)[:, None] + last * u) * last) @ facing
+        at_edge = tau(z) * w
+        first = width[:, :1]
+        at_edge[:, :order] = (tau(first * u) * first) @ away
+        K, at_edge = (K + mirrored) / 2, (at_edge + tau(2 * a[:, None] - z) * w) / 2
         K.reshape(a.size, -1)[:, :: z.shape[1] + 1] += math.pi / 2
         inverse = np.linalg.inv(K)
         flat, shaped = inverse.sum(axis=2), np.einsum("mij,mj->mi", inverse, F)
         ends = np.stack([1 - np.sum(at_edge * flat, axis=1), F_edge - np.sum(at_edge * shaped, axis=1)])
         return cls(rows, a, edges, z, w, inverse, flat, shaped, np.einsum("mi,mij->mj", at_edge, inverse), ends)
-
-
-def _collocated(tau: Transform, a: Array, edges: Array, z: Array, w: Array, order: int) -> tuple[Array, Array]:
-    """int K(x, t) l_j(t) dt of all nodes' polynomials, (m, n, n) at the nodes x and (m, n) at the edge x = a."""
-    m, panels, width = a.size, edges.shape[1] - 1, np.diff(edges)
-    own, across = np.abs(z[:, :, None] - z[:, None, :]), (2 * a[:, None] - z)[:, :, None] - z[:, None, :]
-    K = tau(own) * w[:, None, :]
-    blocks = K.reshape(m, panels, order, panels, order)
-    # Close panels: their polynomials at points that crowd at t = x, or at the end that faces it
-    u, v = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
-    away, facing = v[:, None] * lagrange(order, u), v[:, None] * lagrange(order, 1 - u)
-    # Distances from each Gauss node of points on both sides that crowd at it, and weights times polynomials there
-    nodes = (rule(order)[0] + 1) / 2
-    close, weight = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
-    below, above = nodes[:, None] * close, (1 - nodes)[:, None] * close
-    weights = np.concatenate([nodes[:, None] * weight, (1 - nodes)[:, None] * weight], axis=1)
-    points = np.concatenate([nodes[:, None] - below, nodes[:, None] + above], axis=1)
-    inside, both = np.concatenate([below, above], axis=1), weights[..., None] * lagrange(order, points)
-    each = np.arange(panels)
-    d = width[:, :, None, None]
-    blocks[:, each, :, each, :] = np.einsum("mpiq,iqj->pmij", tau(d * inside) * d, both)
-    local = (rule(order)[0] + 1) / 2
-    outer, nearer = d[:, 1:], d[:, :-1]
-    to_outer = tau(nearer * (1 - local)[:, None] + outer * u) * outer
-    to_nearer = tau(outer * local[:, None] + nearer * u) * nearer
-    blocks[:, each[:-1], :, each[1:], :] = np.moveaxis(to_outer @ away, 1, 0)
-    blocks[:, each[1:], :, each[:-1], :] = np.moveaxis(to_nearer @ facing, 1, 0)
-    # The mirrored half: only that of the panel at the axis is close, to itself
-    mirrored = tau(across) * w[:, None, :]
-    last = width[:, -1, None, None]
-    mirrored[:, -order:, -order:] = (tau(last * (1 - local)[:, None] + last * u) * last) @ facing
-    at_edge = tau(z) * w
-    first = width[:, :1]
-    at_edge[:, :order] = (tau(first * u) * first) @ away
-    return (K + mirrored) / 2, (at_edge + tau(2 * a[:, None] - z) * w) / 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -114,18 +114,15 @@ class Layered(LayeredOptions):
         return Solution(problem, series, budget, "layered", **told).widened()
 
 
+@lru_cache(maxsize=8)  # several methods forecast by it, and solve
 def largest_radius(problem: Problem) -> float:
     """The largest contact radius [m] that the loading reaches, for forecasts; ``specimen.radius`` is not looked at.
 
     For a finite body this is the forecast that a mesh needs: its sides change it little unless the contact is near.
     Contacts so wide that the search would take long are extrapolated by the power with which they grow.
     """
-    return _largest(without_side_walls(problem))
-
-
-@lru_cache(maxsize=8)  # several methods forecast by it, and solve
-def _largest(problem: Problem) -> float:
-    return expected_radius(_contact(problem), problem.loading, SEARCH)
+    body = without_side_walls(problem)
+    return expected_radius(_contact(body), body.loading, SEARCH)
 
 
 def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -> float:

@@ -187,18 +187,7 @@ def rescaled(m: Array, ratio: Array | float) -> Array:
 def propagate_isotropic(m: Array, y: Array, nu: float) -> Array:
     """exp(B y) m exp(-2 y): the minors (5, n) one layer of y = k h further up."""
     b1, b2, b3, b4 = (_powers(nu) @ m).reshape(4, 5, -1)
-    once, odd, even = _isotropic_functions(y)
-    return once * m + (once * y) * b1 + (once * y**2 / 2) * b2 + (odd / 8) * b3 + (even / 16) * b4
-
-
-@lru_cache(maxsize=1024)
-def _powers(nu: float) -> Array:
-    """B, B^2, B^3, B^4 of an isotropic material, one below the other."""
-    return np.concatenate(list(LayerMedium.isotropic(nu).powers(np.eye(5))))
-
-
-def _isotropic_functions(y: Array) -> tuple[Array, Array, Array]:
-    """exp(-2y), (sinh 2y - 2y) exp(-2y), (cosh 2y - 1 - 2 y^2) exp(-2y)."""
+    # Exp(-2y), (sinh 2y - 2y) exp(-2y), (cosh 2y - 1 - 2 y^2) exp(-2y)
     x = 2 * y
     once = np.exp(-x)
     twice = once * once
@@ -211,7 +200,13 @@ def _isotropic_functions(y: Array) -> tuple[Array, Array, Array]:
         cube = squares[0] * s * once[small]
         odd[small] = cube * (_ODD[0] + _ODD[1:] @ squares[:-1])
         even[small] = cube * s * (_EVEN[0] + _EVEN[1:] @ squares[:-1])
-    return once, odd, even
+    return once * m + (once * y) * b1 + (once * y**2 / 2) * b2 + (odd / 8) * b3 + (even / 16) * b4
+
+
+@lru_cache(maxsize=1024)
+def _powers(nu: float) -> Array:
+    """B, B^2, B^3, B^4 of an isotropic material, one below the other."""
+    return np.concatenate(list(LayerMedium.isotropic(nu).powers(np.eye(5))))
 
 
 def _transverse_functions(A2: Any, D2: Any, y: Array) -> tuple[Array, Array, Array, Array]:
@@ -353,18 +348,6 @@ def minors_of(specimen: Specimen, k: Array) -> Array:
     return propagate(minors_below(specimen, k), k, specimen.layers[0])
 
 
-def _base(base: Rigid | HalfSpace, size: int) -> tuple[Array, float]:
-    """Minors of the base, and the shear modulus [Pa] in whose units they are (any, for a rigid base)."""
-    match base:
-        case HalfSpace(material=Elastic(nu=nu, G=G)):
-            minors = [1.0, 1 - nu, 1 - nu, nu - 0.5, (3 - 4 * nu) / 4]
-        case HalfSpace(material=TransverselyIsotropic(G_z=G) as material):
-            minors = LayerMedium.transverse(material).half_space
-        case Rigid(bonded=bonded):
-            minors, G = [1.0, 0, 0, 0, 0] if bonded else [0.0, 1, 0, 0, 0], 1.0
-    return np.repeat(np.array(minors)[:, None], size, axis=1), G
-
-
 def minors_below(specimen: Specimen, k: Array) -> Array:
     """Minors of everything below the top layer, in units of the shear modulus at the bottom of that layer.
 
@@ -376,7 +359,15 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
     k = k[order]
     depths = np.cumsum([0.0, *(each.thickness * slowest_root(each.material, 0.0, each.thickness) for each in below)])
     felt = [k.size, *np.searchsorted(k, MINORS_FELT / depths[1:-1])][: len(below)]  # by the first of them
-    m, G = _base(specimen.base, k.size)
+    # Minors of the base, and the shear modulus [Pa] in whose units they are (any, for a rigid base)
+    match specimen.base:
+        case HalfSpace(material=Elastic(nu=nu, G=G)):
+            minors = [1.0, 1 - nu, 1 - nu, nu - 0.5, (3 - 4 * nu) / 4]
+        case HalfSpace(material=TransverselyIsotropic(G_z=G) as material):
+            minors = LayerMedium.transverse(material).half_space
+        case Rigid(bonded=bonded):
+            minors, G = [1.0, 0, 0, 0, 0] if bonded else [0.0, 1, 0, 0, 0], 1.0
+    m, G = np.repeat(np.array(minors)[:, None], k.size, axis=1), G
     for layer, count in zip(reversed(below), reversed(felt), strict=True):
         top, bottom = shear_moduli(layer)
         if count:

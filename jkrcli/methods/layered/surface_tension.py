@@ -107,7 +107,23 @@ class Angles:
         apart = _apart(tau[:, None], tau[:, None] - tau)
         across = np.add.outer(np.cos(tau), np.cos(tau))
         plain, mirrored = far[0].T * w, far[1, ::-1].T * w
-        rest = _near(tau, both, near, order, points)
+        # Distances, weights, rows and columns of the near (panels, n) among the panels between both; a panel that
+        # holds the node is cut there
+        panel, row = np.nonzero(near)
+        theta, lo, hi = tau[row], both[panel], both[panel + 1]
+        inside = (lo < theta) & (theta < hi)
+        start, end = np.clip(theta, lo, hi), np.where(theta >= hi, lo, hi)
+        start, end = np.append(start, theta[inside]), np.append(end, lo[inside])
+        panel, row, lo, hi = (np.append(x, x[inside]) for x in (panel, row, lo, hi))
+        u, v = crowded_rule(points, ANGLES_POWER)
+        offset = (end - start)[:, None] * u
+        local = (start[:, None] + offset - lo[:, None]) / (hi - lo)[:, None]
+        panels = (both.size - 1) // 2
+        beyond = panel >= panels
+        local = np.where(beyond[:, None], 1 - local, local)
+        distance = _apart(tau[row][:, None], (tau[row] - start)[:, None] - offset)
+        weights = lagrange(order, local) * (np.abs(end - start)[:, None] * v)[..., None]
+        rest = distance, weights, row, np.where(beyond, 2 * panels - 1 - panel, panel)
         # The row that takes psi at the nodes to psi(0): least squares on the first panels by what psi begins with.
         n = ANGLES_FIRST * order
         t, root = tau[:n] / edges[ANGLES_FIRST], np.sqrt(w[:n])
@@ -146,26 +162,6 @@ class Angles:
 def _apart(tau: Array, difference: Array) -> Array:
     """|cos(tau) - cos(tau - difference)| without cancellation."""
     return 2 * np.abs(np.sin(difference / 2) * np.sin(tau - difference / 2))
-
-
-def _near(tau: Array, both: Array, near: Array, order: int, points: int) -> tuple[Array, Array, Array, Array]:
-    """Distances, weights, rows and columns of the ``near`` (panels, n) among the panels between ``both``; a panel that
-    holds the node is cut there."""
-    panel, row = np.nonzero(near)
-    theta, lo, hi = tau[row], both[panel], both[panel + 1]
-    inside = (lo < theta) & (theta < hi)
-    start, end = np.clip(theta, lo, hi), np.where(theta >= hi, lo, hi)
-    start, end = np.append(start, theta[inside]), np.append(end, lo[inside])
-    panel, row, lo, hi = (np.append(x, x[inside]) for x in (panel, row, lo, hi))
-    u, v = crowded_rule(points, ANGLES_POWER)
-    offset = (end - start)[:, None] * u
-    local = (start[:, None] + offset - lo[:, None]) / (hi - lo)[:, None]
-    panels = (both.size - 1) // 2
-    beyond = panel >= panels
-    local = np.where(beyond[:, None], 1 - local, local)
-    distance = _apart(tau[row][:, None], (tau[row] - start)[:, None] - offset)
-    weights = lagrange(order, local) * (np.abs(end - start)[:, None] * v)[..., None]
-    return distance, weights, row, np.where(beyond, 2 * panels - 1 - panel, panel)
 
 
 # How the equation of the first kind is discretised for an accuracy.
@@ -335,10 +331,9 @@ class SurfaceTensionSolver(IndenterOnLayers):
         if plan.nodes > LAYERED_MOST_NODES or flops > LAYERED_MOST_FLOPS:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} nodes under surface tension for "
-                f"{counted(radii.size, 'radius', 'radii')}, {flops:.1e} operations (limits "
-                f"{LAYERED_MOST_NODES} and {LAYERED_MOST_FLOPS:.0e}); use a smaller contact or fewer points, or use "
-                "method fem"
+                f"act and needs {plan.nodes} nodes under surface tension for {counted(radii.size, 'radius', 'radii')}, "
+                f"{flops:.1e} operations (limits {LAYERED_MOST_NODES} and {LAYERED_MOST_FLOPS:.0e}); use a smaller "
+                "contact or fewer points, or use method fem"
             )
 
     def solved(self, radii: Array, plan: TensePlan) -> ContactResult:

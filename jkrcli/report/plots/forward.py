@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -41,7 +41,6 @@ from . import (
     zero_lines,
 )
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ...bodies.indenters import Indenter
     from ...methods.fem.fields import ContactState

@@ -253,8 +253,6 @@ def _met(
 
 
 # --------------------------------------------------------------------------------------------------
-
-# --------------------------------------------------------------------------------------------------
 # The law of attraction of finite range, and the request for one.
 
 
@@ -633,28 +631,18 @@ class FiniteRangeCurve(EquilibriumCurve):
                 )
             first = float(self.touching.P[0]), float(self.touching.delta[0])
             shrunk = f"contact is lost without a jump: its radius falls to zero at {_where(*first)}"
-            # Where surfaces that attract each other without contact let go, below what the curve leaves out; None
-            # where they do not
-            if self.below.c.size <= FINITE_RANGE_DEGREE:
-                released = None
-            else:
-                pulled, c = (
-                    _drawn(self.problem, self.below),
-                    np.linspace(0, float(self.below.c[-1]), FINITE_RANGE_RELEASED),
-                )
-                delta, P = self.problem.indenter.f(c) - pulled(c), -math.pi * self.law.stress * c**2
+            # Where surfaces that attract each other without contact let go, below what the curve leaves out
+            if self.below.c.size > FINITE_RANGE_DEGREE:
+                c = np.linspace(0, float(self.below.c[-1]), FINITE_RANGE_RELEASED)
+                delta = self.problem.indenter.f(c) - _drawn(self.problem, self.below)(c)
+                P = -math.pi * self.law.stress * c**2
                 n = int(np.argmin(position(delta, P, stiffness)))
-                released = (
-                    Equilibrium(0.0, float(delta[n]), float(P[n]), float(c[n]), float(c[n]))
-                    if 0 < n < c.size - 1
-                    else None
-                )
-            if (last := released) is None:
-                return f"{shrunk}; states below are not computed: give another stress or range"
-            return (
-                f"{shrunk}; attraction without contact ends at {_where(last.P, last.delta)} (renewed contact in "
-                "between is not computed)"
-            )
+                if 0 < n < c.size - 1:
+                    return (
+                        f"{shrunk}; attraction without contact ends at {_where(float(P[n]), float(delta[n]))} (renewed "
+                        "contact in between is not computed)"
+                    )
+            return f"{shrunk}; states below are not computed: give another stress or range"
         if end == "smallest":
             return (
                 f"contact is not lost in a jump: the {quantity} falls until the surfaces no longer attract each other, "

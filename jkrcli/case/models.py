@@ -787,8 +787,7 @@ def _tables_in(annotation: Any) -> Iterator[type[Table]]:
 
 def method_of(model: CaseModel, name: str) -> Method:
     """The method called ``name`` with the options that the case gives it."""
-    options = options_of(model, name)
-    return method_class(name)(**options)
+    return method_class(name)(**options_of(model, name))
 
 
 def fem_of(model: CaseModel) -> "FEM":

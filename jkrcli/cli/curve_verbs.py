@@ -90,7 +90,9 @@ def transform(
                 figure = forward.draw_curve(curve, scales) if figures else None
                 target.write(tables.curve_table(curve, scales, points), summaries[-1], figure)
             if picture is not None:
-                picture.write(figure=forward.draw_curves(curves, users))
+                from ..report.plots.forward import curves_figure
+
+                picture.write(figure=curves_figure(curves, users))
             warnings += [f"{curve.path}: {text}" for curve in curves for text in curve.warnings if not output.json]
     if output.json:
         answer({"results": summaries})

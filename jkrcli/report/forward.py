@@ -43,13 +43,6 @@ def draw_curve(curve: Analysis, scales: Scales | None = None) -> Figure:
     return curve_figure(curve, scales or physical_units(curve.curve))
 
 
-def draw_curves(curves: Sequence[Analysis], scales: Scales | None = None) -> Figure:
-    """One picture of the curves of one body for several works of adhesion."""
-    from .plots.forward import curves_figure, physical_units
-
-    return curves_figure(curves, scales or physical_units(curves[-1].curve))
-
-
 # --------------------------------------------------------------------------------------------------
 # Where contact is lost, in words and as JSON.
 
@@ -72,8 +65,7 @@ class PullOff(Result):
         for behaviour, error in lost:
             numbers = tables.under_control(behaviour)
             numbers["pull_off"] |= tables.errors(error)
-            if isinstance(behaviour.pull_off, CriticalPoint):
-                numbers["pull_off"] |= tables.strains(result.large_strains(behaviour.pull_off))
+            numbers["pull_off"] |= tables.strains(result.large_strains(behaviour.pull_off))
             if isinstance(end := behaviour.lost, CriticalPoint):
                 numbers["contact_lost"] |= tables.errors(error_of_point(result.curve, end, behaviour.stiffness))
             if error is not None:
@@ -266,7 +258,7 @@ class Cycled(Result):
         whole = load is None and depth is None
         turn = None if whole else device_path.turning_radius(inwards, stiffness, load=load, depth=depth)
         found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
-        return replace(found, large_strains=_strains_at_loss(curves[1], stiffness))
+        return replace(found, large_strains=curves[1].large_strains(outwards.pull_off(stiffness)))
 
     @classmethod
     def from_rest(
@@ -359,12 +351,6 @@ class Cycled(Result):
         return lines
 
 
-def _strains_at_loss(outwards: Analysis, stiffness: float) -> Strains:
-    """What large strains change of the force at which a device of ``stiffness`` [N/m] pulls off; None without one."""
-    lost = outwards.curve.pull_off(stiffness)
-    return outwards.large_strains(lost) if isinstance(lost, CriticalPoint) else None
-
-
 def _strain_lines(change: Strains) -> list[str]:
     """The line of a cycle on what large strains ``change`` of its pull-off force; none where that is negligible."""
     return [] if change is None else [f"  {strain_words(change)} of the pull-off force (model)"]
@@ -390,7 +376,8 @@ class CycledByProgram(Result):
         if traced.out_of_series is not None:
             raise InputError(f"{curves[0].path}: {traced.out_of_series}")
         lost = any(jump.end is None for jump in traced.jumps)
-        return cls(curves[0].path, traced, points, _strains_at_loss(curves[1], stiffness) if lost else None)
+        change = curves[1].large_strains(outwards.pull_off(stiffness)) if lost else None
+        return cls(curves[0].path, traced, points, change)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]

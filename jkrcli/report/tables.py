@@ -138,10 +138,10 @@ def summary(result: Analysis) -> dict[str, Any]:
         "smoothing_lambda": slopes.smoothing_lambda,
         "points": {"kept": len(result.curve.series), "dropped": dropped},
         "pull_off": {
-            name: point(place) | errors(result.pull_off_errors.get(name)) | strains(_strains_at(result, place))
+            name: point(place) | errors(result.pull_off_errors.get(name)) | strains(result.large_strains(place))
             for name, place in result.pull_off.items()
         },
-        "stability": stable_states(result),
+        "stability": {k: under_control(device_path.stability_under(result.curve, CONTROLS[k])) for k in CONTROLS},
         "tabor": judged["tabor"],
         "validity": judged,
         "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
@@ -202,15 +202,6 @@ def format_pull_off(
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
     numerical error of each, of one number where all are far below what is read off; what w is by on rough surfaces,
     and what is known of a contact that is no disc."""
-    more = [] if result.rough is None else list(result.rough.words())
-    if result.shape is not None:
-        more.append(f"{result.shape.words()} (model)")
-    return [*_verdict(result, points), *(f"  {line}" for line in more)]
-
-
-def _verdict(
-    result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
-) -> list[str]:
     there = {name: (at, half) for name, (at, half) in points.items() if not isinstance(at, Unknown) and at.P}
     errors = {
         name.removesuffix(" control"): half["P"] / abs(at.P)
@@ -219,7 +210,7 @@ def _verdict(
     }
     noticed = bool(errors) and max(errors.values()) >= PRINTED
     forces_at = {name.removesuffix(" control"): at for name, (at, _) in there.items()}
-    changes = {name: _strains_at(result, at) for name, at in forces_at.items()}
+    changes = {name: result.large_strains(at) for name, at in forces_at.items()}
     places = {name: digits(at.P, changes[name], errors.get(name, 0.0)) for name, at in forces_at.items()}
     forces = ", ".join(
         f"{show(-at.P, 'load', places[name])}"
@@ -245,15 +236,13 @@ def _verdict(
     if noticed and len(errors) > 1:
         each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
         model = "" if change is None else f"{strain_words(change)} (model), "
-        return [*lines, f"  pull-off: {model}{name} {each} ({AT_LEVEL} confidence)"]
-    if noticed or (errors and change is not None):
-        return [*lines, f"  pull-off: {error_words(max(errors.values()), change, name)}"]
-    unknown = dict.fromkeys(half.reason for _, half in there.values() if isinstance(half, Unknown))
-    return lines + ([f"  pull-off: {name} {'; '.join(unknown)}"] if unknown else [])
-
-
-def _strains_at(result: Analysis, point: Equilibrium | Unknown) -> Strains:
-    return result.large_strains(point) if isinstance(point, CriticalPoint) else None
+        lines.append(f"  pull-off: {model}{name} {each} ({AT_LEVEL} confidence)")
+    elif noticed or (errors and change is not None):
+        lines.append(f"  pull-off: {error_words(max(errors.values()), change, name)}")
+    elif unknown := dict.fromkeys(half.reason for _, half in there.values() if isinstance(half, Unknown)):
+        lines.append(f"  pull-off: {name} {'; '.join(unknown)}")
+    lines += [] if result.rough is None else [f"  {line}" for line in result.rough.words()]
+    return lines + ([] if result.shape is None else [f"  {result.shape.words()} (model)"])
 
 
 def percent(error: float) -> str:
@@ -286,12 +275,6 @@ def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:
     """Whether the ``point`` was solved at its own radius, and is not one between rows; each of finite range was."""
     at_rim = point.a == curve.series.rim
     return not isinstance(curve, AdhesiveCurve) or at_rim or is_solved_at(curve.nonadhesive, point.a)
-
-
-def stable_states(result: Analysis) -> dict[str, Any]:
-    """What the curve means under load and under displacement control."""
-    controls = {name: device_path.stability_under(result.curve, k) for name, k in CONTROLS.items()}
-    return {name: under_control(behaviour) for name, behaviour in controls.items()}
 
 
 def under_control(behaviour: Stability) -> dict[str, Any]:
@@ -479,7 +462,18 @@ def _of_curve(result: Analysis) -> Iterator[str]:
             yield f"{name + ' control':<21} not in the solution (see the warning)"
     if words := result.validity.verdict:
         yield words
-    yield from _comparison(result)
+    if (comparison := result.comparison) is not None:
+        parts = [f"P_H(delta) within {comparison.load:.2e}"]
+        if not isinstance(comparison.pull_off, Unknown):
+            parts.append(f"pull-off force {comparison.pull_off:+.2e}")
+        if not isinstance(comparison.curve, Unknown):
+            parts.append(f"adhesive curve within {comparison.curve:.2e}")
+        yield f"against the closed form of the same indenter: {', '.join(parts)}"
+        if comparison.parabola is not None:
+            yield (
+                f"the pull-off force of a sphere is {comparison.parabola:.2%} smaller than 1.5 pi w R of the "
+                "paraboloid (Eq. 18): physics, no error"
+            )
     budget, slopes = result.budget, result.curve.slopes
     largest, name = result.curve.interpolation_error, result.problem.indenter.error_name
     yield f"curve: {accuracy(budget.total, name)}; {accuracy(largest, 'interpolation error')}"
@@ -487,22 +481,4 @@ def _of_curve(result: Analysis) -> Iterator[str]:
         yield (
             f"slopes {slopes.method} ({slopes.reason}), {accuracy(budget.smoothing, 'error')}; "
             f"{counted(len(result.curve.series), 'point')}, {result.dropped} dropped"
-        )
-
-
-def _comparison(result: Analysis) -> Iterator[str]:
-    """The closed form of the same indenter on a half-space beside the curve, where there is one."""
-    comparison = result.comparison
-    if comparison is None:
-        return
-    parts = [f"P_H(delta) within {comparison.load:.2e}"]
-    if not isinstance(comparison.pull_off, Unknown):
-        parts.append(f"pull-off force {comparison.pull_off:+.2e}")
-    if not isinstance(comparison.curve, Unknown):
-        parts.append(f"adhesive curve within {comparison.curve:.2e}")
-    yield f"against the closed form of the same indenter: {', '.join(parts)}"
-    if comparison.parabola is not None:
-        yield (
-            f"the pull-off force of a sphere is {comparison.parabola:.2%} smaller than 1.5 pi w R of the paraboloid "
-            "(Eq. 18): physics, no error"
         )

@@ -21,6 +21,7 @@ from ..adhesion.curve import (
     LOAD_CONTROL,
     AdhesiveCurve,
     CriticalPoint,
+    Equilibrium,
     EquilibriumCurve,
     Nonadhesive,
     mask_below_atomic_spacing,
@@ -158,9 +159,9 @@ class Analysis(Reported):
             judged = replace(judged, regime="adhesion of this range is solved")
         return with_large_strains(judged, worst)
 
-    def large_strains(self, point: CriticalPoint) -> Strains:
-        """What large strains change of the pull-off force at the ``point``; known of discs alone."""
-        if self.shape is not None:
+    def large_strains(self, point: Equilibrium | Unknown) -> Strains:
+        """What large strains change of the pull-off force at the ``point`` if there is one; known of discs alone."""
+        if self.shape is not None or not isinstance(point, CriticalPoint):
             return None
         loaded = self.pull_off["load"]
         by_load = isinstance(loaded, CriticalPoint) and loaded.a == point.a
@@ -260,7 +261,18 @@ def analyse(
     whose pull-off is asked for besides.
     """
     if request:
-        return _of_finite_range(solution.scaled(modulus_factor), works, slopes_name, modulus_factor, request)
+        if slopes_name not in ("auto", "exact"):
+            raise InputError(
+                f"slopes: {slopes_name} has no effect with adhesion of finite range, whose kernel is exact: leave it "
+                "out"
+            )
+        scaled, laws = solution.scaled(modulus_factor), [request.law(w) for w in works]
+        ranged = FiniteRangeBody.of(scaled)
+        curves = [(law, ranged.curve(law)) for law in laws]
+        return [
+            Analysis(scaled, curve, replace(scaled.budget, smoothing=curve.interpolation_error), modulus_factor, law)
+            for law, curve in curves
+        ]
     if slopes_name in ("auto", "exact"):
         solution = solved_below(solution, works, modulus_factor, devices)
     body = nonadhesive(solution, slopes_name)
@@ -326,24 +338,6 @@ def with_solved_points(result: Analysis, *devices: float) -> Analysis:
         return result
     further = solver_of(result.solution)
     return result if further is None else replace(result, curve=solved(curve, further, *devices))
-
-
-def _of_finite_range(
-    solution: Solution, works: Sequence[float], slopes_name: str, modulus_factor: float, request: RangeRequest
-) -> list[Analysis]:
-    """The curves of finite range of a solution."""
-    if slopes_name not in ("auto", "exact"):
-        raise InputError(
-            f"slopes: {slopes_name} has no effect with adhesion of finite range, whose kernel is exact: leave it out"
-        )
-
-    laws = [request.law(w) for w in works]
-    body = FiniteRangeBody.of(solution)
-    curves = [body.curve(law) for law in laws]
-    return [
-        Analysis(solution, curve, replace(solution.budget, smoothing=curve.interpolation_error), modulus_factor, law)
-        for law, curve in zip(laws, curves, strict=True)
-    ]
 
 
 def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
@@ -760,13 +754,12 @@ def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive],
         radii = np.unique(wanted(body))
         if all(is_solved_at(body, a) for a in radii):
             break
+        apart = before[:0]
         if step > 1:
             # Those radii of the step before that lie apart from the new radii: where steps go to and fro, the
             # place lies between them
             steps = np.abs(np.log((before[:, None] - body.series.a0) / (radii - body.series.a0)))
             apart = before[np.min(steps, axis=1) > SOLVED_STEP]
-        else:
-            apart = before[:0]
         try:
             there = further(np.union1d(apart, radii))  # in place of what was solved further before
             trial = replace(body, further=there)
@@ -827,14 +820,9 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     reason = nonsmooth_part(problem.specimen)
     if reason is not None and problem.specimen.surface_tension:
         raise Refusal(reason)
-    kernel_is_known = (
-        reason is None and Hybrid().refusal(replace(problem, loading=Loading.given("radius", (a,)))) is None
-    )
-    if kernel_is_known:
+    if reason is None and Hybrid().refusal(replace(problem, loading=Loading.given("radius", (a,)))) is None:
         # Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
         # little
-
-        problem = solution.problem
         body = AttractedBody(problem, kept=solution.kernel)
         half_way = (a + cast(float, problem.specimen.radius)) / 2
         attraction = body.attraction(min(3 * a, half_way, body.limit))

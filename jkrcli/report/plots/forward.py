@@ -83,9 +83,10 @@ def curve_figure(result: Analysis, units: Scales) -> Figure:
         return figure
 
 
-def curves_figure(results: Sequence[Analysis], units: Scales) -> Figure:
+def curves_figure(results: Sequence[Analysis], scales: Scales | None) -> Figure:
     """The adhesive curves of one body for several works of adhesion over its nonadhesive one: their tension and three
     times as much compression, where the loads of the series dwarf it."""
+    units = scales or physical_units(results[-1].curve)
     tension = max(-float(np.min(result.curve.P)) for result in results)
     near = [np.abs(result.curve.P) <= 3 * tension for result in results]
     with pair(4) as (figure, panels):

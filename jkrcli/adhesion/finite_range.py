@@ -557,6 +557,14 @@ class FiniteRangeCurve(EquilibriumCurve):
         """f(c) - delta [m] without contact, over c; None where all states are in contact."""
         return _drawn(self.problem, _joined(self.apart, _some(self.touching, slice(1)))) if self.apart.c.size else None
 
+    def _at(self, places: Array) -> tuple[Array, Array]:
+        c = np.minimum(places, self._c0)
+        pulled: Array = np.zeros_like(c) if self._pulled is None else self._pulled(c)
+        free = self.problem.indenter.f(c) - pulled, -math.pi * self.law.stress * c**2
+        touching = np.moveaxis(self._spline(self._stretched(places)), -1, 0)[1:]
+        delta, P = (np.where(places > self._c0, b, a) for a, b in zip(free, touching, strict=True))
+        return delta, P
+
     def _rates(self, places: Array) -> tuple[Array, Array]:
         c = np.minimum(places, self._c0)
         safe = np.maximum(c, TINY)
@@ -610,12 +618,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         changes = []
         for coarser in self.halves:
             left_out = np.setdiff1d(self.places, coarser.places)
-            c = np.minimum(left_out, self._c0)
-            pulled: Array = np.zeros_like(c) if self._pulled is None else self._pulled(c)
-            free = self.problem.indenter.f(c) - pulled, -math.pi * self.law.stress * c**2
-            touching = np.moveaxis(self._spline(self._stretched(left_out)), -1, 0)[1:]
-            delta, P = (np.where(left_out > self._c0, b, a) for a, b in zip(free, touching, strict=True))
-            for ours, there in zip((delta, P), coarser.at(left_out), strict=True):
+            for ours, there in zip(self._at(left_out), coarser.at(left_out), strict=True):
                 unit = np.maximum(np.abs(ours), abs(float(np.min(ours))))
                 changes.append(float(np.max(np.abs(there - ours) / unit)))
         return max(changes) / FINITE_RANGE_HALVED + FINITE_RANGE_NO_CLAIM

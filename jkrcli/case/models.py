@@ -12,20 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from typing import (
-    TYPE_CHECKING,
-    Annotated,
-    Any,
-    ClassVar,
-    Literal,
-    Self,
-    TypeVar,
-    Union,
-    cast,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import tomli_w
 from pydantic import (
@@ -78,6 +65,7 @@ from ..series import Record
 from ..tables import split_name, unit_power
 from ..tables.text import TextTable, read_table
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..methods.fem import FEM
 

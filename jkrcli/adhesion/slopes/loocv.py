@@ -136,8 +136,7 @@ class _Smoother:
             s0 = pivot - l1 * s1 - l2 * s2
             bands.append((s0, s1, s2))
             next0, next1, beyond0 = s0, s1, next0
-        s0, s1, s2 = np.array(bands[::-1]).T
-        s0, s1, s2 = s0, s1[:-1], s2[:-2]
+        s0, s1, s2 = (band[: m - k] for k, band in enumerate(np.array(bands[::-1]).T))
         q = self.q
         out = np.zeros(q.shape[1] + 2)
         for k in range(3):

@@ -636,7 +636,7 @@ def _images(knots: Array, pieces: Array, x: Array) -> tuple[Array, Array]:
         steps = np.divide(r, root, out=np.zeros_like(r), where=root > 0)[:, :last] @ jump[:last]
         sums = turns @ alpha[:last], np.diff(root) @ beta[:last], bent @ gamma[:last], steps
         columns[:, start : start + step] = sums
-    angles, roots, bent, jumps = tuple(columns.reshape(4, *x.shape))
+    angles, roots, bent, jumps = columns.reshape(4, *x.shape)
     return x * (angles - roots + bent), angles - 2 * roots + 3 * bent + jumps
 
 

@@ -620,9 +620,8 @@ def triangles(surface: Array, depth: float, interfaces: Array, size: str, strip:
             raise SolveError(f"mesh: expected triangles only, gmsh gave element types {list(kinds)}")
         number = np.zeros(int(tags.max()) + 1, dtype=int)
         number[tags.astype(int)] = np.arange(tags.size)
-        first = [int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in range(1, len(top) + 1)]
-        cells = number[node_tags[0].astype(int)].reshape(-1, 3)
-        points, cells, first = coordinates.reshape(-1, 3)[:, :2].copy(), cells, number[first]
+        first = number[[int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in range(1, len(top) + 1)]]
+        points, cells = coordinates.reshape(-1, 3)[:, :2].copy(), number[node_tags[0].astype(int)].reshape(-1, 3)
     # Put vertices on the body's straight lines exactly, in place (gmsh leaves round-off there)
     width = surface[-1]
     depths = [0.0, *interfaces, depth]

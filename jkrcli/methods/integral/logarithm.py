@@ -82,11 +82,11 @@ class Edged:
         """From the ``edges`` (m, panels + 1) of the panels, as distances [m] from the edge of the contact, with the
         panel means ``F`` (m, n) of the Abel image, and ``F_edge`` at the edge itself."""
         width = np.diff(edges)
-        u, weights = (rule(order)[0] + 1) / 2, rule(order)[1] / 2
-        z = edges[:, :-1, None] + width[..., None] * u
+        nodes, weights = (rule(order)[0] + 1) / 2, rule(order)[1] / 2
+        z = edges[:, :-1, None] + width[..., None] * nodes
         z, w = z.reshape(a.size, -1), (width[..., None] * weights).reshape(a.size, -1)
         # Int K(x, t) l_j(t) dt of all nodes' polynomials, (m, n, n) at the nodes x and (m, n) at the edge x = a
-        m, panels, width = a.size, edges.shape[1] - 1, np.diff(edges)
+        m, panels = width.shape
         own, across = np.abs(z[:, :, None] - z[:, None, :]), (2 * a[:, None] - z)[:, :, None] - z[:, None, :]
         K = tau(own) * w[:, None, :]
         blocks = K.reshape(m, panels, order, panels, order)
@@ -94,7 +94,6 @@ class Edged:
         u, v = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
         away, facing = v[:, None] * lagrange(order, u), v[:, None] * lagrange(order, 1 - u)
         # Distances from each Gauss node of points on both sides that crowd at it, and weights times polynomials there
-        nodes = (rule(order)[0] + 1) / 2
         close, weight = crowded_rule(LOGARITHM_CLOSE * order, LOGARITHM_POWER)
         below, above = nodes[:, None] * close, (1 - nodes)[:, None] * close
         weights = np.concatenate([nodes[:, None] * weight, (1 - nodes)[:, None] * weight], axis=1)
@@ -103,16 +102,15 @@ class Edged:
         each = np.arange(panels)
         d = width[:, :, None, None]
         blocks[:, each, :, each, :] = np.einsum("mpiq,iqj->pmij", tau(d * inside) * d, both)
-        local = (rule(order)[0] + 1) / 2
         outer, nearer = d[:, 1:], d[:, :-1]
-        to_outer = tau(nearer * (1 - local)[:, None] + outer * u) * outer
-        to_nearer = tau(outer * local[:, None] + nearer * u) * nearer
+        to_outer = tau(nearer * (1 - nodes)[:, None] + outer * u) * outer
+        to_nearer = tau(outer * nodes[:, None] + nearer * u) * nearer
         blocks[:, each[:-1], :, each[1:], :] = np.moveaxis(to_outer @ away, 1, 0)
         blocks[:, each[1:], :, each[:-1], :] = np.moveaxis(to_nearer @ facing, 1, 0)
         # The mirrored half: only that of the panel at the axis is close, to itself
         mirrored = tau(across) * w[:, None, :]
         last = width[:, -1, None, None]
-        mirrored[:, -order:, -order:] = (tau(last * (1 - local)[:, None] + last * u) * last) @ facing
+        mirrored[:, -order:, -order:] = (tau(last * (1 - nodes)[:, None] + last * u) * last) @ facing
         at_edge = tau(z) * w
         first = width[:, :1]
         at_edge[:, :order] = (tau(first * u) * first) @ away

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 def run(case: Path, method: str | None, tolerance: float | None, limits: Limits, output: Output) -> None:
     """Solve CASE (TOML) without adhesion: load, displacement and contact radius, with their errors, to HDF5.
 
-    One run serves every work of adhesion (next: jkr transform).
+    One solution serves every work of adhesion: jkr transform reads it.
 
     \b
     jkr run cases/halfspace.toml
@@ -179,9 +179,9 @@ reading_options = options.as_one(
 def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading, output: Output) -> None:
     """Read P, delta and a (or the contact area) that another program computed from TABLE, and write a solution file.
 
-    Columns are known by usual names (a, CAREA, delta, U2, P, RF2, ...) with units in the header, "P (mN)"; --column
-    a=NAME and --unit P=mN say what the header does not. Loads and radii are compared with the exact solution of the
-    specimen. CalculiX prints the force on a wedge of 2 degrees: --factor P=180. Next: jkr transform.
+    The header names the columns (a, CAREA, delta, U2, P, RF2, ...) and their units, "P (mN)"; otherwise give --column
+    a=NAME and --unit P=mN. jkr compares loads and radii with the exact solution of the specimen. CalculiX prints the
+    force on a wedge of 2 degrees: give --factor P=180. The written solution is for jkr transform.
 
     \b
     jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN
@@ -272,7 +272,7 @@ def check(case: Path, roughness: Roughness | None, as_json: bool) -> None:
     """Check CASE before it is solved: the method that it needs, what each would cost, the pull-off force to expect, and
     how large the neglected effects are.
 
-    Computed from a coarse solution of the laterally unbounded specimen; nothing is written.
+    The numbers come from a coarse solution of the laterally unbounded specimen. Nothing is written.
 
     \b
     jkr check cases/thin-layer.toml

@@ -46,8 +46,9 @@ def transform(
 ) -> None:  # fmt: skip
     """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a solution, for each work of adhesion.
 
-    With --stress or --range the cohesive zone (Maugis-Dugdale) is solved for instead. Writes <stem>-w<J/m^2>.csv,
-    .json, .png and .svg; -stress<Pa>, -range<m> and -modulus<factor> are added to the name with these options.
+    With --stress or --range, jkr solves the cohesive zone (Maugis-Dugdale) instead. The results are
+    <stem>-w<J/m^2>.csv, .json, .png and .svg; the options --stress, --range and --modulus-factor add their values to
+    these names.
 
     \b
     jkr transform data.h5 --w "50 mJ/m^2"
@@ -154,8 +155,9 @@ def pull_off(
     """Print pull-off and jump-in of each FILE, a case or a solution, or of a specimen from options, under load control,
     displacement control and each --stiffness, with the energy lost in a cycle; on rough surfaces with --roughness.
 
-    With --load the other way round: the work of adhesion that a measured pull-off force means, or with --find any
-    number of the case. A viscoelastic specimen has several: very slow, very fast, loaded slowly and pulled at once.
+    With --load, the pull-off force is given and jkr computes the work of adhesion; with --find it computes any other
+    number of the case. A viscoelastic specimen has several pull-off forces: very slow, very fast, and pulled at once
+    after slow loading.
 
     \b
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
@@ -238,13 +240,12 @@ def _by_flags(
 @options.into_folder()
 @options.output_options(json="Print the summary as JSON.")
 def profile(file: Path, state: options.State, attraction: options.RangeOptions, limits: Limits, output: Output) -> None:
-    """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a solution, at one
-    state.
+    """Compute the contact pressure, the surface displacement and the gap over the radius at one state of FILE, a case
+    or a solution.
 
-    The state is solved on the body of the file's case, whatever method wrote the solution; the surface of a cylinder is
-    shown to half-way to its side. Without slip it is solved by finite elements, with a column for the shear. With
-    --stress or --range the surfaces attract each other around the contact.
-    Writes <stem>-profile.csv, .png and .svg.
+    The state is always solved on the exact body of the case. On a cylinder the surface is shown to half-way to its
+    side. A specimen without slip is solved by finite elements, and a column holds the shear stress. With --stress or
+    --range, adhesive tension acts outside the contact, too. The results are <stem>-profile.csv, .png and .svg.
 
     \b
     jkr profile data.h5 --a "5 um"
@@ -286,12 +287,12 @@ COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
 @options.into_folder()
 @options.output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
 def fields(file: Path, state: options.State, component: str | None, output: Output) -> None:
-    """Displacement and stress in the body of FILE, a case or a solution, at one state of adhesive contact, by finite
-    elements.
+    """Compute displacement and stress in the specimen of FILE, a case or a solution, at one state of adhesive contact,
+    by finite elements.
 
-    The field of the nonadhesive contact and of the flat punch of the same radius, superposed, on a mesh graded towards
-    the contact's edge, whatever method wrote the solution. Writes <stem>-fields.vtu (ParaView), .csv (tractions on the
-    surface, every interface and the base, with their estimated error), .png and .svg.
+    The adhesive field is the sum of nonadhesive contact and a flat punch of the same radius. The mesh is graded
+    towards the contact edge. The results are <stem>-fields.vtu (ParaView), .csv (tractions on the surface, every
+    interface and the base, with their errors), .png and .svg.
 
     \b
     jkr fields data.h5 --a "5 um"
@@ -339,12 +340,11 @@ def export(
 ) -> None:  # fmt: skip
     """Write the adhesive contact of FILE, a case or a solution, as a law that another program can use.
 
-    With --dem: force and contact radius over the overlap of two particles on the stable branch, the state after first
-    touch, and where contact is lost under displacement and under load control. Writes <name>-dem.h (C99 and C++:
-    table, function, test vectors and a check that compiles alone; several laws go into one program) and <name>-dem.csv;
-    says what JKR of a half-space would do. With --sizes one law for particles of all sizes, energy lost in a collision
-    too. With --nanite: model_jkr_<name>.py, JKR of this body with E, w and contact
-    point to fit; --w is where a fit begins. What is written may be used and passed on under any terms.
+    With --dem, jkr writes force and contact radius over the overlap of two particles, the state after first touch, and
+    the overlap at which contact is lost. The files are <name>-dem.h, a C99 and C++ header with a function and its test,
+    and <name>-dem.csv. One program can include several laws. With --sizes, one law serves particles of all sizes and
+    gives the energy lost in a collision. With --nanite, jkr writes model_jkr_<name>.py, in which nanite or PyJibe fits
+    E, w (starting from --w) and the contact point. You may use and distribute the written files under any terms.
 
     \b
     jkr export coating.h5 --dem --sizes "1 um..100 um"

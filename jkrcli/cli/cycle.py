@@ -166,10 +166,10 @@ def cycle(
     """Compute the cycle of approach and retraction on FILE, a case or a solution file: load, displacement and contact
     radius, jumps, energy lost.
 
-    The cycle is quasi-static: jump-in at delta = 0, loss of contact where d(delta + P/stiffness)/da = 0. With --stress
-    or --range the surfaces attract each other before contact (Maugis-Dugdale). Of a viscoelastic specimen with adhesion
-    the limits are computed: very fast, very slow, and pulled instantly from rest. Writes <stem>-cycle.csv, .png and
-    .svg, the given options in the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
+    The cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da = 0. With
+    --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). For a viscoelastic specimen
+    with adhesion, jkr computes three limits: very fast, very slow, and pulled instantly from rest. The results are
+    <stem>-cycle.csv, .png and .svg; given options add their SI values, as in <stem>-cycle-w-retract0.045.csv.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"

@@ -35,7 +35,8 @@ def compare(
 ) -> None:  # fmt: skip
     """Compare two solution files (P and a at equal displacement, S and S' at equal radius), or two CSV curves.
 
-    Exit code 1 where a column that counts differs by more than --rtol (CSV curves: every shared column counts).
+    The exit code is 1 if a compared column differs by more than --rtol. CSV curves are compared in all columns that
+    both files have.
 
     \b
     jkr compare fem.h5 layered.h5 --rtol 1e-3
@@ -70,7 +71,7 @@ def compare(
 def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     """Print what each solution FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
 
-    Archives of fits and tables of sweeps (.h5) are shown too, checked against the digest they were written under.
+    Results of fits and sweeps (.h5) are shown, too, after their checksums are verified.
 
     \b
     jkr show data.h5
@@ -105,9 +106,9 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
 @options.verb()
 @options.json_option
 def doctor(as_json: bool) -> int:
-    """Look at versions, the mesher's system libraries and optional parts.
+    """Check versions, the system libraries of the mesher, and optional packages.
 
-    Exit code 0 where everything required works, 1 where something is missing; each line says what to type.
+    The exit code is 0 if everything required works and 1 if something is missing. Each line says what to type.
 
     \b
     jkr doctor

@@ -276,7 +276,8 @@ ADHESION_MAP = Map(
     """Map which model of adhesion holds for a paraboloid on a layer on a rigid substrate: Hertz, JKR, DMT, rigid
     bodies, or the transition that needs a finite range.
 
-    After Johnson and Greenwood; a model holds where it errs by less than 5 %. Writes adhesion-map.csv, .png and .svg.
+    The map follows Johnson and Greenwood: a model holds where it errs by less than 5 %. The results are
+    adhesion-map.csv, .png and .svg.
 
     \b
     jkr study adhesion-map --nu 0.499 --q 100 -o map
@@ -371,7 +372,7 @@ PULL_OFF_MAP = Map(
     "pull-off",
     """Map the pull-off force of a paraboloid on a layer on a rigid substrate, in pi w R, over w R^2/(E* h^3).
 
-    Exact slopes throughout. Writes pull-off-map.csv, .png and .svg.
+    All slopes are exact. The results are pull-off-map.csv, .png and .svg.
 
     \b
     jkr study pull-off-map --nu 0.3 --nu 0.5 -o map
@@ -479,8 +480,8 @@ RATE_MAP = Map(
     "rate",
     """Map pull-off force and energy lost over the device's speed, its stiffness and the body.
 
-    A paraboloid with E* = R = w0 = v0 = 1 goes back from equilibrium at no load: on a half-space, and beside it on
-    bonded layers of the given thickness (in R). Writes rate-map.csv, .png and .svg.
+    A paraboloid with E* = R = w0 = v0 = 1 retracts from equilibrium at zero load, from a half-space and from bonded
+    layers of the given thickness (in R). The results are rate-map.csv, .png and .svg.
 
     \b
     jkr study rate-map --rate n=0.6 --thickness 0.3 -o map
@@ -562,10 +563,11 @@ def _sticking_work(values: Values) -> Work:
 
 STICKING_MAP = Map(
     "sticking",
-    """Map what no slip changes under a paraboloid on a layer that is bonded to a rigid substrate, over a/h.
+    """Map the ratio of contact without slip to frictionless contact under a paraboloid on a layer that is bonded to a
+    rigid substrate, over a/h.
 
-    S at equal contact radius, and the load at the depth where the frictionless contact has that radius; no slip
-    over frictionless. Writes sticking-map.csv, .png and .svg.
+    The map shows the ratio of S at equal contact radius, and the ratio of loads at equal depth. The results are
+    sticking-map.csv, .png and .svg.
 
     \b
     jkr study sticking-map -o map
@@ -651,8 +653,8 @@ TRANSITION_MAP = Map(
     "transition",
     """Map the pull-off force of a paraboloid on a layer on a rigid substrate, in pi w R, over the range of adhesion.
 
-    mu is the Tabor number of that range; the limits are JKR's force on the same layer, and 2 of a long range. Writes
-    transition-map.csv, .png and .svg: filled over both axes where there are four values or more of each, else as lines.
+    mu is the Tabor number of the range. The limits are the force of JKR on the same layer and 2 pi w R of a long
+    range. The results are transition-map.csv, .png and .svg, filled for at least four values of both axes, else lines.
 
     \b
     jkr study transition-map --nu 0.3 --q 1 --mu 0.3 --mu 3 -o map
@@ -718,8 +720,8 @@ ROUGHNESS_MAP = Map(
     "roughness",
     """Map the work of adhesion that full conformal contact leaves between rough surfaces, over rms height and modulus.
 
-    On a half-space and on bonded layers; the area is taken as nominal (r = 1), so that E and rms act by E rms^2 alone.
-    Writes roughness-map.csv, .png and .svg.
+    The specimen is a half-space or a bonded layer. The true area is taken as the nominal one (r = 1), so that E and rms
+    act by E rms^2 alone. The results are roughness-map.csv, .png and .svg.
 
     \b
     jkr study roughness-map --thickness "1 um" --w "50 mJ/m^2" -o map

@@ -103,8 +103,8 @@ def study_converge(
 ) -> None:
     """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
 
-    For each: contact radius and load at the common depth, pull-off force, points kept, time; then the observed order
-    and the extrapolated value. Writes <case>-convergence.csv, .json, .png and .svg.
+    For each mesh jkr prints contact radius and load at the common depth, pull-off force, points kept and time; then
+    the observed order and the extrapolated value. The results are <case>-convergence.csv, .json, .png and .svg.
 
     \b
     jkr study converge cases/thin-layer.toml --levels 5
@@ -150,10 +150,12 @@ def sweep(
     sweep: Path, output: Output, parallel: options.Parallel, hours: float, retry_failed: bool, only: int | None,
     show_case: int | None,
 ) -> None:  # fmt: skip
-    """Solve all cases that SWEEP (TOML) makes of a base case; a table with a row per case: CSV, HDF5, Parquet.
+    """Solve all cases that SWEEP (TOML) makes of a base case, and write a table with a row per case (CSV, HDF5,
+    Parquet).
 
-    Draws forces (else the first results) over the longest axis, a line per value of the next: table.png, .svg. Run
-    again after an interruption it goes on where it stopped; cases that share a solve are solved once.
+    The picture table.png, .svg shows forces (else the first results) over the longest axis, with a line per value of
+    the next axis. After an interruption the same command goes on where it stopped. Cases that differ only in w share
+    one solution.
 
     \b
     jkr sweep cases/sweeps/gel.toml -o results
@@ -236,9 +238,9 @@ def explore(
     """Make one self-contained page with sliders from FILE, a case or a solution, with measured DATA (CSV) drawn over
     the curve.
 
-    It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
-    the machine's stiffness and the data's contact point; stable and unstable branches, pull-off, the commands that give
-    the same numbers, a button that saves the curve as CSV.
+    The page works from disk without a network. Its sliders and number fields set the work of adhesion, a factor to all
+    moduli, the stiffness of the machine and the contact point of the data. It shows stable and unstable branches,
+    pull-off, and the commands that give the same numbers, and saves the curve as CSV.
 
     \b
     jkr explore data.h5

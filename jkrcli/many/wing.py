@@ -25,7 +25,7 @@ WING = Wing(
 
 MAPS = {
     "pull-off": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
-    "sticking": "What sticking changes on a layer: S and load over those of sliding, over a/h.",
+    "sticking": "Contact without slip over frictionless contact on a layer: S and load, over a/h.",
     "transition": "The pull-off force on a layer between JKR and DMT, over the range of adhesion.",
     "adhesion": "Which model of adhesion holds on a layer, over its range and the load.",
     "rate": "Pull-off force and energy lost over speed, stiffness and body.",

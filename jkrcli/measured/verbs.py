@@ -35,10 +35,10 @@ if TYPE_CHECKING:
 def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output: Output, rigid: bool) -> None:
     """Show what measured FILES hold: the first thing to do with a force curve; no specimen is needed.
 
-    Prints how columns and units were read; of each curve its segments, base line and noise, contact point, jumps,
-    adhesion force, and what is wrong with it. With --radius a rough E* and w. Draws <stem>-look.png and .svg;
-    of several curves also a page with all of them, small, their grades in a table, and each large, <stem>-look.html, of
-    several files curves-look.html.
+    The output says how columns and units were read. For each curve it states segments, base line, noise, contact point,
+    jumps, adhesion force, and defects; with --radius also a rough E* and w. The pictures are <stem>-look.png and .svg.
+    Several curves also give a page with all curves and their grades: <stem>-look.html, or curves-look.html for several
+    files.
 
     \b
     jkr look curve.jpk-force --radius "5 um"
@@ -103,15 +103,15 @@ def work(
     series: Path, measured: tuple[Path, ...], modulus_factor: float, slopes: str, reading: Reading, workers: int,
     output: Output, **chosen: Any,
 ) -> None:  # fmt: skip
-    """The work of adhesion along each MEASURED file, on the body of the SERIES file.
+    """Compute the work of adhesion along each MEASURED file, on the body of the SERIES file.
 
-    At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
-    and P (needs no zero of the displacement), a and delta, or delta and P. Of raw force curves base line and contact
-    point are fitted first, and the rows on which the edge moves are taken. With a time column also the speed da/dt of
-    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose crack opens. Tables name their
-    columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are
-    read by the optional package afmformats.
-    Writes <stem>-work.csv, .json, .png and .svg.
+    At each measured point jkr computes the energy release rate of the contact edge,
+    w = S' (delta_H - delta)^2/(4 pi a), from a and P (independent of the zero of displacement), a and delta, or delta
+    and P. On raw force curves it first
+    fits base line and contact point, and then uses the points at which the edge moves. A time column also gives the
+    speed da/dt of the edge and the law w0 (1 + (v/v0)^n) of opening contact. Tables name their columns and units,
+    "a_um, P_mN, t_s". The optional package afmformats reads files of force microscopes (.jpk-force, .jpk-force-map,
+    .ibw, .h5, .tab). The results are <stem>-work.csv, .json, .png and .svg.
 
     \b
     jkr work gel.h5 microscope.csv --noise a="2 um" --noise P="5 uN"
@@ -261,11 +261,11 @@ def fit(
 ) -> None:  # fmt: skip
     """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
 
-    BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
-    measured: a force curve, or a table of two or three of a, delta, P; a folder is a map. Further unknowns by --free,
-    such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map or file <MAP>-fit.csv, of several without a case
-    fit.csv (a row per curve), .json, .h5, pictures, of several curves a page to click through them. Several folders are
-    samples: samples.csv and samples.png compare them.
+    BODY is a case or a solution file. If options give the specimen (--radius, --nu, --thickness ...), every file is
+    measured. A measured file is a force curve or a table with two or three of a, delta and P; a folder is a map.
+    --free adds unknowns, such as E:LAYER and h:LAYER. The results are <BODY>-fit.csv, .json, .h5 and pictures; without
+    a case <FILE>-fit.csv, or fit.csv for several files, with one row per curve. Several curves also give a page to
+    click through them. Several folders are samples, which samples.csv and samples.png compare.
 
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5

@@ -213,12 +213,12 @@ def cycle(
     """Compute the cycle of approach and retraction on FILE, a case or a solution file: load, displacement and contact
     radius, jumps, energy lost.
 
-    Without --speed the cycle is quasi-static: jump-in at delta = 0, loss of contact where d(delta + P/stiffness)/da =
-    0. With --stress or --range the surfaces attract each other before contact (Maugis-Dugdale). With --rate and --speed
-    w depends on the speed of the contact line (--stress is then the cohesive stress of the dissipating zone). A
-    viscoelastic specimen needs --speed, and with adhesion --stress or --range; without --speed its limits are computed:
-    very fast, very slow, and pulled instantly from rest. Writes <stem>-cycle.csv, .png and .svg, the given options in
-    the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
+    Without --speed the cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da =
+    0. With --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). With --rate and
+    --speed, w depends on the speed of the contact line, and --stress is the cohesive stress of the dissipating zone. A
+    viscoelastic specimen needs --speed, and with adhesion --stress or --range. Without --speed, jkr computes its
+    limits: very fast, very slow, and pulled instantly from rest. The results are <stem>-cycle.csv, .png and .svg; given
+    options add their SI values to the name, as in <stem>-cycle-w-retract0.045.csv.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"

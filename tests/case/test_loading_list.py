@@ -6,12 +6,8 @@ from jkrcli.case.models import parse_case
 from jkrcli.case.store import solve
 
 BODY = """
-[indenter]
-shape = "paraboloid"
-radius = 1.0
-[specimen.half_space]
-E = 1.0
-nu = 0.3
+indenter = { shape = "paraboloid", radius = 1.0 }
+specimen.half_space = { E = 1.0, nu = 0.3 }
 [loading]
 """
 

@@ -43,15 +43,9 @@ def test_a_work_of_adhesion_that_surfaces_hardly_have_is_remarked() -> None:
     assert "is implausible" in implausible_work(50.0, 1e4)
 
 
-CASE = """[indenter]
-shape = "paraboloid"
-radius = "10 mm"
-[specimen.half_space]
-E = "1 MPa"
-nu = 0.5
-[loading]
-radius = "1 mm"
-spacing = "log"
+CASE = """indenter = { shape = "paraboloid", radius = "10 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.5 }
+loading = { radius = "1 mm", spacing = "log" }
 """
 
 

@@ -14,14 +14,9 @@ from jkrcli.formulas import hertz
 PEERS = Path(__file__).parents[2] / "docs" / "peers"
 E_STAR = 2e6 / (1 - 0.25**2)
 CASE = """
-[indenter]
-shape = "paraboloid"
-radius = "1 mm"
-[specimen.half_space]
-E = "2 MPa"
-nu = 0.25
-[adhesion]
-w = "50 mJ/m^2"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.half_space = { E = "2 MPa", nu = 0.25 }
+adhesion.w = "50 mJ/m^2"
 """
 BODY = ("--shape", "paraboloid", "--radius", "1 mm", "--E", "2 MPa", "--nu", 0.25)
 

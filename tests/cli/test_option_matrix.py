@@ -29,11 +29,10 @@ INPUTS = {  # what is shipped, by the names that it has here
 }  # fmt: skip
 SWEEP = """
 base = "gel.toml"
+outputs.quantities = ["pull_off"]
 [[axes]]
 key = "specimen.layers[0].thickness"
 values = ["0.3 mm", "0.6 mm"]
-[outputs]
-quantities = ["pull_off"]
 """
 BASES: dict[str, tuple[str, ...]] = {  # verbs on shipped inputs; what follows the colon tells those of one verb apart
     "new": ("mine.toml",), "check": ("gel.toml",), "run": ("gel.toml",), "mesh": ("gel.toml",),

@@ -13,13 +13,9 @@ from jkrcli.case.models import method_of, parse_case, places
 from jkrcli.methods.protocol import METHODS
 
 CASE = """
-[indenter]
-shape = "paraboloid"
-radius = "1 mm"
-[specimen]
-layers = [{ thickness = "0.2 mm", E = "1 MPa", nu = 0.3 }]
-[loading]
-radius = "0.1 mm"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.layers = [{ thickness = "0.2 mm", E = "1 MPa", nu = 0.3 }]
+loading.radius = "0.1 mm"
 """
 OTHERS = {  # what to write for another value of an option, where that is not half its default
     "layout": 'layout = "zones"', "element": 'element = "quadrilateral"', "order": "order = 1",

@@ -6,17 +6,10 @@ from pathlib import Path
 import pytest
 
 CASE = """
-[indenter]
-shape = "paraboloid"
-radius = "50 um"
-[specimen.half_space]
-E = "1 MPa"
-nu = 0.3
-[loading]
-radius = "10 um"
-points = 40
-[adhesion]
-w = "50 mJ/m^2"
+indenter = { shape = "paraboloid", radius = "50 um" }
+specimen.half_space = { E = "1 MPa", nu = 0.3 }
+loading = { radius = "10 um", points = 40 }
+adhesion.w = "50 mJ/m^2"
 """
 LAYER = CASE.replace(
     '[specimen.half_space]\nE = "1 MPa"\nnu = 0.3',

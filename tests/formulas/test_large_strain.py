@@ -120,23 +120,14 @@ def test_what_is_below_a_tenth_of_a_per_cent_is_not_said() -> None:
 
 
 SWEEP = """
-[base.indenter]
-shape = "paraboloid"
-radius = "5 um"
-[base.specimen.half_space]
-E = "100 kPa"
-nu = 0.5
-[base.loading]
-radius = "3 um"
-points = 40
-spacing = "log"
-[base.adhesion]
-w = "1 mJ/m^2"
+base.indenter = { shape = "paraboloid", radius = "5 um" }
+base.specimen.half_space = { E = "100 kPa", nu = 0.5 }
+base.loading = { radius = "3 um", points = 40, spacing = "log" }
+base.adhesion.w = "1 mJ/m^2"
+outputs.quantities = ["pull_off.load.P_N"]
 [[axes]]
 key = "specimen.half_space.E"
 values = ["5 kPa", "100 kPa", "1 GPa"]
-[outputs]
-quantities = ["pull_off.load.P_N"]
 """
 
 

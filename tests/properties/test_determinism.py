@@ -15,18 +15,13 @@ from jkrcli.series import COLUMNS
 CASES = Path(__file__).parents[2] / "cases"
 FINITE = """
 method = "fem"
-[indenter]
-shape = "sphere"
-radius = "1 mm"
+indenter = { shape = "sphere", radius = "1 mm" }
+loading.radius = "0.1 mm"
+mesh = { spacing = 0.4, estimate_error = false }
 [[specimen.layers]]
 thickness = "0.4 mm"
 E = "15 kPa"
 nu = 0.4
-[loading]
-radius = "0.1 mm"
-[mesh]
-spacing = 0.4
-estimate_error = false
 """
 SURROUNDINGS = {
     "threads": {"OPENBLAS_NUM_THREADS": "2", "OMP_NUM_THREADS": "2", "MKL_NUM_THREADS": "2"},

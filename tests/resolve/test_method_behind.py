@@ -21,20 +21,14 @@ def test_a_configured_method_is_the_one_behind_its_solution(method: Method) -> N
 
 def test_a_file_gives_back_the_method_of_its_case(tmp_path: Path) -> None:
     case = jkr.parse_case("""
-        method = "layered"
-        [indenter]
-        shape = "paraboloid"
-        radius = "10 um"
-        [[specimen.layers]]
-        thickness = "5 um"
-        E = "1 MPa"
-        nu = 0.3
-        [loading]
-        radius = "3 um"
-        points = 20
-        [layered]
-        tolerance = 1e-5
-        """)
+method = "layered"
+indenter = { shape = "paraboloid", radius = "10 um" }
+loading = { radius = "3 um", points = 20 }
+layered.tolerance = 1e-5
+[[specimen.layers]]
+thickness = "5 um"
+E = "1 MPa"
+nu = 0.3""")
     solution = jkr.solve(case)
     again = jkr.read(jkr.save(solution, tmp_path / "x.h5"))
     assert method_behind(again) == solution.solver == jkr.Layered(tolerance=1e-5)

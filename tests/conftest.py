@@ -121,6 +121,13 @@ class Outcome:
             assert words in self.err
 
 
+def refused_by(call: Callable, *given: Any, **named: Any) -> tuple[str, ...]:
+    """The lines in which a call refuses what is given."""
+    with pytest.raises(InputError) as caught:
+        call(*given, **named)
+    return caught.value.lines
+
+
 @pytest.fixture(name="jkr")
 def _jkr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
     """Run ``jkr`` in an empty folder and return exit code, stdout and stderr; of the core alone (``make core``) what

@@ -14,6 +14,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from conftest import refused_by
 from series_files import edit, one_byte_changed
 
 from jkrcli.base import hdf5
@@ -229,9 +230,7 @@ def test_falling_load_is_named(path: Path) -> None:
         file["series/P"][4] = 0.0
 
     edit(path, change)
-    with pytest.raises(InputError) as caught:
-        store.read_solution(path)
-    assert caught.value.lines == (f"{path}: series: P must be positive and increase, point 5 is 0",)
+    assert refused_by(store.read_solution, path) == (f"{path}: series: P must be positive and increase, point 5 is 0",)
 
 
 def test_foreign_truncated_missing(path: Path) -> None:
@@ -242,9 +241,7 @@ def test_foreign_truncated_missing(path: Path) -> None:
         whole[: len(whole) // 2]: "the HDF5 file is truncated and cannot be read; run the case again",
     }.items():
         path.write_bytes(content)
-        with pytest.raises(InputError) as caught:
-            store.read_solution(path)
-        assert caught.value.lines == (f"{path}: {line}",)
+        assert refused_by(store.read_solution, path) == (f"{path}: {line}",)
     path.unlink()
     with pytest.raises(InputError, match="solution file not found"):
         store.read_solution(path)

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import refused_by
 
-from jkrcli.base.errors import InputError, Refusal
+from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
@@ -102,9 +103,9 @@ def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, mess
 
 @pytest.mark.parametrize("options", [{"layout": "zones"}, {"estimate_error": False}])
 def test_what_a_tolerance_needs(options) -> None:
-    with pytest.raises(InputError) as error:
-        FEM(tolerance=1e-3, **options)
-    assert error.value.lines == ('mesh: tolerance needs the layout "scaled" and estimate_error = true',)
+    assert refused_by(FEM, tolerance=1e-3, **options) == (
+        'mesh: tolerance needs the layout "scaled" and estimate_error = true',
+    )
 
 
 def test_the_forecast_states_the_tolerance() -> None:

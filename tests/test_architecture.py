@@ -27,11 +27,7 @@ WINGS = ("measured", "viscoelastic", "many")
 DOORS = {
     "afmformats": "measured/afm_formats.py",
     "click": (
-        "cli",
-        "measured/verbs.py",
-        "measured/readings.py",
-        "viscoelastic/cycle.py",
-        "viscoelastic/options.py",
+        "cli", "measured/verbs.py", "measured/readings.py", "viscoelastic/cycle.py", "viscoelastic/options.py",
         "many/verbs.py",
     ),
     "cvxopt": "methods/fem/elasticity.py",
@@ -44,7 +40,7 @@ DOORS = {
     "psutil": "base/process.py",
     "pydantic": ("case", "many/sweep_file.py"),
     "skfem": "methods/fem/elasticity.py",
-}
+}  # fmt: skip
 
 
 def modules(package: Path) -> dict[str, Path]:

@@ -33,18 +33,9 @@ COMMANDS = {  # each with what it prints
     "jkr fit raw-force-curve.txt --radius 5um --nu 0.5": "E* = ",
 }
 LACKING = {
-    "fcntl",
-    "resource",
-    "termios",
-    "grp",
-    "pwd",
-    "_multiprocessing",
-    "_posixshmem",
-    "psutil",
-    "gmsh",
-    "skfem",
+    "fcntl", "resource", "termios", "grp", "pwd", "_multiprocessing", "_posixshmem", "psutil", "gmsh", "skfem",
     "meshio",
-}
+}  # fmt: skip
 WITHOUT = f"""
 import json, os, subprocess, sys, threading
 

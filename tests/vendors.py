@@ -211,14 +211,10 @@ def nanosurf(path: Path, side: int = 1, unit: str = "V", record: Any = None, **c
                 counts = np.round((values[rows] - least) / (most - least) * 2 * SURF_MOST) - SURF_MOST
                 data = segment.create_dataset(f"dataset_{2 * at:04d}", data=np.tile(counts, side**2).astype("i4"))
                 of_channel = {
-                    "signal_name": name,
-                    "signal_calibration_unit": spelled,
-                    "signal_calibration_min": least,
-                    "signal_calibration_max": most,
-                    "signal_minmax": [-SURF_MOST, SURF_MOST],
-                    "dataset_block_size_source": f"b{at}",
-                    "signal_data_pattern": "snake_bottom_left",
-                }
+                    "signal_name": name, "signal_calibration_unit": spelled, "signal_calibration_min": least,
+                    "signal_calibration_max": most, "signal_minmax": [-SURF_MOST, SURF_MOST],
+                    "dataset_block_size_source": f"b{at}", "signal_data_pattern": "snake_bottom_left",
+                }  # fmt: skip
                 of_channel |= {key.split(".")[1]: one for key, one in changed.items() if key.split(".")[0] == name}
                 data.attrs.update({key: one for key, one in of_channel.items() if one is not None})
                 sizes = segment.create_dataset(f"dataset_{2 * at + 1:04d}", data=np.full(side**2, counts.size))

@@ -79,15 +79,10 @@ def test_pull_off_under_a_noisy_tip_is_within_its_error(points: int, flat: float
 @pytest.mark.parametrize(
     ("points", "flat", "noise", "median"),
     [
-        (61, FLAT, NOISE, 2e-3),
-        (30, 0.0, NOISE, 2e-3),
-        (121, FLAT, NOISE, 2e-3),
-        (200, FLAT, 0.2e-9, 2.5e-2),
-        (400, FLAT, 0.5e-9, 5e-2),
-        (100, 0.0, 0.5e-9, 1e-2),
-        (400, 0.0, 0.02e-9, 5e-4),
+        (61, FLAT, NOISE, 2e-3), (30, 0.0, NOISE, 2e-3), (121, FLAT, NOISE, 2e-3), (200, FLAT, 0.2e-9, 2.5e-2),
+        (400, FLAT, 0.5e-9, 5e-2), (100, 0.0, 0.5e-9, 1e-2), (400, 0.0, 0.02e-9, 5e-4),
     ],
-)
+)  # fmt: skip
 def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: float, noise: float, median: float) -> None:
     """The median of the stated errors is judged: a draw whose worn end shows less than others states, rightly, several
     times as much; none may state that it knows next to nothing."""

@@ -38,14 +38,10 @@ def curve_of(problem: Problem, w: float = W, **changes: object):
 @pytest.mark.parametrize(
     ("indenter", "depth", "w"),
     [
-        (Sphere(R), 3e-6, W),
-        (Sphere(R), 3e-9, 1e-3),
-        (Paraboloid(R), 3e-6, W),
-        (PowerLaw(0.3, 1.0), 3e-6, W),
-        (PowerLaw(5.0, 1.5), 3e-6, 5.0),
-        (RoundedFlat(1e-5, 1e-5), 3e-6, 0.5),
+        (Sphere(R), 3e-6, W), (Sphere(R), 3e-9, 1e-3), (Paraboloid(R), 3e-6, W), (PowerLaw(0.3, 1.0), 3e-6, W),
+        (PowerLaw(5.0, 1.5), 3e-6, 5.0), (RoundedFlat(1e-5, 1e-5), 3e-6, 0.5),
     ],
-)
+)  # fmt: skip
 def test_comparison_of_the_exact_curve_is_round_off(indenter, depth: float, w: float) -> None:
     problem = Problem(indenter, GROUND, Loading("depth", depth))
     found = compare_half_space(curve_of(problem, w), problem)

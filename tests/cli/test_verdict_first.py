@@ -23,36 +23,21 @@ base = "{GEL}"
 axes = [{{ key = "specimen.layers[0].nu", values = [0.3, 0.4] }}]
 """
 WORDS: tuple[tuple[object, ...], ...] = (
-    ("new", "my.toml"),
-    ("check", GEL),
-    ("run", GEL, "-o", "gel.h5"),
-    ("transform", "gel.h5", "--no-plots"),
-    ("pull-off", "gel.h5", "--w", "0.04"),
-    ("export", "gel.h5", "--dem"),
-    ("look", RECORD, PROBE, "--no-plots"),
+    ("new", "my.toml"), ("check", GEL), ("run", GEL, "-o", "gel.h5"), ("transform", "gel.h5", "--no-plots"),
+    ("pull-off", "gel.h5", "--w", "0.04"), ("export", "gel.h5", "--dem"), ("look", RECORD, PROBE, "--no-plots"),
     ("show", "gel.h5"),
-)
+)  # fmt: skip
 DEAR: tuple[tuple[object, ...], ...] = (
-    ("run", GEL, "-o", "gel.h5"),
-    ("import", "table.csv", "--case", GEL, "-o", "table.h5"),
-    ("mesh", GEL),
-    ("pull-off", "gel.h5"),
-    ("pull-off", "gel.h5", "--load", "1.2 mN"),
-    ("cycle", "gel.h5", "--no-plots"),
+    ("run", GEL, "-o", "gel.h5"), ("import", "table.csv", "--case", GEL, "-o", "table.h5"), ("mesh", GEL),
+    ("pull-off", "gel.h5"), ("pull-off", "gel.h5", "--load", "1.2 mN"), ("cycle", "gel.h5", "--no-plots"),
     ("cycle", "gel.h5", "--rate", "v0=1 um/s,n=0.6", "--speed", "10 um/s", "--to-load", "0.5 mN", "--no-plots"),
-    ("profile", "gel.h5", "--load", "0.5 mN"),
-    ("fields", "gel.h5", "--load", "0.5 mN"),
-    ("explore", "gel.h5"),
+    ("profile", "gel.h5", "--load", "0.5 mN"), ("fields", "gel.h5", "--load", "0.5 mN"), ("explore", "gel.h5"),
     ("fit", RECORD, "--radius", "5 um", "--nu", "0.5", "-o", "fitted", "--no-plots"),
-    ("fit", "gel.h5", PROBE, PROBE, "--no-plots"),
-    ("work", "gel.h5", PROBE, "-o", "work", "--no-plots"),
-    ("compare", "gel.h5", "gel.h5"),
-    ("sweep", "sweep.toml", "-o", "swept"),
+    ("fit", "gel.h5", PROBE, PROBE, "--no-plots"), ("work", "gel.h5", PROBE, "-o", "work", "--no-plots"),
+    ("compare", "gel.h5", "gel.h5"), ("sweep", "sweep.toml", "-o", "swept"),
     ("study", "pull-off-map", "--q", "1", "--nu", "0.3", "--no-plots"),
-    ("study", "converge", GEL, "--levels", "2", "--no-plots"),
-    ("bench", GEL, "--repeat", "1"),
-    ("doctor",),
-)
+    ("study", "converge", GEL, "--levels", "2", "--no-plots"), ("bench", GEL, "--repeat", "1"), ("doctor",),
+)  # fmt: skip
 
 
 def judge(jkr: Callable, words: tuple[object, ...], whole: list[str]) -> None:

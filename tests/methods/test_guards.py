@@ -85,17 +85,11 @@ def test_the_least_of_all_limits_counts(tmp_path: Path, monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("seconds", "words"),
     [
-        (0.5, "0.5 s"),
-        (40.0, "40 s"),
-        (90.0, "2 min"),
-        (5400.0, "1.5 h"),
-        (12240.0, "3.4 h"),
-        (2 * 86_400.0, "2 days"),
-        (2.77e4 * 3600, "3.16 years"),
-        (1e12, "more than 1,000 years"),
+        (0.5, "0.5 s"), (40.0, "40 s"), (90.0, "2 min"), (5400.0, "1.5 h"), (12240.0, "3.4 h"),
+        (2 * 86_400.0, "2 days"), (2.77e4 * 3600, "3.16 years"), (1e12, "more than 1,000 years"),
         (47 * 3600.0, "47 h"),
     ],
-)
+)  # fmt: skip
 def test_duration(seconds: float, words: str) -> None:
     assert duration(seconds) == words
 

@@ -178,18 +178,8 @@ def _value(chance: random.Random) -> Any:
     records = np.zeros(2, dtype=[("a", "f8")])
     words = np.array(["x"], dtype=h5py.string_dtype())
     numbers = (
-        0,
-        -1,
-        np.nan,
-        np.inf,
-        1e308,
-        True,
-        1 + 2j,
-        np.zeros(3),
-        np.zeros((2, 2)),
-        np.arange(30),
-        -np.arange(30.0),
-    )
+        0, -1, np.nan, np.inf, 1e308, True, 1 + 2j, np.zeros(3), np.zeros((2, 2)), np.arange(30), -np.arange(30.0),
+    )  # fmt: skip
     texts = ("", "m", b"\xff\xfe", "a\nb", "[indenter]\nshape = 1", np.array([b"x", b"y"]), words)
     return chance.choice((*numbers, *texts, h5py.Empty("f8"), records, np.void(b"12")))
 

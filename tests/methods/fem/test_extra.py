@@ -59,19 +59,11 @@ def _folder(tmp_path: Path) -> Path:
 
 
 WORKS = (
-    "check layer.toml",
-    "run layer.toml -o layer.h5",
-    "transform layer.h5 --no-plots",
-    "pull-off layer.h5",
-    "fit layer.h5 layer-w0.005.csv --no-plots",
-    "export layer.h5 --dem",
-    "cycle layer.h5",
-    "explore layer.h5",
-    "look layer-w0.005.csv",
-    "run cylinder.toml --method hybrid -o cylinder.h5",
-    "profile cylinder.h5 --a 5um",
+    "check layer.toml", "run layer.toml -o layer.h5", "transform layer.h5 --no-plots", "pull-off layer.h5",
+    "fit layer.h5 layer-w0.005.csv --no-plots", "export layer.h5 --dem", "cycle layer.h5", "explore layer.h5",
+    "look layer-w0.005.csv", "run cylinder.toml --method hybrid -o cylinder.h5", "profile cylinder.h5 --a 5um",
     "doctor",
-)
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("lines", [WORKS[:5], pytest.param(WORKS, marks=pytest.mark.slow)], ids=["five", "all"])

@@ -33,13 +33,9 @@ from jkrcli.methods.radii import Response
 from jkrcli.series import Solution
 
 SHAPES = [
-    Sphere(3.0),
-    Paraboloid(20.0),
-    PowerLaw(0.1, 1.0),
-    PowerLaw(0.05, 1.5),
-    PowerLaw(0.01, 4.0),
+    Sphere(3.0), Paraboloid(20.0), PowerLaw(0.1, 1.0), PowerLaw(0.05, 1.5), PowerLaw(0.01, 4.0),
     RoundedFlat(0.5, 9.0),
-]
+]  # fmt: skip
 
 
 def bonded(nu: float, h: float = 1.0, E: float = 1.0) -> Specimen:

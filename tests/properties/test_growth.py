@@ -59,13 +59,8 @@ def test_a_long_command_line_is_refused_before_it_is_taken_apart(jkr) -> None:
 def test_long_tables_are_announced_before_they_are_read(
     jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...], seconds: str
 ) -> None:
-    def reading(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("jkrcli.measured.work.each", reading)  # first: what it imports is no patch
-    monkeypatch.setattr("jkrcli.measured.files.each", reading)
-    monkeypatch.setattr("jkrcli.report.forward.read_curve", reading)
-    monkeypatch.setattr("jkrcli.measured.fits.fitted_body", reading)
+    stopped(monkeypatch, "jkrcli.measured.work.each", "jkrcli.measured.files.each",  # first: what it imports is no patch
+            "jkrcli.report.forward.read_curve", "jkrcli.measured.fits.fitted_body")  # fmt: skip
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
     done = jkr(*verb, "long.csv")
@@ -86,15 +81,15 @@ def stopped(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
 @pytest.mark.parametrize(
     ("verb", "first"),
     [
-        ("show", "jkrcli.report.archive.is_archive"),
-        ("transform", "jkrcli.cli.inputs.series_file"),
-        ("pull-off", "jkrcli.cli.inputs.series_file"),
+        ("show", "report.archive.is_archive"),
+        ("transform", "cli.inputs.series_file"),
+        ("pull-off", "cli.inputs.series_file"),
     ],
 )
 def test_many_files_are_announced_before_the_first_is_opened(
     jkr, monkeypatch: pytest.MonkeyPatch, verb: str, first: str
 ) -> None:
-    stopped(monkeypatch, first)
+    stopped(monkeypatch, f"jkrcli.{first}")
     done = jkr(verb, *(f"{i}.h5" for i in range(3_000)))
     assert done.err.startswith(f"jkr: {verb} of 3,000 files: about 36 s of CPU time\n")
 

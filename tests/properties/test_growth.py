@@ -59,7 +59,7 @@ def test_a_long_command_line_is_refused_before_it_is_taken_apart(jkr) -> None:
 def test_long_tables_are_announced_before_they_are_read(
     jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...], seconds: str
 ) -> None:
-    stopped(monkeypatch, "jkrcli.measured.work.each", "jkrcli.measured.files.each",  # first: what it imports is no patch
+    stopped(monkeypatch, "jkrcli.measured.work.each", "jkrcli.measured.files.each",  # imports first
             "jkrcli.report.forward.read_curve", "jkrcli.measured.fits.fitted_body")  # fmt: skip
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)

@@ -36,6 +36,7 @@ class TheoryLimits:
     tabor_jkr: float = 5.0  # theory: Johnson and Greenwood (1997), JKR within some per cent above it
     tabor_dmt: float = 0.1  # theory: the same, rigid-body (DMT, Bradley) limit below it
     effect: float = 0.01  # choice: of the pull-off force, that a range may change unsaid; no more model than needed
+    wrong: float = 0.1  # choice: from where on JKR does not hold, of the same
     a_over_R: float = 0.3  # choice: strains and slopes of order a/R
     edge_angle: float = 0.5  # choice: [rad], small slopes of Young and Dupre's law: tan errs by 9 %
     steepest: float = 2.0  # theory: [rad], theta = 2 at w = 2 Ups, complete wetting: no angle beyond
@@ -293,7 +294,8 @@ def judge(
 
 def _by_range(effect: float) -> str:
     size = f"{100 * abs(effect):.3g} % {'larger' if effect > 0 else 'smaller'}"
-    return f"JKR does not hold: attraction over the range z0 makes the pull-off force {size}"
+    holds = "is doubtful" if abs(effect) < LIMITS.wrong else "does not hold"
+    return f"JKR {holds}: attraction over the range z0 makes the pull-off force {size}"
 
 
 def _excess(a: float, R: float | None, depth: float | None, profile: str) -> Estimate:

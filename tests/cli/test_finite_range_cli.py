@@ -60,7 +60,7 @@ def test_transform_writes_beside_jkr_and_adds_a_column(tip: Path) -> None:
 def test_what_a_range_changes_is_told_where_it_matters(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call(["check", "tip.toml"]) == 0
     said = capsys.readouterr()
-    assert "JKR does not hold: attraction over the range z0 makes the pull-off force 4.1 % larger" in said.out
+    assert "JKR is doubtful: attraction over the range z0 makes the pull-off force 4.1 % larger" in said.out
     assert "4.1 % larger (Tabor number 1.25): give --range or --stress" in said.err
     assert call(["transform", "tip.h5", "--w", "5 J/m^2", "--no-plots", "--json"]) == 0
     assert "range" not in capsys.readouterr().err  # short enough a range: nothing is said

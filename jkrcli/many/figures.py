@@ -29,11 +29,6 @@ from ..report.plots import (
     zero_lines,
 )
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from matplotlib.contour import ContourSet
-
-
 MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 LINES = ("-", "--", ":", "-.")
 GOLDEN = (math.sqrt(5) - 1) / 2  # theory: its multiples fill an interval evenly
@@ -92,7 +87,18 @@ def _dress(axes: Axes, panel: MapPanel, xlabel: str) -> None:
     drawn = [_placed(axes, np.asarray(line.get_xydata())) for line in axes.get_lines()]
     for value, words in panel.limits.items():
         axes.axhline(value, color="0.6", lw=0.8, ls="--" if words else ":")
-        x, side = _clear(drawn, float(_placed(axes, np.array([[axes.get_xlim()[0], value]]))[0, 1]), len(words))
+        # The word stands where it is farthest from the lines drawn, above (1) or below (-1) its own
+        level = float(_placed(axes, np.array([[axes.get_xlim()[0], value]]))[0, 1])
+        wide, high = LETTER * len(words), 2 * LETTER
+        places = []
+        for left in (0.99 - wide, 0.01):
+            word = np.linspace(left, left + wide, 20)
+            for side in (1, -1):
+                middle = level + side * high
+                inside = high < middle < 1 - high
+                lines = [np.abs(np.interp(word, line[:, 0], line[:, 1]) - middle).min() for line in drawn]
+                places.append((min([*lines, 8 * LETTER]) if inside else 0.0, (left, side)))
+        x, side = next((place for room, place in places if room > 4 * LETTER), max(places)[1])
         axes.annotate(words, (x, value), xycoords=("axes fraction", "data"), xytext=(0, side), ha="left",
                       textcoords="offset points", va="bottom" if side > 0 else "top", size=8, color="0.4")  # fmt: skip
 
@@ -100,26 +106,6 @@ def _dress(axes: Axes, panel: MapPanel, xlabel: str) -> None:
 def _placed(axes: Axes, points: Array) -> Array:
     """Points of the data in shares of the axes."""
     return (axes.transScale + axes.transLimits).transform(points)
-
-
-def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, int]:
-    """Where a word of so many ``letters`` beside the line at ``level`` is farthest from the lines ``drawn``, in shares
-    of the axes: its left end, and whether it stands above (1) or below (-1)."""
-    wide, high = LETTER * letters, 2 * LETTER
-    places = []
-    for left in (0.99 - wide, 0.01):
-        x = np.linspace(left, left + wide, 20)
-        for side in (1, -1):
-            middle = level + side * high
-            inside = high < middle < 1 - high
-            lines = [np.abs(np.interp(x, line[:, 0], line[:, 1]) - middle).min() for line in drawn]
-            places.append((min([*lines, 8 * LETTER]) if inside else 0.0, (left, side)))
-    return next((place for room, place in places if room > 4 * LETTER), max(places)[1])
-
-
-def is_filled(columns: Mapping[str, Array]) -> bool:
-    """Whether a transition map has values enough on both axes to be filled."""
-    return min(np.unique(columns[name]).size for name in ("w_R2_over_Estar_h3", "mu")) >= 4
 
 
 def filled_figure(columns: Mapping[str, Array]) -> Figure:
@@ -131,37 +117,33 @@ def filled_figure(columns: Mapping[str, Array]) -> Figure:
     with drawing(max(NARROW * len(nus), MIDDLE), 3.8) as figure:
         panels = np.atleast_1d(figure.subplots(1, len(nus), sharey=True))
         for axes, nu in zip(panels, nus, strict=True):
-            drawn = _filled(axes, {name: values[columns["nu"] == nu] for name, values in columns.items()}, levels)
+            rows = {name: values[columns["nu"] == nu] for name, values in columns.items()}
+            mu, q = np.unique(rows["mu"]), np.unique(rows["w_R2_over_Estar_h3"])
+            order = np.lexsort((rows["mu"], rows["w_R2_over_Estar_h3"]))
+            names = "minus_P_over_pi_w_R", "jkr_minus_P_over_pi_w_R"
+            force, sharp = (rows[name][order].reshape(q.size, mu.size) for name in names)
+            drawn = axes.contourf(mu, q, force, levels=levels, cmap="viridis")
+            short, long = (np.abs(np.nan_to_num(force / limit - 1)) for limit in (sharp, 2))
+            short = np.maximum.accumulate(short[:, ::-1], axis=1)[:, ::-1]  # from there on, as the force crosses limits
+            long = np.maximum.accumulate(long, axis=1)
+            for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
+                edged = [withStroke(linewidth=2.4, foreground="0.2")]  # white on any ground, that of the legend too
+                line = axes.contour(mu, q, values, levels=[0.01], colors="white", linestyles=style, linewidths=1.2)
+                line.set(path_effects=edged)
+                axes.plot([], [], style, color="white", lw=1.2, path_effects=edged, label=words)
+            excess, seen = np.nan_to_num(force / np.maximum(sharp, 2) - 1), 0.001
+            if excess.max() > seen:
+                axes.contour(mu, q, excess, levels=[seen], colors=COLORS[1], linewidths=1.6)
+                axes.plot([], [], "-", color=COLORS[1], lw=1.6, label="above both limits")
+                ridge = excess.argmax(axis=1)
+                there = excess[np.arange(q.size), ridge] > seen
+                axes.plot(mu[ridge][there], q[there], "o", color=COLORS[1], ms=3, label="largest excess")
+            _log_axes(axes)
             axes.set(title=rf"$\nu$ = {nu:g}, {columns['base'][0]}", xlabel=MU)
         panels[0].set_ylabel(r"$w R^2 / (E^* h^3)$")
         figure.colorbar(drawn, ax=list(panels), label=r"pull-off force / $\pi w R$")
         legend_below(figure, list(panels), 3)
         return figure
-
-
-def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
-    mu, q = np.unique(rows["mu"]), np.unique(rows["w_R2_over_Estar_h3"])
-    order = np.lexsort((rows["mu"], rows["w_R2_over_Estar_h3"]))
-    force, sharp = (rows[name][order].reshape(q.size, mu.size) for name in ("minus_P_over_pi_w_R",
-                                                                            "jkr_minus_P_over_pi_w_R"))  # fmt: skip
-    drawn = axes.contourf(mu, q, force, levels=levels, cmap="viridis")
-    short, long = (np.abs(np.nan_to_num(force / limit - 1)) for limit in (sharp, 2))
-    short = np.maximum.accumulate(short[:, ::-1], axis=1)[:, ::-1]  # from there on, as the force crosses limits
-    long = np.maximum.accumulate(long, axis=1)
-    for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
-        edged = [withStroke(linewidth=2.4, foreground="0.2")]  # white on any ground, that of the legend too
-        line = axes.contour(mu, q, values, levels=[0.01], colors="white", linestyles=style, linewidths=1.2)
-        line.set(path_effects=edged)
-        axes.plot([], [], style, color="white", lw=1.2, path_effects=edged, label=words)
-    excess, seen = np.nan_to_num(force / np.maximum(sharp, 2) - 1), 0.001
-    if excess.max() > seen:
-        axes.contour(mu, q, excess, levels=[seen], colors=COLORS[1], linewidths=1.6)
-        axes.plot([], [], "-", color=COLORS[1], lw=1.6, label="above both limits")
-        ridge = excess.argmax(axis=1)
-        there = excess[np.arange(q.size), ridge] > seen
-        axes.plot(mu[ridge][there], q[there], "o", color=COLORS[1], ms=3, label="largest excess")
-    _log_axes(axes)
-    return drawn
 
 
 def _log_axes(axes: Axes) -> None:
@@ -208,7 +190,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes; limits None: all of the data.
+    """One pair of axes.
 
     ``logs``: logarithmic axes, "", "x", "y" or "xy"; ``at_points``: a logarithmic x axis has its ticks at the first
     line's points, else where people write numbers.
@@ -221,8 +203,6 @@ class Panel:
     title: str = ""
     logs: str = ""
     at_points: bool = True
-    xlim: tuple[float | None, float | None] | None = None
-    ylim: tuple[float | None, float | None] | None = None
     right: tuple[str, Line] | None = None
 
 
@@ -282,7 +262,7 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         if 100 <= high / low < WRITTEN:  # 0.02, 0.05, 0.1, not powers of ten
             axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < WRITTEN / 10 else (1,)))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title)
 
 
 def _line(axes: Axes, line: Line) -> None:

@@ -13,7 +13,7 @@ import inspect
 import itertools
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -180,7 +180,19 @@ def find_value(
         """ln(F/F_wanted) at a value, nan where the case has no pull-off or is none."""
         if x not in known_at:
             try:
-                known_at[x] = _pull_off_force(model_at(x), stiffness, slopes)
+                model = model_at(x)
+                works = model.adhesion.w
+                if len(works) != 1 or not works[0] > 0:
+                    raise InputError("one w > 0 is needed under [adhesion]")
+                solution = solved_for(model.problem(), works, slopes)
+                ((behaviour, error),) = where_lost(solution, works, [stiffness], slopes, 1.0, RangeRequest())[0][1]
+                lost = behaviour.pull_off
+                if isinstance(lost, Unknown) or lost.P >= 0:
+                    raise InputError(lost.reason if isinstance(lost, Unknown) else "nothing pulls")
+                size: Estimate = Unknown("unknown")
+                if error is not None and not isinstance(error, Unknown):
+                    size = error["P"] / -lost.P
+                known_at[x] = -lost.P, size
             except JkrError as reason:
                 refused.append(str(reason))
                 return math.nan
@@ -207,12 +219,18 @@ def find_value(
     if not np.isfinite(scanned).any():
         raise InputError(refused[0])
 
+    from scipy.optimize import brentq
+
     # A root between each two neighbours of opposite sign, in ln x where x is positive
     to, back = (math.log, math.exp) if log else (float, float)
     roots = list[Root]()
     for (x, f), (y, g) in itertools.pairwise(zip([*spread.tolist(), math.inf], [*scanned, math.nan], strict=True)):
         if f * g < 0 or f == 0:
-            value = x if f == 0 else back(_root(lambda u: excess(back(u)), to(x), to(y)))
+            # by Brent's method, in ``FIND_STEPS`` at most
+            value = x if f == 0 else back(brentq(
+                lambda u: excess(back(u)), to(x), to(y), xtol=FIND_EXACT, rtol=4 * np.finfo(float).eps,
+                maxiter=FIND_STEPS, full_output=True, disp=False,
+            )[0])  # fmt: skip
             if not abs(excess(value)) < FIND_JUMP:  # the force jumps there, or the case has none
                 refused.append(f"the force jumps, or ends, near {value:.6g}")
                 continue
@@ -244,29 +262,6 @@ def short_names(case: CaseModel) -> dict[str, str]:
     if len({name.partition(":")[2] for name in names}) == 2:  # of nothing, and of the one part
         names = {name.partition(":")[0]: key for name, key in names.items()} | names
     return names
-
-
-def _pull_off_force(model: CaseModel, stiffness: float, slopes: str) -> tuple[float, Estimate]:
-    """The pull-off force [N] of a case under a device, and its relative error; InputError where nothing is pulled
-    off."""
-    works = model.adhesion.w
-    if len(works) != 1 or not works[0] > 0:
-        raise InputError("one w > 0 is needed under [adhesion]")
-    solution = solved_for(model.problem(), works, slopes)
-    ((behaviour, error),) = where_lost(solution, works, [stiffness], slopes, 1.0, RangeRequest())[0][1]
-    lost = behaviour.pull_off
-    if isinstance(lost, Unknown) or lost.P >= 0:
-        raise InputError(lost.reason if isinstance(lost, Unknown) else "nothing pulls")
-    return -lost.P, Unknown("unknown") if error is None or isinstance(error, Unknown) else error["P"] / -lost.P
-
-
-def _root(excess: Callable[[float], float], low: float, high: float) -> float:
-    """Where ``excess`` is 0 between two ends of opposite sign, by Brent's method, in ``FIND_STEPS`` at most."""
-    from scipy.optimize import brentq
-
-    root, _ = brentq(excess, low, high, xtol=FIND_EXACT, rtol=4 * np.finfo(float).eps, maxiter=FIND_STEPS,
-                     full_output=True, disp=False)  # fmt: skip
-    return float(root)
 
 
 def find_by_words(

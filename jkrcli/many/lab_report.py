@@ -100,6 +100,10 @@ class LabReport:
         differ = f", and whether they differ between {', '.join(names)}" if len(names) > 1 else ""
         pictures = [_picture(figure(), words) for words, figure in self.figures.items()]
         shown: list[tuple[str, Sequence[Block]]] = [("Figures", [pictures])] if pictures else []
+        versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+        sums = [[str(path), hashlib.sha256(path.read_bytes()).hexdigest()] for path in self.files]
+        again: list[Block] = [self.command, f"jkr {__version__}, Python {platform.python_version()}, {versions}.",
+                 Table(["file", "SHA-256"], sums, folded=f"Checksums of {counted(len(sums), 'file')}")]  # fmt: skip
         return [
             ("Question", [f"Reduced modulus E* and work of adhesion w of {self.title}{differ}."]),
             ("Specimen", [f"{self.body[:1].upper()}{self.body[1:]}."]),
@@ -109,7 +113,7 @@ class LabReport:
             ("Left out", self.left_out()),
             *([("Remarks", list(self.remarks))] if self.remarks else []),
             ("Files", [Link(name, name, holds) for name, holds in self.beside.items()]),
-            ("To repeat it", self.provenance()),
+            ("To repeat it", again),
         ]
 
     def results(self) -> list[Block]:
@@ -174,13 +178,6 @@ class LabReport:
         for i in (i for i, status in enumerate(table["status"]) if status != FITTED):
             rows.append([str(table["file"][i]), self._link(i), str(table["reason"][i])])
         return [Table(["file", "curve", "reason"], rows)] if rows else ["No curve."]
-
-    def provenance(self) -> list[Block]:
-        """Command, versions, checksums."""
-        versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
-        sums = [[str(path), hashlib.sha256(path.read_bytes()).hexdigest()] for path in self.files]
-        return [self.command, f"jkr {__version__}, Python {platform.python_version()}, {versions}.",
-                Table(["file", "SHA-256"], sums, folded=f"Checksums of {counted(len(sums), 'file')}")]  # fmt: skip
 
     def as_html(self) -> str:
         """The page, whole in one file."""

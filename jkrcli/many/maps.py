@@ -148,19 +148,17 @@ class MapResult(Result):
         return [f"{counted(len(reasons), 'point')} {are} not known, the first: {reasons[0]}"] if reasons else []
 
     def words(self) -> list[str]:
-        shown = self.map.shown
-        lines = shown(self.columns) if callable(shown) else _table(self.columns, shown)
-        return [self.map.title.format(**self.values), *lines]
+        head, shown = self.map.title.format(**self.values), self.map.shown
+        if callable(shown):
+            return [head, *shown(self.columns)]
+        widths = [int(form.split(".")[0].rstrip("g")) for _, _, form in shown]
+        heads = " ".join(f"{words:>{width}}" for (_, words, _), width in zip(shown, widths, strict=True))
+        lines = [" ".join(f"{value:>{form}}" for value, (_, _, form) in zip(row, shown, strict=True))
+                 for row in zip(*(self.columns[name].tolist() for name, _, _ in shown), strict=True)]  # fmt: skip
+        return [head, *(f"  {line}" for line in (heads, *lines))]
 
     def figure(self) -> Figure:
         return self.map.draw(self.columns)
-
-
-def _table(columns: Columns, shown: Sequence[tuple[str, str, str]]) -> Iterator[str]:
-    widths = [int(form.split(".")[0].rstrip("g")) for _, _, form in shown]
-    yield "  " + " ".join(f"{words:>{width}}" for (_, words, _), width in zip(shown, widths, strict=True))
-    for row in zip(*(columns[name].tolist() for name, _, _ in shown), strict=True):
-        yield "  " + " ".join(f"{value:>{form}}" for value, (_, _, form) in zip(row, shown, strict=True))
 
 
 def map_of(name: str) -> Map:
@@ -422,16 +420,21 @@ RATE_MAP_PER_POINT = 0.075  # CPU seconds; tuned on maps of 13 and 100 speeds, b
 POSITIVE = Ranged("number", above=0)
 
 
-def _rate_work(values: Values) -> Work:
-    return partial(_rate_points, values), list(dict.fromkeys([math.inf, *values["thickness"]]))
-
-
 def _rate_points(values: Values, thickness: float) -> Columns:
     """The points of one body, a layer of this ``thickness`` in radii (infinite: the half-space), over stiffness [E* R]
     and speed [v0] of the device: energy dissipated at the edge over w0 times the area at no load, relative error of the
     force."""
-    body, a = _body(thickness, values["nu"])
-    devices = list(product(values["stiffness"], values["speed"]))
+    # The body in units of R = E* = 1, and the radius at no load with w = 1: that of a layer is smaller
+    nu, a, whole = values["nu"], (4.5 * math.pi) ** (1 / 3), math.isinf(thickness)
+    specimen = Specimen((), HalfSpace(Elastic(1 - nu**2, nu))) if whole else layer(nu, thickness=thickness)
+    low, high = RATE_MAP_SMALLEST * a, RATE_MAP_LARGEST * a
+    count = math.ceil(RATE_MAP_PER_DECADE * math.log10(high / low))
+    method = ClosedForm() if whole else Layered(RATE_MAP_TOLERANCE)
+    body = Nonadhesive.of(series_at(np.geomspace(low, high, count), specimen, method), "exact")
+    radii = AdhesiveCurve(body, 1.0).radii(P=0.0)
+    if not radii:
+        raise SolveError(f"rate map: no equilibrium without load on a layer of h = {thickness:g} R")
+    a, devices = radii[-1], list(product(values["stiffness"], values["speed"]))
     (k, V), points = np.transpose(devices), list[tuple[float, float, float]]()
     for stiffness, speed in devices:
         contact = offered("contact of a law over speed")(body, values["rate"], 1.0, 1.0, stiffness)
@@ -441,21 +444,6 @@ def _rate_points(values: Values, thickness: float) -> Columns:
     forces, energies, errors = np.transpose(points)
     return rows(h_over_R=thickness, k_over_Estar_R=k, V_over_v0=V, minus_P_over_pi_w0_R=forces,
                 dissipated_over_w0_pi_a2=energies, P_relative_error=errors)  # fmt: skip
-
-
-def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
-    """The body in units of R = E* = 1, and the radius at no load with w = 1."""
-    a = (4.5 * math.pi) ** (1 / 3)  # of the half-space; that of a layer is smaller
-    whole = math.isinf(thickness)
-    specimen = Specimen((), HalfSpace(Elastic(1 - nu**2, nu))) if whole else layer(nu, thickness=thickness)
-    low, high = RATE_MAP_SMALLEST * a, RATE_MAP_LARGEST * a
-    count = math.ceil(RATE_MAP_PER_DECADE * math.log10(high / low))
-    method = ClosedForm() if whole else Layered(RATE_MAP_TOLERANCE)
-    body = Nonadhesive.of(series_at(np.geomspace(low, high, count), specimen, method), "exact")
-    radii = AdhesiveCurve(body, 1.0).radii(P=0.0)
-    if not radii:
-        raise SolveError(f"rate map: no equilibrium without load on a layer of h = {thickness:g} R")
-    return body, radii[-1]
 
 
 def _stiffness(text: Any) -> float:
@@ -501,7 +489,7 @@ RATE_MAP = Map(
         ),
         "speed": Axis(tuple(10.0 ** (i / 2) for i in range(-8, 5)), "Of the machine, in v0", POSITIVE, "1e-4 to 100"),
     },
-    _rate_work,
+    lambda values: (partial(_rate_points, values), list(dict.fromkeys([math.inf, *values["thickness"]]))),
     lambda values: (
         RATE_MAP_PER_POINT * (1 + len(values["thickness"])) * len(values["stiffness"]) * len(values["speed"])
     ),
@@ -557,10 +545,6 @@ def _sticking_figure(columns: Columns) -> Figure:
     return lines_figure(columns, ("a_over_h", "$a / h$"), panels, {"nu": r"$\nu$ = {:g}".format})
 
 
-def _sticking_work(values: Values) -> Work:
-    return partial(_rows, values["ratio"]), values["nu"]
-
-
 STICKING_MAP = Map(
     "sticking",
     """Map the ratio of contact without slip to frictionless contact under a paraboloid on a layer that is bonded to a
@@ -578,7 +562,7 @@ STICKING_MAP = Map(
         "ratio": Axis((0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 10 / 3, 5.0, 10.0), "Values of a/h",
                       within(1e-2, 12.0), "0.05 to 10"),
     },
-    _sticking_work,
+    lambda values: (partial(_rows, values["ratio"]), values["nu"]),
     lambda values: len(values["nu"]) * (STICKING_MAP_PER_NU + STICKING_MAP_PER_POINT * len(values["ratio"])),
     "paraboloid on a bonded layer: no slip over frictionless",
     [SHOWN_NU, ("a_over_h", "a/h", "8.4g"), ("S_ratio", "S", "8.4f"), ("load_ratio", "load at equal depth", "20.4f")],
@@ -600,10 +584,6 @@ TRANSITION_ROOM = 1.5  # tuned on maps, by `make constants`: of the largest radi
 TRANSITION_PER_POINT = 0.06  # CPU seconds; tuned on maps of 17 and 100 ranges, by `make guards`
 
 
-def _transition_work(values: Values) -> Work:
-    return partial(_transition_row, values["base"], values["mu"]), list(product(values["nu"], values["q"]))
-
-
 def _transition_row(base: str, mus: Sequence[float], cell: tuple[float, float]) -> Columns:
     """All ranges of one layer and one work of adhesion, in units of h = R = 1 m, E* = 1 Pa."""
     nu, q = cell
@@ -615,31 +595,27 @@ def _transition_row(base: str, mus: Sequence[float], cell: tuple[float, float]) 
     if isinstance(sharp, Unknown):
         raise SolveError(f"transition map: nu = {nu:g}, q = {q:g}: {sharp.reason}")
     body = FiniteRangeBody(problem, solution.series, AttractedBody(problem))
-    P, a_h, c_h, reason = zip(
-        *(_transition_point(body, f"nu = {nu:g}, q = {q:g}, mu = {mu:g}", q, mu) for mu in mus), strict=True
-    )
-    unit = -math.pi * q
+    points = list[tuple[float, float, float, str]]()
+    for mu in mus:  # load, a and c at pull-off, NaN where there is none, and the reason
+        try:
+            point = body.curve(Range.of(q, stress=mu * q ** (1 / 3))).pull_off(LOAD_CONTROL)
+        except JkrError as error:
+            point = Unknown(str(error))
+        if isinstance(point, CriticalPoint) and point.c is not None:
+            points.append((point.P, point.a, point.c, ""))
+        else:
+            lost = point.reason if isinstance(point, Unknown) else "no pull-off"
+            points.append((math.nan, math.nan, math.nan, f"nu = {nu:g}, q = {q:g}, mu = {mu:g}: {lost}"))
+    (P, a_h, c_h, reason), unit = zip(*points, strict=True), -math.pi * q
     return rows(nu=nu, base=base, w_R2_over_Estar_h3=q, mu=np.array(mus), minus_P_over_pi_w_R=np.array(P) / unit,
                 jkr_minus_P_over_pi_w_R=sharp.P / unit, a_over_h=a_h, c_over_h=c_h, reason=reason)  # fmt: skip
 
 
-def _transition_point(body: FiniteRangeBody, where: str, q: float, mu: float) -> tuple[float, float, float, str]:
-    """Load, a and c at pull-off for one range on a ``body``; NaN where there is none, and the reason."""
-    try:
-        point = body.curve(Range.of(q, stress=mu * q ** (1 / 3))).pull_off(LOAD_CONTROL)
-    except JkrError as error:
-        point = Unknown(str(error))
-    if isinstance(point, CriticalPoint) and point.c is not None:
-        return point.P, point.a, point.c, ""
-    reason = point.reason if isinstance(point, Unknown) else "no pull-off"
-    return math.nan, math.nan, math.nan, f"{where}: {reason}"
-
-
 def _transition_figure(columns: Columns) -> Figure:
     """Filled where there are values enough on both axes, else as lines."""
-    from .figures import MU, MapPanel, filled_figure, is_filled, lines_figure
+    from .figures import MU, MapPanel, filled_figure, lines_figure
 
-    if is_filled(columns):
+    if min(np.unique(columns[name]).size for name in (Q, "mu")) >= 4:
         return filled_figure(columns)
     title = f"layer on a rigid substrate, {columns['base'][0]}; dashed: JKR, dotted: long range"
     panel = MapPanel(
@@ -667,7 +643,7 @@ TRANSITION_MAP = Map(
         "mu": Axis(tuple(np.geomspace(0.1, 30, 17).tolist()), "Values of stress (R/(E*^2 w))^(1/3)",
                    within(0.05, 50.0), "17 from 0.1 to 30"),
     },
-    _transition_work,
+    lambda values: (partial(_transition_row, values["base"], values["mu"]), [*product(values["nu"], values["q"])]),
     lambda values: TRANSITION_PER_POINT * math.prod(len(values[name]) for name in ("nu", "q", "mu")),
     "{base} layer on a rigid substrate, paraboloid: pull-off force in pi w R",
     [SHOWN_NU, SHOWN_Q, ("mu", "mu", "6g"), ("minus_P_over_pi_w_R", "force", "8.4f"),
@@ -682,10 +658,6 @@ TRANSITION_MAP = Map(
 
 ROUGHNESS_FLAT = 1e-3  # choice: rms over the shortest wave of the unit spectrum, whose slope is small
 ROUGHNESS_PER_LAYER = 2e-3  # CPU seconds; tuned on maps of 1 and 50 layers, by `make guards`
-
-
-def _roughness_work(values: Values) -> Work:
-    return partial(_roughness_rows, values), values["thickness"]
 
 
 def _roughness_rows(values: Values, thickness: float) -> Columns:
@@ -742,7 +714,7 @@ ROUGHNESS_MAP = Map(
         "w": Axis(0.05, "Between smooth surfaces.", several=False, shown="50 mJ/m^2",
                   read=Ranged("work", above=0).read),
     },
-    _roughness_work,
+    lambda values: (partial(_roughness_rows, values), values["thickness"]),
     lambda values: ROUGHNESS_PER_LAYER * len(values["thickness"]),
     "bonded layers and half-space, nu = {nu:g}: what roughness leaves of w = {w:g} J/m^2",
     [("h_m", "h [m]", "10.3g"), ("E_Pa", "E [Pa]", "10.3g"), ("rms_m", "rms [m]", "10.3g"),

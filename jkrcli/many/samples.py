@@ -247,7 +247,15 @@ class Samples(Result):
         total = counted(fitted + every.total(), "curve")
         head = f"{counted(len(self.names), 'sample')}: {fitted} of {total} fitted{why}"
         wide = max(map(len, self.names))
-        lines = [f"{head}; geometric means at {100 * self.level:g} %{self._common}"]
+        # The errors that curves share, where there are any, by their kinds
+        kinds = []
+        for kind in COMMON:
+            shares = {name: max((one.common.get(kind, 0.0) for one in each.values()), default=0.0)
+                      for name, each in self.spreads.items()}  # fmt: skip
+            told = [f"± {100 * share:.2g} % of {SYMBOLS.get(name, name)}" for name, share in shares.items() if share]
+            kinds += [f"{kind} {', '.join(told)}"] * bool(told)
+        common = f"; beside these: {'; '.join(kinds)}" * bool(kinds)
+        lines = [f"{head}; geometric means at {100 * self.level:g} %{common}"]
         for sample in self.names:
             values = ", ".join(self._value(name, sample) for name in self.quantities if sample in self.spreads[name])
             believed = len(self.believed(sample))
@@ -259,17 +267,6 @@ class Samples(Result):
                      if (one.sample, one.against) == (sample, self.names[0])]  # fmt: skip
             lines += [f"  {sample} over {self.names[0]}: {', '.join(parts)}"] * bool(parts)
         return lines
-
-    @property
-    def _common(self) -> str:
-        """The errors that curves share, where there are any, by their kinds."""
-        kinds = []
-        for kind in COMMON:
-            shares = {name: max((one.common.get(kind, 0.0) for one in each.values()), default=0.0)
-                      for name, each in self.spreads.items()}  # fmt: skip
-            told = [f"± {100 * share:.2g} % of {SYMBOLS.get(name, name)}" for name, share in shares.items() if share]
-            kinds += [f"{kind} {', '.join(told)}"] * bool(told)
-        return f"; beside these: {'; '.join(kinds)}" * bool(kinds)
 
     def unit(self, name: str) -> tuple[float, str]:
         """The one unit in which a quantity is shown of all samples, in SI and as it is called."""

@@ -210,7 +210,7 @@ class Convergence(Result):
         return [f"elements of {size}: {point.reason}" for size, point in points if isinstance(point, Unknown)]
 
     def figure(self) -> Figure:
-        return convergence_figure(self)
+        return panels_figure([radius_panel(self), curves_panel(self), errors_panel(self), cost_panel(self)])
 
 
 def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
@@ -314,11 +314,6 @@ def _state(rows: RawSeries | Series, series: Series, slopes_name: str, w: float,
 
 UNKNOWNS = "unknowns"
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
-
-
-def convergence_figure(study: Convergence) -> Figure:
-    """Contact radius over element size, adhesive curves, errors, and what the meshes cost."""
-    return panels_figure([radius_panel(study), curves_panel(study), errors_panel(study), cost_panel(study)])
 
 
 def radius_panel(study: Convergence) -> Panel:

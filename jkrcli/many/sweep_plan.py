@@ -84,13 +84,12 @@ def with_values(tables: Tables, values: Mapping[str, Any]) -> Tables:
         changed["specimen"]["layers"] = layers[: int(count)]
     if RADIUS in values and TO_RADIUS not in values and changed["indenter"].get("shape") == "flat":
         with contextlib.suppress(KeyError, TypeError, ValueError):  # loaded otherwise, or no lengths: judged as a case
-            R, a, other = map(_length, (tables["indenter"]["radius"], tables["loading"]["radius"], values[RADIUS]))
+            R, a, other = (
+                parse_quantity(length, "length") if isinstance(length, str) else float(length)
+                for length in (tables["indenter"]["radius"], tables["loading"]["radius"], values[RADIUS])
+            )
             changed["loading"]["radius"] = a / R * other  # the edge is pinned at the radius
     return changed
-
-
-def _length(value: Any) -> float:
-    return parse_quantity(value, "length") if isinstance(value, str) else float(value)
 
 
 def _assign(tables: Tables, key: str, value: Any) -> None:
@@ -363,11 +362,8 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
 }
 NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
 NEED_W = ("pull_off", "pull_off_errors", "stability")
-OF_THE_KIND = (
-    "validity.",
-    "comparison.",
-    "ratios.",
-)  # absent by the kind of body, the same in every case: no reason is given
+# Absent by the kind of body, the same in every case: no reason is given
+OF_THE_KIND = ("validity.", "comparison.", "ratios.")
 ALONG = ("P_N", "delta_m", "P_H_N", "delta_H_m", "S_N_per_m", "dS_da_N_per_m2")
 
 
@@ -386,11 +382,6 @@ class Wanted:
         devices = [f"pull_off.{k:g}_N_per_m.{key}" for k in self.stiffness for key in POINT]
         along = [f"at_{a:g}_m.{key}" for a in self.radii for key in ALONG]
         object.__setattr__(self, "columns", (*self.names, *devices, *along))
-
-    @property
-    def needs_w(self) -> bool:
-        """Whether any column means nothing without a work of adhesion."""
-        return bool(self.stiffness) or any(name.split(".")[0] in NEED_W for name in self.names)
 
     def values(self, result: Analysis) -> list[Value | Unknown]:
         """One value per column."""
@@ -583,7 +574,8 @@ def load_plan(path: Path) -> Plan:
     source = str(path)
     wanted = _wanted(model, source)
     axes, first = resolve(model, tables, folder, source)
-    if wanted.needs_w and not any(first.adhesion.w):
+    of_w = wanted.stiffness or any(name.split(".")[0] in NEED_W for name in wanted.names)
+    if of_w and not any(first.adhesion.w):
         raise InputError(
             f"{source}: the requested quantities need a work of adhesion: vary adhesion.w, or set it in the base case"
         )

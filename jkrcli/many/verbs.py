@@ -248,7 +248,7 @@ def explore(
     """
     from ..adhesion.finite_range import without_range
     from ..resolve.analysis import analyse
-    from .explorer import Explored, page, payload, seconds_of_page, start_work
+    from .explorer import COST_PAGE_PER_ROW, Explored, page, payload, start_work
 
     if data and reading is None:
         raise InputError(f"explore: measured DATA {absent('measured curves')}")
@@ -263,7 +263,8 @@ def explore(
     without_range(solution.record, "explore")
     curves = [] if reading is None else offered("measured curves")("explore", data, reading, limits)
     works = (work,) if work else tuple(w for w in solution.record.w if w > 0)[:1]
-    inputs.begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
+    seconds = COST_PAGE_PER_ROW * solution.increments.a.size
+    inputs.begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds)
     result = analyse(solution, works or (1.0,), slopes)[0]
     if not works:
         result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]

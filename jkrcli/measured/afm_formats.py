@@ -61,7 +61,7 @@ def nanoscope_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     content = read_bytes(path, WHAT)
     file = File(path, content)
     check_size(path, len(content) + process.PART * file.count)
-    stiffness, sensitivity, flags = file.calibration(reading)
+    (stiffness, sensitivity), flags = file.calibration(reading)
     per_volt = stiffness * sensitivity
     yield from _wanted(
         path, reading, range(file.count), lambda name, number: (file.curve(name, number, per_volt, flags), stiffness)
@@ -158,14 +158,13 @@ class File:
         """Whether the file is a capture of curves at the frequency of PeakForce."""
         return self._of("Ciao scan list").get("peakforce capture", "").lower() == "allow"
 
-    def calibration(self, reading: Reading) -> tuple[float, float, tuple[str, ...]]:
+    def calibration(self, reading: Reading) -> tuple[list[float], tuple[str, ...]]:
         """Spring constant [N/m] and sensitivity [m/V] of the user, else of the file, and flags on their origin."""
         section, _ = self.channels[DEFLECTION]
         spring = re.match(NUMBER, section.get("spring constant", ""))
         per_volt = self._per_volt(section.get("z scale", ""))
         of_file = {"stiffness": float(spring[0]) if spring else 0.0, "sensitivity": per_volt}
-        (stiffness, sensitivity), flags = _calibrated(self.path, reading, of_file)
-        return stiffness, sensitivity, flags
+        return _calibrated(self.path, reading, of_file)
 
     def curve(self, name: str, number: int, per_volt: float, calibration: tuple[str, ...]) -> Curve:
         """The curve of one ``number``; ``per_volt`` [N/V]."""
@@ -183,21 +182,29 @@ class File:
         """Positions [m] toward the specimen, times [s], the row of the turning point, and what the positions are."""
         if self.is_capture:
             return self._oscillation(P.size)
+        section, counts = self.channels[DEFLECTION]
+        ramp = section.get("ramp size", "")
         if SENSOR in self.channels:
             z = self._volts(SENSOR, number)[0] * self._per_volt(self.channels[SENSOR][0].get("z scale", ""))
             z, what = z if toward(z, P) else -z, "height sensor"
         else:
             # Positions [m] of a piezo that moves in equal steps, the rows of the file over its range.
-            section, counts = self.channels[DEFLECTION]
             # The ramp is in volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or in nanometres.
-            ramp = section.get("ramp size", "")
             length, unit = _last(ramp)
             size = length * self._per_volt(ramp) if unit == "V" else _metres(length, unit)
             if not _is_size(size):
                 raise InputError(f"{self.path}: names no ramp size, and no height sensor was recorded: {SURF_AGAIN}")
             steps = size / counts.shape[2] * np.arange(counts.shape[2])
             z, what = self._in_order(-np.stack([steps, steps])), "ramp of the piezo"
-        return z, self._times(), self.samples[1][0], what
+        # times by the speed of the piezo, without pauses, where the file names it
+        force, t = self._of("Ciao force list"), None
+        size, *speeds = (
+            _last(entry)[0] for entry in (ramp, force.get("forward vel.", ""), force.get("reverse vel.", ""))
+        )
+        if all(map(_is_size, (size, *speeds))):
+            steps = np.repeat([size / speed / counts.shape[2] for speed in speeds], self.samples[1])
+            t = np.cumsum(steps) - steps[0]
+        return z, t, self.samples[1][0], what
 
     def _oscillation(self, rows: int) -> tuple[Array, Array, int, str]:
         """Of a capture: the drive is a sine of the amplitude of PeakForce, deepest at the distance of synchronisation,
@@ -215,16 +222,6 @@ class File:
         z = 1e-9 * amplitude * np.cos(2 * np.pi * phase / rows)
         t = np.arange(rows) / (1e3 * frequency * rows)
         return z, t, round(deepest), f"sine of the drive, {amplitude:g} nm at {frequency:g} kHz"
-
-    def _times(self) -> Array | None:
-        """Times [s] from the speed of the piezo, without pauses; None where the file names no speed."""
-        force, (section, counts) = self._of("Ciao force list"), self.channels[DEFLECTION]
-        entries = section.get("ramp size", ""), force.get("forward vel.", ""), force.get("reverse vel.", "")
-        ramp, *speeds = (_last(entry)[0] for entry in entries)
-        if not all(map(_is_size, (ramp, *speeds))):
-            return None
-        steps = np.repeat([ramp / speed / counts.shape[2] for speed in speeds], self.samples[1])
-        return np.cumsum(steps) - steps[0]
 
     def _in_order(self, halves: Array) -> Array:
         """Both directions one after the other as they were recorded, without rows that were not filled."""

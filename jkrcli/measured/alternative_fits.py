@@ -115,8 +115,12 @@ def bounds(alternatives: RecordAlternatives, table: Table) -> Flow[RecordAlterna
     followed = yield from beside([quiet(one) for one in each if not isinstance(one, Score)])
     ends = iter(followed)
     scores = [one if isinstance(one, Score) else next(ends) for one in each]
-    named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
-    return replace(alternatives, scores=tuple(scores), named=named)
+    named = [one for one in scores if one.word == DETECTED][:1]
+    for best in named[:1]:  # and those that take nearly as much of the misfit, though they see fewer rows
+        least, limits = least_taken(best.taken), {one.name: one.prior.limits for one in ALTERNATIVES}
+        others = [one for one in scores if one is not best and one.taken > least]
+        named += [one for one in others if limits[one.name][0] <= one.amount <= limits[one.name][1]]
+    return replace(alternatives, scores=tuple(scores), named=tuple(named))
 
 
 def _bounded(near: Linearised, score: Score, which: int, rates: Array) -> Score | Flow[Score]:
@@ -146,13 +150,6 @@ def _bounded(near: Linearised, score: Score, which: int, rates: Array) -> Score 
         return _at_most(near, change, ahead, score)
     tried = _Amounts(near, change, ahead)
     return _of_ranges(tried, score, certain, long) if ranged else _of_tension(tried, score)
-
-
-def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
-    """The ``best``, and those that take nearly as much of the misfit, though they see fewer rows."""
-    least, limits = least_taken(best.taken), {one.name: one.prior.limits for one in ALTERNATIVES}
-    others = [one for one in scores if one is not best and one.taken > least]
-    return (best, *(one for one in others if limits[one.name][0] <= one.amount <= limits[one.name][1]))
 
 
 def _at_most(near: Linearised, change: Change, ahead: Array, score: Score) -> Flow[Score]:
@@ -367,7 +364,17 @@ def fit_alternatives(
     line too, where something bends it."""
     begun, fits = [], list[tuple[FittedAlternative, ForceCurveFit]]()
     models = [replace(one, family=record.model.family) for one in models]
-    for score, fresh in itertools.product(_likeliest(alternatives), models):
+    # Of each family those that one step takes most from the misfit with: it detects, so that neither sign nor size of
+    # an amount that is not small says much. The range of adhesion stands for a long one, which has a column alone.
+    entries, likeliest = {one.name for one in ALTERNATIVES}, list[Score]()
+    scores = [one for one in alternatives.scores if one.name in entries]
+    detected = [one for one in scores if one.taken > SCORE_TIED or one in alternatives.named]
+    ranked = sorted(detected, key=lambda one: -one.taken)
+    of_range = next((one for one in alternatives.scores if one.name == RANGE), None)
+    for family in dict.fromkeys(one.family for one in ranked):
+        best_of = [one for one in ranked if one.family == family][:FULL_EACH]
+        likeliest += dict.fromkeys((of_range or one) if one.name == LONG else one for one in best_of)
+    for score, fresh in itertools.product(likeliest, models):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
             change = next(one for one in ALTERNATIVES if one.name == score.name).change(record)
             if change is not None and change.in_full:
@@ -391,19 +398,6 @@ def fit_alternatives(
     best = fits[0][0].falls if fits else 0.0  # which rejects the model without, or none is taken
     least = best - SCORE_TIED if best > SCORE_TIED else math.inf
     return [(replace(one, taken=one.taken and one.falls > least), full) for one, full in fits]
-
-
-def _likeliest(alternatives: RecordAlternatives) -> Iterator[Score]:
-    """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
-    an amount that is not small says much. The range of adhesion stands for a long one, which has a column alone."""
-    entries = {one.name for one in ALTERNATIVES}
-    scores = [one for one in alternatives.scores if one.name in entries]
-    detected = [one for one in scores if one.taken > SCORE_TIED or one in alternatives.named]
-    ranked = sorted(detected, key=lambda one: -one.taken)
-    of_range = next((one for one in alternatives.scores if one.name == RANGE), None)
-    for family in dict.fromkeys(one.family for one in ranked):
-        best = [one for one in ranked if one.family == family][:FULL_EACH]
-        yield from dict.fromkeys((of_range or one) if one.name == LONG else one for one in best)
 
 
 def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Change, amount: float) -> tuple[float, Array]:

@@ -142,20 +142,19 @@ def write_fits(
         tables["fitted"].append((number, dict(item.line)))
         if item.samples is not None:
             tables["bootstrap"].append((number, dict(zip(item.free, item.samples.T, strict=True))))
-    curves: dict[str, Group | Dataset] = {name: _joined(table) for name, table in tables.items() if table}
+    # Tables of several curves as one, with a column of their numbers; NaN where a curve has no such column
+    curves: dict[str, Group | Dataset] = {}
+    for kind, each in ((kind, each) for kind, each in tables.items() if each):
+        sizes = [next(iter(table.values())).size for _, table in each]
+        members = {"curve": unit_column(np.repeat([number for number, _ in each], sizes), UNITS["curve"])}
+        for name in dict.fromkeys(name for _, table in each for name in table):
+            parts = (table[name] if name in table else np.full(size, np.nan)
+                     for (_, table), size in zip(each, sizes, strict=True))  # fmt: skip
+            unit = UNITS.get(name, "1" if "residuals" in name else "SI")
+            members[name] = unit_column(np.concatenate([*parts]), unit)
+        curves[kind] = Group({}, members)
     curves["summary"] = Dataset(summaries)
     images = {"map": images_of(maps[""])} if "" in maps else {}
     of_samples = {name.replace("/", "_"): images_of(scan) for name, scan in maps.items() if name}
     images |= {"maps": Group({}, of_samples)} if of_samples else {}
     write(path, FITS, {"body": body}, {"curves": Group({}, curves), **images})
-
-
-def _joined(tables: Sequence[tuple[int, Mapping[str, Array]]]) -> Group:
-    """Tables of several curves as one, with a column of their numbers; NaN where a curve has no such column."""
-    sizes = [next(iter(table.values())).size for _, table in tables]
-    members = {"curve": unit_column(np.repeat([number for number, _ in tables], sizes), UNITS["curve"])}
-    for name in dict.fromkeys(name for _, table in tables for name in table):
-        parts = (table[name] if name in table else np.full(size, np.nan)
-                 for (_, table), size in zip(tables, sizes, strict=True))  # fmt: skip
-        members[name] = unit_column(np.concatenate([*parts]), UNITS.get(name, "1" if "residuals" in name else "SI"))
-    return Group({}, members)

@@ -20,6 +20,7 @@ from .settings import RANGES
 
 # Limits beyond which a reader is warned; nothing else depends on them.
 CHECKS_SCATTER = 2.0  # choice: factor from the user's noise to the residuals, either way
+CHECKS_SUSPICIOUS = 1e-4  # choice: chance of order in residuals
 CHECKS_FAR = 30.0  # choice: factor of the case's moduli that makes wrong units likelier than the case
 
 
@@ -82,7 +83,7 @@ def _of_model(fit: Fit, alternatives: TableAlternatives | None) -> Iterator[str]
             misfit = f"a range is not significant{most}: {misfit}"
         yield misfit
 
-    structured = fit.sizes is None and fit.structure.suspicious
+    structured = fit.sizes is None and fit.structure.probability < CHECKS_SUSPICIOUS
     if structured or alternatives is not None:
         # Residuals larger than errors of the series' interpolation, in units of the curve's own size
         size = min(np.ptp(fit.line[name]) / scale for name, scale in fit.scales.items())

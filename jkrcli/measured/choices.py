@@ -1,5 +1,6 @@
-"""The words among which readings and fits let one choose."""
+"""The words among which readings and fits let one choose, and what holds values by name."""
 
+from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
 BranchName: TypeAlias = Literal["all", "compressive"]
@@ -10,3 +11,4 @@ ConfidenceName: TypeAlias = Literal["covariance", "profile", "bootstrap"]
 BaseLineName: TypeAlias = Literal["straight", "sine"]
 ModelName: TypeAlias = Literal["jkr", "auto"]
 Use: TypeAlias = Literal["a,P", "a,delta", "delta,P"]  # columns from which w follows
+Values: TypeAlias = Mapping[str, float]  # of parameters, unknowns or columns, by name

@@ -265,9 +265,8 @@ def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array) -> No
     known = image[np.isfinite(image)]
     factor, unit = (1.0, "") if IMAGES[name] == "number" else unit_of(IMAGES[name], known if known.size else 1.0)
     unknown = name == "quality" or not known.size
-    ends = (
-        (0.0, 2.0) if name == "status" else (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))
-    )  # single pixels do not flatten the rest
+    # single pixels do not flatten the rest
+    ends = (0.0, 2.0) if name == "status" else (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))
     x, y = (scan.x - scan.x[0], scan.y - scan.y[0]) if scan.positions else (scan.x, scan.y)
     pitch = max(np.ptp(at) / (at.size - 1) for at in (x, y) if at.size > 1)
     cells = (_edges(at, float(pitch)) for at in (x, y))

@@ -36,21 +36,21 @@ def read(path: Path, reading: Reading | None = None) -> list[Curve]:
     return curves
 
 
-def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, name: str = "data") -> Curve:
+def from_columns(columns: Mapping[str, Any], reading: Reading | None = None) -> Curve:
     """The curve in arrays or the columns of a data frame: by their names as those of a table ("delta_um", "P (nN)"),
     SI where they name no unit; InputError as of a file."""
     arrays = {str(key): _cells(columns[key]) for key in columns.keys()}  # noqa: SIM118 - of a data frame, too
     if not arrays:
-        raise InputError(f"{name}: holds no columns")
+        raise InputError("data: holds no columns")
     if len({array.shape for array in arrays.values()}) != 1 or next(iter(arrays.values())).ndim != 1:
-        raise InputError(f"{name}: all columns must be one-dimensional and of one length, got "
+        raise InputError("data: all columns must be one-dimensional and of one length, got "
                          f"{ {key: array.shape for key, array in arrays.items()} }")  # fmt: skip
     table = zip(*(array.tolist() for array in arrays.values()), strict=True)
     lines = [",".join(arrays), *(",".join(map(str, row)) for row in table)]
     reading = replace(reading or Reading(), separator="comma", decimal=".")
-    (curve, stiffness), *others = text_formats.curves(Path(name), reading, "\n".join(lines).encode())
+    (curve, stiffness), *others = text_formats.curves(Path("data"), reading, "\n".join(lines).encode())
     if others or not isinstance(curve, Curve):
-        raise curve if isinstance(curve, InputError) else InputError(f"{name}: holds several curves, one is wanted")
+        raise curve if isinstance(curve, InputError) else InputError("data: holds several curves, one is wanted")
     return _by_convention(curve, reading, stiffness)
 
 

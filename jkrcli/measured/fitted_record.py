@@ -7,21 +7,19 @@ at fixed displacement delta is dP (1 - P'/k) at fixed position, P' the derivativ
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeAlias
 
 import numpy as np
 
 from ..base.errors import LEVEL
 from ..base.numerics import Array, half_width
+from .choices import Values
 from .curve import APPROACH
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
 from .forward_model import FittedBody
 from .priors import PRIORS, RANGE
 
-Values: TypeAlias = Mapping[str, float]  # of all unknowns, by name
 # choice: a small amount: below it, and below such a share of the largest w, steps are no smaller; of the largest
 # contact radius, the ring of attraction and the length of a surface tension at which columns are taken
 CHANGE_SMALL = 1e-2

@@ -28,7 +28,7 @@ from ..base.errors import SolveError, known
 from ..base.numerics import MOST_SOLVES, MOST_STEPS, ROWS, SAME, SETTLED, Array, median, pchip
 from ..base.process import REMEMBERED
 from .branches import Branches, DeviceBranch, Moving, Rest, Resting, branch, rest
-from .choices import Loss
+from .choices import Loss, Values
 from .curve import APPROACH, RETRACT
 from .forward_model import Family, on_grid
 from .free_rows import LOADS, RANGE, RELAXED, FreeRows, Place, Term
@@ -234,7 +234,7 @@ FORCE_CURVE_REMEMBERED = 2  # theory: residuals at the same unknowns, with the f
 
 
 Edges: TypeAlias = tuple[DeviceBranch, Rest | None, Array, Array, Array]  # with the depth of all rows, and which move
-Loads: TypeAlias = "Callable[[ForceCurveModel, DirectionReadings, Mapping[str, float]], Array]"  # [N], of all rows
+Loads: TypeAlias = "Callable[[ForceCurveModel, DirectionReadings, Values], Array]"  # [N], of all rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,8 +250,8 @@ class ForceCurveModel:
     family: Family
     k: float
     stretches: tuple[DirectionReadings, ...]
-    known: Mapping[str, float] = field(default_factory=dict)
-    works: Mapping[str, float] = field(default_factory=dict)
+    known: Values = field(default_factory=dict)
+    works: Values = field(default_factory=dict)
     moduli: tuple[float, float] = (0.0, math.inf)
     positions: tuple[str, ...] = ()
 
@@ -317,7 +317,7 @@ class ForceCurveModel:
         ranges = {name: held.place.limits(term.law) for term in held.terms for name in term.names} if held else {}
         return {"ln_s": (least, most)} | {name: ends for name, ends in ranges.items() if name.startswith(RANGE)}
 
-    def further(self, values: Mapping[str, float]) -> dict[str, float]:
+    def further(self, values: Values) -> dict[str, float]:
         """What other unknowns mean, SI, by name."""
         return {}
 
@@ -331,7 +331,7 @@ class ForceCurveModel:
                 values[f"q:{kind}"] = r * abs(r)
         return values
 
-    def unknowns(self, values: Mapping[str, float]) -> Array:
+    def unknowns(self, values: Values) -> Array:
         """Those of some ``values`` by name, in order."""
         return np.array([values[name] for name in self.names])
 
@@ -340,7 +340,7 @@ class ForceCurveModel:
         """The largest noise of a base line [N]."""
         return max(part.line.noise for part in self.stretches)
 
-    def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
+    def depth(self, part: DirectionReadings, values: Values) -> Array:
         """Position of the device beyond its zero [m], at all rows of a stretch."""
         depth: Array = part.z - values["z0"]
         for name, by in self.misplaced(part).items() if self.positions else ():
@@ -363,16 +363,16 @@ class ForceCurveModel:
                 shifts[name] = back * creep(np.maximum(part.t, 0.0) / part.lasting)
         return shifts
 
-    def deepened(self, part: DirectionReadings, values: Mapping[str, float]) -> float:
+    def deepened(self, part: DirectionReadings, values: Values) -> float:
         """How much deeper the device creeps while it waits before the way back, per amount [m]."""
         crept = part.waits > 0 and values.get("creep", 0.0) > 0
         return part.travel * float(creep(np.array(part.waits / part.lasting))) if crept else 0.0
 
-    def moving(self, part: DirectionReadings, values: Mapping[str, float]) -> Moving:
+    def moving(self, part: DirectionReadings, values: Values) -> Moving:
         """What the branch on which the edge of a stretch moves is of."""
         return self.family, math.exp(values["ln_s"]), values[f"q:{part.kind}"], self.k
 
-    def resting(self, part: DirectionReadings, values: Mapping[str, float]) -> Resting | None:
+    def resting(self, part: DirectionReadings, values: Values) -> Resting | None:
         """What the resting edge with which a stretch begins at the turning point is of; None where none rests."""
         root = math.sqrt(max(values[f"q:{part.kind}"], 0.0))
         first = self.stretches[0]
@@ -389,11 +389,11 @@ class ForceCurveModel:
         """What gives the loads of a stretch where they are not those of the path."""
         return None
 
-    def branch(self, part: DirectionReadings, values: Mapping[str, float]) -> DeviceBranch:
+    def branch(self, part: DirectionReadings, values: Values) -> DeviceBranch:
         """The branch on which the edge of a stretch moves."""
         return branch(*self.moving(part, values))
 
-    def rest(self, part: DirectionReadings, values: Mapping[str, float]) -> Rest | None:
+    def rest(self, part: DirectionReadings, values: Values) -> Rest | None:
         """The resting edge with which a stretch begins at the turning point."""
         asked = self.resting(part, values)
         return None if asked is None else rest(*asked)
@@ -432,7 +432,7 @@ class ForceCurveModel:
         """
         return alone(ask(residuals_of, (self, x, blunt)))
 
-    def assembled(self, values: Mapping[str, float], on_path: Sequence[OnPath]) -> tuple[Array, Array]:
+    def assembled(self, values: Values, on_path: Sequence[OnPath]) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows and its derivatives (unknowns, rows), from the loads of the contact in
         each stretch and their derivatives."""
         off, rates = np.empty(self.ends[-1]), np.zeros((len(self.names), self.ends[-1]))
@@ -512,7 +512,7 @@ class ForceCurveModel:
     def _paths(self) -> dict[bytes, tuple[Array, Sequence[tuple[DeviceBranch, Rest | None] | None]]]:
         return {}
 
-    def _by_names(self, part: DirectionReadings, values: Mapping[str, float], columns: Array) -> dict[str, Array]:
+    def _by_names(self, part: DirectionReadings, values: Values, columns: Array) -> dict[str, Array]:
         """Derivatives of the load of the contact at all rows of a stretch, by the names of the unknowns."""
         _, by_s, by_q, by_z, *of_rest = columns
         own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
@@ -524,7 +524,11 @@ class ForceCurveModel:
             if "turn" in values:
                 by_q = by_q + by_before * (values["turn"] / (2 * root))
                 more["turn"] = by_before * root
-            more |= _by_advance(self.stretches[0], part, values, by_before)
+            first = self.stretches[0].kind  # by whose q, or its root, the edge came to the turn
+            if part is not self.stretches[0] and f"r:{first}" in values:
+                more[f"r:{first}"] = by_before
+            elif part is not self.stretches[0] and (before := values[f"q:{first}"]) > 0:
+                more[f"q:{first}"] = by_before / (2 * math.sqrt(before))
         elif part is self.stretches[0] and (name := f"r:{part.kind}") in values:
             more = {name: 2 * abs(values[name]) * by_q}
         for name, misplaced in self.misplaced(part).items() if self.positions else ():
@@ -547,20 +551,7 @@ def radii_at(
     return a, rests
 
 
-def _by_advance(
-    first: DirectionReadings, part: DirectionReadings, values: Mapping[str, float], by_before: Array
-) -> dict[str, Array]:
-    """Derivatives of the load of a stretch at rest by q of the ``first`` one or its root, with which it came to the
-    turn."""
-    q = values[f"q:{first.kind}"]
-    if part is first:
-        return {}
-    if f"r:{first.kind}" in values:
-        return {f"r:{first.kind}": by_before}
-    return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if q > 0 else {}
-
-
-def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array | float]]:
+def base_line(part: DirectionReadings, values: Values) -> tuple[Array, dict[str, Array | float]]:
     """Load of the base line of a stretch at all its rows, and its derivatives by name."""
     along, offset, tilt = part.along, f"offset:{part.kind}", f"tilt:{part.kind}"
     line = values[offset] + values[tilt] * along
@@ -590,7 +581,7 @@ class OnPath(NamedTuple):
 
 
 def contact_loads(
-    asked: Sequence[tuple[ForceCurveModel, DirectionReadings, Mapping[str, float], float]], slopes: bool = True
+    asked: Sequence[tuple[ForceCurveModel, DirectionReadings, Values, float]], slopes: bool = True
 ) -> list[OnPath | Exception]:
     """Loads of the contact at all rows of some stretches, with ``slopes`` or alone, each of a model with values of its
     unknowns and the share of its depth over which its fold is blunt; 0: half the distance of two rows, and with slopes
@@ -644,7 +635,7 @@ def contact_loads(
 
 
 AtUnknowns: TypeAlias = tuple[ForceCurveModel, Array, float]  # a model, its unknowns, and how blunt the fold is
-AtRows: TypeAlias = tuple[Mapping[str, float], Sequence[OnPath]]  # values of the unknowns, and what stretches do
+AtRows: TypeAlias = tuple[Values, Sequence[OnPath]]  # values of the unknowns, and what stretches do
 
 
 @np.errstate(all="ignore")
@@ -731,33 +722,41 @@ def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: 
     points are tried; for each of them the rest is linear."""
     s, zero, r = _tried(model, part, share)
     values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0), **model.by_terms}
+    # q of these moduli by the tension [N] at which the contact is pulled off
+    ratios, path, load = _shapes(model.family)
+    folds = np.argmin(path + s / model.k * load, axis=1)
+    tensions = np.maximum.accumulate(-s * load[np.arange(ratios.size), folds])
     for other in model.stretches:
-        q = r**2 if other is part else _of_tension(model, s, other.tension)
+        q = r**2 if other is part else float(np.interp(other.tension, tensions, ratios)) ** 2
         values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q), f"tilt:{other.kind}": other.line.tilt}
         values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
     return model.unknowns(values)
 
 
-def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
-    """q of moduli times ``s`` that a contact is pulled off at a ``tension`` [N] with."""
-    r, path, load = _shapes(model.family)
-    folds = np.argmin(path + s / model.k * load, axis=1)
-    tensions = -s * load[np.arange(r.size), folds]
-    return float(np.interp(tension, np.maximum.accumulate(tensions), r)) ** 2
-
-
 def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tuple[float, float, float]:
     """s, z0 and sqrt(q) that a stretch is best described with, by the base line of its free rows, up to a ``share``
     of the way in contact."""
-    rows = _some_rows(part)
+    # Rows spread evenly, half of them where contact may be
+    rows = np.arange(part.z.size)
+    if rows.size > STARTS_ROWS:
+        some = np.zeros(rows.size, dtype=bool)
+        for first in (0, int(np.argmax(part.touching)) if part.jumped else rows.size // 2):
+            some[np.linspace(first, rows.size - 1, STARTS_ROWS // 2).astype(int)] = True
+        rows = some.nonzero()[0]
     rows = rows[part.z[rows] <= part.z.max() - (1 - share) * part.reach] if share < 1 else rows
     net = part.P[rows] - part.line(part.z[rows])
     delta = part.z[rows] - net / model.k
-    points = _contact_points(part, delta, rows)
+    # Displacements tried as zero; with a jump, as the fold, about its first row in contact
+    span = float(np.ptp(delta))
+    points = np.linspace(delta.min(), delta.max() - 0.01 * span, STARTS_POINTS)
     if part.jumped:  # the others are free
         delta, net = delta[part.touching[rows]], net[part.touching[rows]]
+        points = float(delta[0]) + span * STARTS_BESIDE
     modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
-    curves = _moving_curves(model.family)[: None if part.jumped and work != 0 else 1]
+    # Ratios sqrt(w/s) with the displacement and the load of each from the fold on, at s = 1 without a device
+    shapes = itertools.islice(zip(*_shapes(model.family), strict=True), None if part.jumped and work != 0 else 1)
+    each = [(float(r), path, load, int(np.argmin(path))) for r, path, load in shapes]
+    curves = [(r, path[fold:], load[fold:]) for r, path, load, fold in each]
     sizes, along = np.empty((2, len(curves), points.size))
     for i, (_, path, load) in enumerate(curves):
         zeros = points - path[0] if part.jumped else points
@@ -765,32 +764,14 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
         sizes[i], along[i] = np.einsum("ij,ij->i", basis, basis), basis @ net
     factors = along / np.where(sizes > 0, sizes, np.inf)
     if modulus is not None or work:
-        each = [math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0 for r, _, _ in curves]
-        factors[:] = np.array(each)[:, None]
+        known = [math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0 for r, _, _ in curves]
+        factors[:] = np.array(known)[:, None]
     costs = np.where(factors > 0, factors * (factors * sizes - 2 * along), np.inf)
     shape, point = divmod(int(np.argmin(costs)), points.size)
     if not factors[shape, point] > 0:
         raise SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
     r, path, _ = curves[shape]
     return float(factors[shape, point]), float(points[point] - path[0] * part.jumped), r
-
-
-@lru_cache(maxsize=REMEMBERED)
-def _moving_curves(family: Family) -> list[tuple[float, Array, Array]]:
-    """Ratios sqrt(w/s) with the displacement and the load of each from the fold on, at s = 1 without a device."""
-    each = [(*shape, int(np.argmin(shape[1]))) for shape in zip(*_shapes(family), strict=True)]
-    return [(float(r), path[fold:], load[fold:]) for r, path, load, fold in each]
-
-
-def _some_rows(part: DirectionReadings) -> Array:
-    """Rows spread evenly, half of them where contact may be."""
-    n = part.z.size
-    if n <= STARTS_ROWS:
-        return np.arange(n)
-    some = np.zeros(n, dtype=bool)
-    for first in (0, int(np.argmax(part.touching)) if part.jumped else n // 2):
-        some[np.linspace(first, n - 1, STARTS_ROWS // 2).astype(int)] = True
-    return some.nonzero()[0]
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -801,15 +782,6 @@ def _shapes(family: Family) -> tuple[Array, Array, Array]:
     ratio = D / T
     r = np.append(0.0, np.geomspace(ratio.min(), ratio.max(), STARTS_SHAPES))
     return r, D - r[:, None] * T, H - r[:, None] * V
-
-
-def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array:
-    """Displacements tried as zero; with a jump, as the fold, about its first row in contact."""
-    span = float(np.ptp(delta))
-    if not part.jumped:
-        return np.linspace(delta.min(), delta.max() - 0.01 * span, STARTS_POINTS)
-    first = float(delta[part.touching[rows]][0])
-    return first + span * STARTS_BESIDE
 
 
 # --------------------------------------------------------------------------------------------------
@@ -1012,20 +984,9 @@ def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> Flow[Forc
     psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
-    J, spread = yield from _spread_at_folds(model, x, off, pull, weight)
-    ended = least.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), FIT_NEAR / dof)
-    return ForceCurveFit(model, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
 
-
-def _spread_at_folds(
-    model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum
-) -> Flow[tuple[Array, Spread]]:
-    """Derivatives of all rows, (rows, unknowns), and the covariance by them, residuals ``off`` and what rows ``pull``
-    with [N].
-
-    From a fold on loads rise with the root of the distance: their slope there holds no nearer to it than its place is
-    known to, nor than half of the way between two rows. White noise leaves it known to about that.
-    """
+    # From a fold on loads rise with the root of the distance: their slope there holds no nearer to it than its place is
+    # known to, nor than half of the way between two rows. White noise leaves it known to about that.
     residuals, free = model.ordered(pull, weight), model.free(off)
     rounding = max(part.line.rounding for part in model.stretches) ** 2
 
@@ -1047,7 +1008,8 @@ def _spread_at_folds(
             if FIT_NARROWER * error > width:
                 break
             width = error
-    return J, spread
+    ended = least.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), FIT_NEAR / dof)
+    return ForceCurveFit(model, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
 
 
 def _place_error(model: ForceCurveModel, slopes: Array, spread: Spread) -> float:
@@ -1065,14 +1027,21 @@ def _flat(off: Array, J: Array, share: float) -> bool:
 def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[ForceCurveModel, Array]:
     """The model and its unknowns without those that no row depends on, which are known then: the share of an edge that
     never rests, w of an edge that rests throughout, which is at least what its last row holds."""
-    idle = ~model.residuals(x, 0.0)[1].any(axis=0)
+    off, J = model.residuals(x, 0.0)
+    idle = ~J.any(axis=0)
     idle |= (np.array(model.names) == "turn") & (np.abs(x) == 1)
     values, last = model.values(x), model.stretches[-1]
-    own = f"q:{last.kind}"
+    own, rests, most = f"q:{last.kind}", False, 0.0
     adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
-    most = held_by_last_row(model, values, model.edges(x)[-1][1]) if adheres else None
-    if most is not None and _rests_throughout(model, x, most, weight):
-        most *= 1 + SAME  # so that its last row rests, too
+    if adheres and (resting := model.edges(x)[-1][1]) is not None:
+        # Whether an edge that never recedes describes the rows as well, in units of noise: the straight line of the
+        # edge at rest goes on then in the rows in which it moves
+        (_, _, depth, rows, _), never = model.edges(x)[-1], off.copy()
+        never[model.ends[-2] + rows] = (base_line(last, values)[0] - last.P)[rows] + resting.at(depth[rows])[0]
+        recedes, rest = (float(np.sum(model.whitened(one, weight) ** 2)) for one in (off, never))
+        rests = (rest / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
+        most = held_by_last_row(model, values, resting) * (1 + SAME)  # so that its last row rests, too
+    if rests:
         idle |= np.array(model.names) == own
         if "turn" in model.names:  # of which the advance, turn sqrt(q), is to stay as it is
             turn = model.places["turn"]
@@ -1082,26 +1051,11 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
 
 
-def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float], resting: Rest | None) -> float | None:
-    """The q that the last row of an edge that is ``resting`` throughout holds; None where it does not rest."""
+def held_by_last_row(model: ForceCurveModel, values: Values, resting: Rest) -> float:
+    """The q that the last row of an edge that is ``resting`` throughout holds."""
     last = model.stretches[-1]
-    if resting is None:
-        return None
     lost = float(model.depth(last, values)[last.touching].min())
     return resting.released(math.sqrt(max(values[f"q:{last.kind}"], 0.0)), lost) ** 2
-
-
-def _rests_throughout(model: ForceCurveModel, x: Array, most: float, weight: Spectrum) -> bool:
-    """Whether an edge that never recedes, as of any w above ``most``, describes the rows as well, in units of noise:
-    the straight line of the edge at rest goes on then in the rows in which it moves."""
-    last, values, off = model.stretches[-1], model.values(x), model.residuals(x, 0.0)[0]
-    _, resting, depth, rows, _ = model.edges(x)[-1]
-    if resting is None:
-        return False
-    never = off.copy()
-    never[model.ends[-2] + rows] = (base_line(last, values)[0] - last.P)[rows] + resting.at(depth[rows])[0]
-    recedes, rests = (float(np.sum(model.whitened(one, weight) ** 2)) for one in (off, never))
-    return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
 
 
 def windowed(best: ForceCurveFit) -> ForceCurveModel:
@@ -1231,22 +1185,11 @@ def receding(
     D, T, H, V = family.at(np.log(start * (1 - x)))[0]
     r, steps = math.sqrt(q), np.diff(start * x, prepend=0.0)
     free, pulled = D + s * H / k, r * (T + s * V / k)
-    z = np.empty(x.size)
-    begin = min(float(resting.end), turn)
-    grown = _follow(free.tolist(), pulled.tolist(), steps.tolist(), begin, law, z)
-    loads = np.append(resting.at(np.array([begin]))[0], s * (H - r * grown * V))
-    return np.stack([np.append(begin, z), loads])[:, ::-1]
-
-
-def _follow(
-    free: list[float], pulled: list[float], steps: list[float], z: float, law: tuple[float, float], out: Array
-) -> Array:
-    """Positions ``out`` over the nodes, and the root of w over w0 there; ``z``: where the edge begins."""
-    b, n = law
-    log, before, grown = 0.0, 0.0, np.empty(len(free))
-    for i, (whole, shift, step) in enumerate(zip(free, pulled, steps, strict=True)):
+    begin = place = min(float(resting.end), turn)
+    log, before, (b, n), (z, grown) = 0.0, 0.0, law, np.empty((2, x.size))
+    for i, (whole, shift, step) in enumerate(zip(free.tolist(), pulled.tolist(), steps.tolist(), strict=True)):
         half = step if i == 0 else step / 2  # it begins at rest: the rule of the trapezium from the second on
-        target = z - (0.0 if i == 0 else half * before)
+        target = place - (0.0 if i == 0 else half * before)
         for _ in range(MOST_STEPS):
             power, slowness = b * math.exp(n * log), half * math.exp(-log)
             root = math.sqrt(1 + power)
@@ -1256,9 +1199,10 @@ def _follow(
             if abs(change) < SETTLED:
                 break
         before = math.exp(-log)
-        grown[i] = math.sqrt(1 + b * math.exp(n * log))
-        out[i] = z = whole - shift * grown[i]
-    return grown
+        grown[i] = math.sqrt(1 + b * math.exp(n * log))  # the root of w over w0
+        z[i] = place = whole - shift * grown[i]
+    loads = np.append(resting.at(np.array([begin]))[0], s * (H - r * grown * V))
+    return np.stack([np.append(begin, z), loads])[:, ::-1]
 
 
 def load_at(path: Array, resting: Rest, turn: float, z: Array) -> Array:

@@ -358,17 +358,15 @@ class DugdaleModel:
         bends = np.flatnonzero(near.any(axis=1)) + 1  # of the profile, where splines end
         touching = Broken.through(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], bends)
         own = c0, (float(v[0]), float(v[-1])), touching, math.pi * self.problem.E_star * s / 2, gap
-        apart = self._apart(attraction, rims, s, gap) if first == 0 else None
+        apart = None
+        if first == 0:  # delta without contact, and its part by the tension, over log c
+            from scipy.interpolate import make_interp_spline
+
+            edge = np.append(c0 * np.geomspace(FAMILY_FIRST, 1, FAMILY_APART)[:-1], c0)
+            delta = np.append(attraction.apart(edge[:-1], s, gap).delta, rims.delta[0])
+            pulled = delta + gap - self.problem.indenter.f(edge)
+            apart = make_interp_spline(np.log(edge), np.stack([delta, pulled], axis=1), FAMILY_DEGREE)
         return States(*own, apart, partial(_rates, discs, rims, s, v, rows, bends))
-
-    def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> Callable[..., Array]:
-        """delta without contact, and its part by the tension, over log c."""
-        c = np.append(rims.c[0] * np.geomspace(FAMILY_FIRST, 1, FAMILY_APART)[:-1], rims.c[0])
-        delta = np.append(attraction.apart(c[:-1], s, gap).delta, rims.delta[0])
-        pulled = delta + gap - self.problem.indenter.f(c)
-        from scipy.interpolate import make_interp_spline
-
-        return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), FAMILY_DEGREE)
 
 
 def _rates(discs: Discs, rims: Rims, s: float, v: Array, rows: slice, bends: Array) -> Broken:
@@ -598,17 +596,13 @@ class FittedBody:
         layers = self.layer_names[: len(self.problem.specimen.layers)]
         return (*(f"E:{name}" for name in self.layer_names), *(f"h:{name}" for name in layers))
 
-    @cached_property
-    def _moduli(self) -> dict[str, float]:
-        problem = self.problem
-        materials = () if problem.indenter.material is not None else problem.specimen.materials
-        own = {f"E:{name}": one.surface.E for name, one in zip(self.layer_names, materials, strict=False)}
-        return {"E_star": problem.E_star, **own}
-
     def moduli(self, s: float) -> dict[str, float]:
         """E* and the moduli of all layers [Pa] by name, those of the problem times ``s``; of an indenter that is
         elastic too, which is scaled with them, E* alone."""
-        return {name: s * E for name, E in self._moduli.items()}
+        problem = self.problem
+        materials = () if problem.indenter.material is not None else problem.specimen.materials
+        own = {f"E:{name}": s * one.surface.E for name, one in zip(self.layer_names, materials, strict=False)}
+        return {"E_star": s * problem.E_star, **own}
 
     def nominal(self, name: str) -> float:
         """The value of "E:layer" [Pa], "h:layer" [m], "nu:layer" or "radius" [m] in the problem."""
@@ -670,19 +664,14 @@ class FittedBody:
     def to_depth(self, depth: float) -> FittedBody:
         """The same problem solved to the contact radius at a ``depth`` [m], where it may be; beyond the series it is
         estimated by continuation, as far as below it."""
-        u, depths = self._depths
-        reached = np.flatnonzero(depths <= depth)
+        # logs of contact radii, beyond the series too
+        u = np.linspace(self.family.low, self.family.high + DEVICE_PATH_BELOW, ROWS)
+        reached = np.flatnonzero(self.family.at(u)[0][0] <= depth)
         tip, a = self.problem.indenter, math.exp(u[reached[-1]]) if reached.size else 0.0
         a = RESOLVING_ADHERES * a if RESOLVING_ADHERES * a < tip.r_max else a
         endless = tip.kinks and math.isinf(tip.r_max)  # a rounded cone: R is that of its end alone
         a = a if tip.tip_radius is None or endless else min(a, RESOLVING_DEEP * tip.tip_radius)
         return self.to_radius(a) if self.extensible and a > self.series.a[-1] else self
-
-    @cached_property
-    def _depths(self) -> tuple[Array, Array]:
-        """Logs of contact radii, beyond the series too, and displacements there without adhesion [m]."""
-        u = np.linspace(self.family.low, self.family.high + DEVICE_PATH_BELOW, ROWS)
-        return u, self.family.at(u)[0][0]
 
     def _reaching(self, a: float, **changes: Any) -> FittedBody:
         """The body of a changed problem solved up to contact radius ``a`` [m], as the user describes this one."""

@@ -165,11 +165,6 @@ class Term:
         return math.exp(self.values[1])
 
     @property
-    def is_force(self) -> bool:
-        """Whether it is no error of the signal."""
-        return self.law in LAWS or self.law == LEVEL
-
-    @property
     def moves(self) -> bool:
         """Whether the depth of the tip follows it: what bends the device by what depends on the depth, or a surface
         that has sunk."""
@@ -183,11 +178,6 @@ class Term:
         load, columns = self.at(place, values)
         bent = (place.inside > 0) / place.stiffness
         return (load - self.at(place, self.values)[0]) * bent, [column * bent for column in columns]
-
-    @property
-    def spring(self) -> float:
-        """The rise of a level towards contact [N/m]."""
-        return self.values[1] / (self.near - self.far)
 
     def at(self, place: Place, values: Sequence[Any]) -> tuple[Array, list[Array]]:
         """The load [N] at rows, and its derivatives by the ``values``."""
@@ -210,7 +200,17 @@ class Term:
             on = free * (place.rows >= self.between[0]) * (place.rows <= self.between[1])
             along = (x - self.far) / (self.near - self.far)
             load, columns = (A + values[1] * along) * on, [on, along * on]
-            return self._stretched(place, values, inside, load, columns) if self.stays else (load, columns)
+            if not self.stays:
+                return load, columns
+            # The line is that of a spring in series with the device, stretched from where it ends on: in contact, at
+            # the same depth of the tip, -K max(end - tip, 0)
+            B, way = values[1], self.near - self.far
+            b = max(B / way, 1e-12 * abs(A) / way)
+            K = b / max(1 - b / place.stiffness, 1e-2)
+            end = self.far - A / b
+            out, bound = inside * np.maximum(end - place.tips, 0.0), inside * (place.tips < end)
+            by_b = -((K / b) ** 2) * out - K * bound * A / b**2
+            return load - K * out, [columns[0] + K / b * bound, columns[1] + by_b / way]
 
         return self._attraction(place, values)[:2]
 
@@ -243,20 +243,6 @@ class Term:
         by_at = fall / np.maximum(1 - fall / k, FREE_STEEPEST) * free
         bend = shape * free + self.stays * inside
         return A * bend, [bend + by_at * (shape - 1) / k, -by_at * gap], by_at
-
-    def _stretched(
-        self, place: Place, values: Sequence[float], inside: Array, load: Array, columns: list[Array]
-    ) -> tuple[Array, list[Array]]:
-        """A level whose line is that of a spring in series with the device, stretched from where the line ends on: in
-        contact, at the same depth of the tip, -K max(end - tip, 0)."""
-        (A, B), way = values, self.near - self.far
-        b = max(B / way, 1e-12 * abs(A) / way)
-        K = b / max(1 - b / place.stiffness, 1e-2)
-        end = self.far - A / b
-        out = inside * np.maximum(end - place.tips, 0.0)
-        on = inside * (place.tips < end)
-        by_b = -((K / b) ** 2) * out - K * on * A / b**2
-        return load - K * out, [columns[0] + K / b * on, columns[1] + by_b / way]
 
     @property
     def words(self) -> str:
@@ -311,7 +297,7 @@ class FreeRows:
     @cached_property
     def of_signal(self) -> Array:
         """What of it is no force, but an error of the signal [N]: a virtual deflection or a drift."""
-        return self._sum([term for term in self.terms if not term.is_force])
+        return self._sum([term for term in self.terms if term.law not in (*LAWS, LEVEL)])
 
     def _sum(self, terms: Sequence[Term]) -> Array:
         return sum((term.at(self.place, term.values)[0] for term in terms), np.zeros(self.place.x.size))

@@ -9,18 +9,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.numerics import HALF_WIDTH, Array
+from ..base.numerics import Array
+from .choices import Values
 from .curve import APPROACH
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit, base_line
 from .least_squares import SEARCH_DIGITS
 from .parameters import FittedValue
-from .score_tests import Verdict
+from .score_tests import Verdict, by_unknown
 
 GOOD, USABLE, LOOK, UNFIT = "good", "usable with the error stated", "look at it", "not usable"
 GRADES = (GOOD, USABLE, LOOK, UNFIT)
@@ -56,7 +57,7 @@ class Grade:
 
     word: str
     reason: str
-    sizes: Mapping[str, float]
+    sizes: Values
 
     @property
     def believed(self) -> bool:
@@ -71,7 +72,7 @@ class Grade:
 
 
 def grade_of(
-    sizes: Mapping[str, float], flags: Sequence[str], E_star: FittedValue, w: FittedValue, verdict: Verdict | None
+    sizes: Values, flags: Sequence[str], E_star: FittedValue, w: FittedValue, verdict: Verdict | None
 ) -> Grade:
     """The grade of a raw record's fit, by ``sizes`` of its misfit, its ``flags``, estimates and ``verdict``."""
     errors = {"E_star_error": _error(E_star), "w_error": _error(w)}
@@ -94,7 +95,7 @@ def grade_of(
     return Grade(GRADES[rank], reason, sizes)
 
 
-def size_words(sizes: Mapping[str, float]) -> list[str]:
+def size_words(sizes: Values) -> list[str]:
     """Those of the ``sizes`` that are graded, in words."""
     words = {name: "more than tenfold" if size > TENFOLD else f"{100 * size:.{2 + (size > 1)}g} %"
              for name, size in sizes.items() if name in LIMITS}  # fmt: skip
@@ -135,7 +136,7 @@ def misfits(best: ForceCurveFit, noise: float) -> dict[str, float]:
     return sizes
 
 
-def is_misfit(sizes: Mapping[str, float]) -> bool:
+def is_misfit(sizes: Values) -> bool:
     """Whether a misfit is large enough to matter, however little noise there is."""
     return any(sizes.get(name, 0.0) > limit for name, limit in NO_MISFIT.items())
 
@@ -152,12 +153,8 @@ def left_out(record: FittedRecord) -> dict[str, float]:
     for part, kept in zip(stretches, (slice(first), slice(first, None)), strict=True):
         inverse = np.linalg.pinv(J[kept].T @ J[kept], rcond=SEARCH_DIGITS**2, hermitian=True)
         step = inverse @ (J[kept].T @ record.residuals[kept])
-        by = {"ln_s": 1.0}
-        rates = {"E_star": by}
-        for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):  # w = s q = s r^2
-            if name in fit.names and fit.value(name) > HALF_WIDTH * fit.error(name):
-                rates["w_approach" if part.kind == APPROACH else "w"] = by | {name: power / fit.value(name)}
-        for quantity, by in rates.items():
+        works = {"w_approach" if part.kind == APPROACH else "w": by_unknown(fit, [part])}
+        for quantity, by in ({"E_star": {"ln_s": 1.0}} | works).items():
             rate = np.array([by.get(name, 0.0) for name in fit.names]) / scale
             error = fit.sigma * math.sqrt(max(float(rate @ inverse @ rate), 0.0))
             move = abs(float(rate @ step))

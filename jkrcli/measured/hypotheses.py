@@ -22,8 +22,9 @@ from ..base.process import REMEMBERED
 from ..base.wings import offered
 from ..bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen, without_side_walls
 from ..methods.radii import DENSE
+from .choices import Values
 from .curve import APPROACH
-from .fitted_record import CHANGE_SMALL, FittedRecord, Values
+from .fitted_record import CHANGE_SMALL, FittedRecord
 from .force_curve import SLOW_EDGE_WIDEST, DirectionReadings, ForceCurveFit, creep, hysteresis
 from .forward_model import FAMILY_BELOW_LIMIT, FUNCTIONS, Family, FittedBody, grid, on_grid, solved
 from .free_rows import VIRTUAL
@@ -146,19 +147,14 @@ def _maugis(families: Sequence[Family], *each: Sequence[float]) -> Array:
     sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2 sigma
     a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
     E, z0, w = np.array(each)[..., None]
-    a, D = np.stack([_ring_nodes(family) for family in families], axis=1)
+    nodes = [np.stack([_radii(family), on_grid(family)[0, 0]]) for family in families]
+    a, D = np.stack(nodes, axis=1)[..., ::ADHESION_EVERY]
     sigma = w / z0
     m = _rim(a, D, E, w, sigma)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
     pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
     return np.stack([np.log(shift), np.log(pull)], axis=1) @ _splines(grid(families[0]).size)
-
-
-@lru_cache(maxsize=REMEMBERED)
-def _ring_nodes(family: Family) -> Array:
-    """Contact radii and displacements without adhesion at which rings are solved, (2, some)."""
-    return np.stack([_radii(family), on_grid(family)[0, 0]])[:, ::ADHESION_EVERY]
 
 
 @lru_cache

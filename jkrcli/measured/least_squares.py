@@ -22,7 +22,7 @@ from ..base.errors import NOTICEABLE, InputError, JkrError, SolveError
 from ..base.executors import Pool, batches_in_order
 from ..base.numerics import MOST_STEPS, SAME, TINY, TOGETHER, Array, f_quantile, median
 from ..base.process import REMEMBERED
-from .choices import Loss
+from .choices import Loss, Values
 from .cosine import cosine_transform, fast_length
 from .lockstep import Flow, alone, ask, by_groups, together
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
@@ -36,7 +36,6 @@ TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}
 # Chances below which noise is no explanation, and what is known of normal noise.
 STATISTICS_NORMAL_MEDIAN = 0.6745  # theory: median of |x| of a normal x of standard deviation 1
 STATISTICS_IMPROBABLE = 1e-3  # choice: of misfit, and of differences between records
-STATISTICS_SUSPICIOUS = 1e-4  # choice: of order in residuals
 
 
 def robust_scale(residuals: Array) -> float:
@@ -128,10 +127,6 @@ class Structure:
     runs: int
     expected: float
     probability: float
-
-    @property
-    def suspicious(self) -> bool:
-        return self.probability < STATISTICS_SUSPICIOUS
 
 
 def structure(residuals: Array) -> Structure:
@@ -479,7 +474,7 @@ INTERVAL_BEGIN = 0.1  # choice: of a log, where a profile begins while no error 
 
 
 Followed = Literal["covariance", "profile"]  # how intervals are computed where records are not drawn again
-Meaning = Callable[[Array], Mapping[str, float]]  # of the unknowns: quantities by name, on their scales
+Meaning = Callable[[Array], Values]  # of the unknowns: quantities by name, on their scales
 
 
 @dataclass(frozen=True, eq=False)
@@ -518,7 +513,7 @@ class Intervals:
         return cls(least, (*unknowns.parameters, *follow), meaning, own, t, level, confidence == "profile")
 
     @cached_property
-    def here(self) -> Mapping[str, float]:
+    def here(self) -> Values:
         """All quantities on their scales."""
         return self.meaning(self.least.x)
 
@@ -534,7 +529,7 @@ class Intervals:
         return {name: np.array([(high[name] - low[name]) / width for high, low, width in ends]) for name in self.here}
 
     @cached_property
-    def drawn(self) -> list[Mapping[str, float]]:
+    def drawn(self) -> list[Values]:
         """What the samples mean."""
         return [] if self.samples is None else [self.meaning(x) for x in self.samples]
 
@@ -575,8 +570,16 @@ class Intervals:
             return replace(estimate, error=float(np.std(values, ddof=1)), low=low, high=high)
         if not self.profiled:
             return self.with_limit(estimate) if item.kind == "root" and estimate.low == 0 else estimate
-        if item.follows:
-            return self._shared(item, estimate, before)
+        if item.follows:  # the log of a quantity that follows from one alone has the profile of that
+            rate = self.rates[item.name]
+            for one, other in zip(self.quantities, before, strict=False):
+                by = self.rates[one.name]
+                power = float(rate @ by) / max(float(by @ by), TINY)
+                if one.kind == "log" and np.linalg.norm(rate - power * by) <= SAME * np.linalg.norm(rate):
+                    shared = [None if end is None else estimate.value * (end / other.value) ** power
+                              for end in (other.low, other.high)]  # fmt: skip
+                    return replace(estimate, low=shared[0 if power > 0 else 1], high=shared[1 if power > 0 else 0])
+            return estimate
         ends = self.end(item, -self.t), self.end(item, self.t)
         if item.kind in LIMITED and (ends[0] is None or ends[0] <= 0):
             ends = 0.0, self.end(item, ONE_SIDED * self.t)
@@ -597,18 +600,6 @@ class Intervals:
         item = next(one for one in self.quantities if one.name == estimate.name)
         high = max(self.end(item, ONE_SIDED * self.t) or 0.0, estimate.high or 0.0)
         return replace(estimate, error=max(high / (2 * self.t), estimate.error or 0.0), high=high)
-
-    def _shared(self, item: Parameter, estimate: FittedValue, before: Sequence[FittedValue]) -> FittedValue:
-        """The estimate of the log of a quantity with the profile of one that it follows from alone."""
-        rate = self.rates[item.name]
-        for one, other in zip(self.quantities, before, strict=False):
-            by = self.rates[one.name]
-            power = float(rate @ by) / max(float(by @ by), TINY)
-            if one.kind == "log" and np.linalg.norm(rate - power * by) <= SAME * np.linalg.norm(rate):
-                ends = [None if end is None else estimate.value * (end / other.value) ** power
-                        for end in (other.low, other.high)]  # fmt: skip
-                return replace(estimate, low=ends[0 if power > 0 else 1], high=ends[1 if power > 0 else 0])
-        return estimate
 
     def end(self, item: Parameter, width: float) -> float | None:
         """The value at which the least cost with the quantity held is as much higher as ``width`` standard errors make
@@ -689,7 +680,7 @@ class _Changed:
 
 
 # ---------------------------------------------------------------------- uncertain inputs, to first order
-def wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> FittedValue:
+def wider(item: FittedValue, systematic: Values, t: float) -> FittedValue:
     """The estimate with its ``systematic`` errors by name, what each changes, added in quadrature."""
     total = math.hypot(*systematic.values())
     if total == 0:
@@ -763,10 +754,6 @@ class Spectrum:
                 part **= power / 2
             density += np.divide(B * corner**power, part, out=part)
         return density
-
-    def of_level(self, A: float) -> Spectrum:
-        """The same colour where the white part is ``A``."""
-        return self.times(A / self.A)
 
     def times(self, factor: float) -> Spectrum:
         """The same of a variance ``factor`` times as large."""
@@ -981,7 +968,7 @@ def _hidden(seen: Periodogram, noise: Spectrum, every: Spectrum) -> Spectrum:
     ``every`` row if it is as likely in them: noise slower than they are long shows in the others."""
     if noise.slow or not every.slow or not every.A:
         return noise
-    likely = every.of_level(noise.A)
+    likely = every.times(noise.A / every.A)
     return likely if seen.unlikely(likely) <= seen.unlikely(noise) else noise
 
 
@@ -1084,7 +1071,16 @@ class Periodogram:
         if not white or sum(n * math.log(white / level) for level, n in _falling(mean, count)) < COLOURED_LEAST:
             return Spectrum(white)  # no spectrum that falls gains as much
         (corner, power), (slow, tops) = _shapes(self.octaves.lowest), self.octaves.slow
-        A, B = _parts(slow, mean, count)
+        # A and B, not below 0, that are likeliest for each shape, by least squares weighted with the spectrum so far
+        items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean], axis=1)
+        S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
+        for _ in range(COLOURED_ROUNDS):
+            weights = count / np.maximum(S, TINY) ** 2
+            aa, ab, bb, a, b = (items @ weights[..., None])[..., 0].T
+            determinant = aa * bb * (1 + COLOURED_SINGULAR) - ab * ab
+            A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
+            A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))
+            S = A[:, None] + B[:, None] * slow
         deviance = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
         if deviance.min() > count.sum() * (np.log(white) + 1) - COLOURED_LEAST:
             return Spectrum(white)
@@ -1151,18 +1147,3 @@ def _unlikely(mean: Array, S: Array, count: Array) -> Array:
     """Minus twice the logarithm of Whittle's likelihood of spectra ``S``, (spectra, octaves)."""
     likely = np.maximum(S, COLOURED_SINGULAR * mean.max())
     return np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
-
-
-def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
-    """A and B, not below 0, that are likeliest for each shape ``slow``, (corners, octaves), by least squares weighted
-    with the spectrum so far."""
-    items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean], axis=1)
-    S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
-    for _ in range(COLOURED_ROUNDS):
-        weights = count / np.maximum(S, TINY) ** 2
-        aa, ab, bb, a, b = (items @ weights[..., None])[..., 0].T
-        determinant = aa * bb * (1 + COLOURED_SINGULAR) - ab * ab
-        A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
-        A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))
-        S = A[:, None] + B[:, None] * slow
-    return A, B

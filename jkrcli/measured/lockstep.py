@@ -16,7 +16,7 @@ An answer that is an exception is raised where it was asked for, in that flow on
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Hashable, Iterable, Sequence
-from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -30,19 +30,12 @@ Item = TypeVar("Item")
 Kernel: TypeAlias = Callable[[list[Question]], Sequence[Answer | Exception]]
 
 
-class Request(NamedTuple):
-    """What a flow asks for: the answer of a ``kernel`` to a ``question``."""
-
-    kernel: Kernel[Any, Any]
-    question: Any
-
-
-Flow: TypeAlias = Generator[Request, Any, End]
+Flow: TypeAlias = Generator[tuple[Kernel[Any, Any], Any], Any, End]  # asks for the answer of a kernel to a question
 
 
 def ask(kernel: Kernel[Question, Answer], question: Question) -> Flow[Answer]:
     """The answer of a ``kernel`` to a ``question``, within a flow: ``answer = yield from ask(kernel, question)``."""
-    return (yield Request(kernel, question))
+    return (yield (kernel, question))
 
 
 def alone(flow: Flow[End]) -> End:
@@ -78,13 +71,13 @@ def together(flows: Sequence[Flow[End]]) -> list[End | Exception]:
     def go_on(which: int, answer: Any) -> None:
         flow = flows[which]
         try:
-            request = flow.throw(answer) if isinstance(answer, Exception) else flow.send(answer)
+            wanted, question = flow.throw(answer) if isinstance(answer, Exception) else flow.send(answer)
         except StopIteration as end:
             ends[which] = end.value
         except Exception as error:
             ends[which] = error
         else:
-            waiting.setdefault(request.kernel, []).append((which, request.question))
+            waiting.setdefault(wanted, []).append((which, question))
 
     for which in range(len(flows)):
         go_on(which, None)

@@ -23,7 +23,8 @@ from ..base.errors import JkrError, SolveError
 from ..base.numerics import Array, PiecewiseCubic, cubic_spline
 from ..base.process import REMEMBERED
 from .branches import Moving, Resting
-from .fitted_record import CHANGE_FOLD, CHANGE_SMALL, FittedRecord, Values
+from .choices import Values
+from .fitted_record import CHANGE_FOLD, CHANGE_SMALL, FittedRecord
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, Loads, offs
 from .forward_model import FUNCTIONS, Family, grid, on_grid
 from .lockstep import by_groups
@@ -322,7 +323,13 @@ class ChangedModel(ForceCurveModel):
         inputs = _inputs(plain)
         inputs["known"] = {**plain.known, **(known or {})}
         if isinstance(change, LoadsChange) and change.where == "last":
-            inputs["stretches"] = (*plain.stretches[:-1], _before_loss(plain.stretches[-1]))
+            last = plain.stretches[-1]
+            if last.touching.any():  # a slow edge runs through the rows next to its loss within a few of them
+                lost = float(last.z[last.touching].min())
+                keep = ~last.touching | (last.z > lost + max(CHANGE_FOLD * last.reach, 2 * last.spacing))
+                names = "rows", "z", "P", "touching", "t"
+                last = replace(last, **{name: getattr(last, name)[keep] for name in names})
+            inputs["stretches"] = (*plain.stretches[:-1], last)
         elif isinstance(change, LoadsChange):  # which knows no adhesion
             inputs["works"] = {part.kind: 0.0 for part in plain.stretches}
         return cls(**inputs, change=change)
@@ -373,7 +380,9 @@ class ChangedModel(ForceCurveModel):
         of_history, moved = isinstance(self.change, LoadsChange) and self.change.where == "all", dict[int, float]()
         for i, name in enumerate(self.names):
             if name in self.change.names or (self.change.coupled and name.startswith(("ln_s", "q:", "r:", "z0"))):
-                step = (LITTLE if of_history else CHANGE_STEP) * self._unit(name, float(x[i]))
+                size = max(abs(float(x[i])), CHANGE_SMALL * (self.most if name.startswith(("q:", "r:")) else 1.0))
+                size = max(part.reach for part in self.stretches) if name == "z0" else size
+                step = (LITTLE if of_history else CHANGE_STEP) * size
                 moved[i] = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
         each = changed_offs([(self, x + step * (np.arange(x.size) == i), blunt) for i, step in moved.items()])
         for (i, step), there in zip(moved.items(), each, strict=True):
@@ -381,12 +390,6 @@ class ChangedModel(ForceCurveModel):
                 raise there
             rates[i] = (there - off) / step
         return rates
-
-    def _unit(self, name: str, x: float) -> float:
-        """The size of an unknown that is ``x``."""
-        if name == "z0":
-            return max(part.reach for part in self.stretches)
-        return max(abs(x), CHANGE_SMALL * (self.most if name.startswith(("q:", "r:")) else 1.0))
 
     def in_place_of_path(self, part: DirectionReadings) -> Loads | None:
         change = self.change
@@ -396,15 +399,6 @@ class ChangedModel(ForceCurveModel):
 def _inputs(model: ForceCurveModel) -> dict[str, Any]:
     """The arguments that make a model without its change."""
     return {item.name: getattr(model, item.name) for item in fields(ForceCurveModel)}
-
-
-def _before_loss(part: DirectionReadings) -> DirectionReadings:
-    """A stretch without the rows in contact next to its loss, which a slow edge runs through within a few of them."""
-    if not part.touching.any():
-        return part
-    lost = float(part.z[part.touching].min())
-    keep = ~part.touching | (part.z > lost + max(CHANGE_FOLD * part.reach, 2 * part.spacing))
-    return replace(part, **{name: getattr(part, name)[keep] for name in ("rows", "z", "P", "touching", "t")})
 
 
 def follow(asked: Iterable[tuple[ChangedModel, DirectionReadings, Values]]) -> None:

@@ -20,6 +20,7 @@ from ..base.errors import JkrError, known
 from ..base.executors import Pool
 from ..base.numerics import TINY, Array
 from ..base.units import show
+from .choices import Values
 from .force_curve import ForceCurveFit, unbroken
 from .forward_model import FittedBody
 from .free_rows import LAWS, RANGE, RELAXED, WAVE, FreeRows
@@ -40,7 +41,7 @@ NUISANCE_LEFT = 13.8  # theory: of -2 ln L, odds of 1 in 1,000, up to which one 
 NUISANCE_TOLD = 30.0  # choice: of -2 ln L, up to which values of the next hypothesis are told
 
 
-Outcome: TypeAlias = Mapping[str, float]  # of a fit, SI, by name
+Outcome: TypeAlias = Values  # of a fit, SI, by name
 Whole: TypeAlias = tuple[FittedBody, ForceCurveFit]  # the body as far as it was solved
 
 
@@ -55,9 +56,9 @@ class Nuisance:
 
     record: ForceCurve
     fitted: Whole
-    changes: tuple[Mapping[str, float], ...]
-    shift: Mapping[str, float]
-    spread: Mapping[str, Mapping[str, float]]
+    changes: tuple[Values, ...]
+    shift: Values
+    spread: Mapping[str, Values]
     words: tuple[str, ...]
 
 
@@ -143,7 +144,7 @@ class Hypothesis:
         return "the law of the attraction" if stays[0] == stays[1] else "whether the attraction stays in contact"
 
 
-def _values(outcome: Mapping[str, float]) -> str:
+def _values(outcome: Values) -> str:
     """E* and w in words."""
     work = "w" if "w" in outcome else "w_approach"
     return f"E* = {show(outcome['E_star'], 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}"
@@ -172,7 +173,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
 
     found, rises, failed = _hypotheses(body, record, settings)
     likeliest, here = found[0], found[0].outcome
-    spread, words = dict[str, Mapping[str, float]](), [*likeliest.held.words]
+    spread, words = dict[str, Values](), [*likeliest.held.words]
     for one, rise in zip(found[1:], rises[1:], strict=True):
         # of odds p = 1/(1 + exp(rise/2)): 2 sqrt(p (1 - p)), two standard deviations of the difference
         # and within three half-widths whatever is not excluded
@@ -235,7 +236,7 @@ def _hypotheses(body: FittedBody, record: ForceCurve, settings: Settings) -> Fou
     return [found[i] for i in order], [min(costs[i] - min(costs), 2 * NUISANCE_EXCLUDED) for i in order], failed
 
 
-def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str, float]:
+def _between(here: Values, there: Values) -> dict[str, float]:
     return {name: there[name] - value for name, value in here.items() if name in there}
 
 

@@ -18,6 +18,7 @@ from ..base.errors import LEVEL, InputError, did_you_mean
 from ..base.numerics import HALF_WIDTH, SAME, Array, half_width
 from ..base.registry import Reported
 from ..base.units import FIRM, LARGE_WORK, SMALL_WORK, Named, Ranged, scale, show, texts_of
+from .choices import Values
 
 # --------------------------------------------------------------------------------------------------
 # The result of any fit: values with their errors and intervals, their correlations, and warnings on both.
@@ -41,8 +42,8 @@ class FittedValue:
     error: float | None = None
     low: float | None = None
     high: float | None = None
-    systematic: Mapping[str, float] | None = None
-    model: Mapping[str, float] | None = None
+    systematic: Values | None = None
+    model: Values | None = None
     lowers: frozenset[str] = frozenset()
 
     def with_model(self, name: str, half_width: float) -> FittedValue:
@@ -262,7 +263,7 @@ class Unknowns:
     (by name, else SI)."""
 
     parameters: tuple[Parameter, ...]
-    units: Mapping[str, float] = field(default_factory=dict)
+    units: Values = field(default_factory=dict)
 
     @cached_property
     def free(self) -> tuple[Parameter, ...]:
@@ -288,7 +289,7 @@ class Unknowns:
         own = x[: len(self.free)] * self.scales
         return self.fixed | {p.name: p.outer(float(y)) for p, y in zip(self.free, own, strict=True)}
 
-    def at(self, values: Mapping[str, float]) -> Array:
+    def at(self, values: Values) -> Array:
         """The unknowns at ``values``, SI."""
         return np.array([parameter.inner(values[parameter.name]) for parameter in self.free]) / self.scales
 
@@ -319,7 +320,7 @@ class Unknowns:
 
 
 def parameters_of(
-    ranges: Mapping[str, Ranged], free: Container[str], known: Mapping[str, float],
+    ranges: Mapping[str, Ranged], free: Container[str], known: Values,
     ends: Mapping[str, tuple[float, float]] | None = None,
 ) -> tuple[Parameter, ...]:  # fmt: skip
     """A parameter for each of the ``ranges`` of values by name, free or fixed at what is ``known``, SI: what is at most
@@ -393,7 +394,7 @@ class Nameable:
 
 
 def changes_by(
-    name: str, centre: float, sigma: float, here: Mapping[str, float], outcome: Callable[[float], Mapping[str, float]]
+    name: str, centre: float, sigma: float, here: Values, outcome: Callable[[float], Values]
 ) -> dict[str, float]:
     """Change of everything in ``outcome`` by a change of the input ``name`` by ``sigma`` from its value ``centre``,
     where it is ``here``.

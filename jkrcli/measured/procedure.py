@@ -25,6 +25,7 @@ from ..resolve.resolve import sticking_effect, sticking_warnings
 from ..series.vocabulary import NO_UNIT
 from .batch import header_errors
 from .checks import warnings_of
+from .choices import Values
 from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from .force_curve import FIT_ENOUGH, ForceCurveFit, fitting
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
@@ -137,9 +138,7 @@ def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
     return x | {name: math.log(value) if value > 0 else -math.inf for name, value in follow.items()}
 
 
-def _without_range(
-    item: FittedValue, intervals: Intervals, jkr: Mapping[str, float], here: Mapping[str, float]
-) -> FittedValue:
+def _without_range(item: FittedValue, intervals: Intervals, jkr: Values, here: Values) -> FittedValue:
     """The estimate where a range is not significantly above 0: of a range the largest that it may have, of a tension
     the least; of others the interval holds that of JKR as well."""
     if item.name in RANGES:
@@ -172,7 +171,7 @@ def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float
     return inner, factor, dof
 
 
-def _follows(objective: Objective, values: Mapping[str, float]) -> dict[str, float]:
+def _follows(objective: Objective, values: Values) -> dict[str, float]:
     """E* [Pa] and the moduli E of all layers [Pa] that are no parameters themselves, and tension [Pa] or range [m]."""
     problem = changed(objective.body.problem, {name: value for name, value in values.items() if ":" in name})
     following = replace(objective.body, problem=problem).moduli(values.get("modulus", 1.0))
@@ -523,7 +522,7 @@ def with_other_profile(
 
 def _by_profile(
     fitted: Fit, other: FittedBody, curve: Curve, settings: Settings, whole: tuple[ForceCurve, ForceCurveFit] | None
-) -> Flow[tuple[Mapping[str, float], float]]:
+) -> Flow[tuple[Values, float]]:
     """E* and w on the ``other`` body, and the scatter of loads about its curve [N]."""
     if whole is None or settings.range is not None:
         again, _ = yield from _fit(other, curve, settings, None)
@@ -796,7 +795,7 @@ def planned(body: FittedBody, fit: Fit) -> Fit:
         return without(fit, "further measurements", error)
 
 
-def _candidates(body: FittedBody, fit: Fit, largest: float) -> Iterator[tuple[str, Mapping[str, float], float]]:
+def _candidates(body: FittedBody, fit: Fit, largest: float) -> Iterator[tuple[str, Values, float]]:
     """Measurements in words, changes of the body, and their largest load [N]."""
     for factor in PLAN_FACTORS:
         yield f"largest load {show(factor * largest, 'load', 3)}", {}, factor * largest
@@ -850,7 +849,7 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
 
 
 def _ways(
-    body: FittedBody, values: Mapping[str, float], both: bool, largest: float, rows: int
+    body: FittedBody, values: Values, both: bool, largest: float, rows: int
 ) -> tuple[FittedBody, dict[int, Array]]:
     """The body solved as far as it is pressed, and the places of rows even in displacement, for each thing that the
     edge does: in to the largest load and out to the pull-off under load, or out alone."""

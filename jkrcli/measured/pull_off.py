@@ -147,8 +147,8 @@ def measured_work(
 
 
 def works_by_history(
-    solution: Solution, load: float, stiffness: float, rest: Rest | None = None, slopes: str = "auto",
-    modulus_factor: float = 1.0, uncertain: Sequence[tuple[str, str]] = (),
+    solution: Solution, load: float, stiffness: float, rest: Rest | None, slopes: str, modulus_factor: float,
+    uncertain: Sequence[tuple[str, str]],
 ) -> list[tuple[LoadingHistory, MeasuredWork | Unknown]] | Unknown | None:  # fmt: skip
     """Which w a pull-off force of a viscoelastic specimen means after each history that is solved, with that from
     ``rest``; None for an elastic one, Unknown where none is solved."""
@@ -186,9 +186,14 @@ def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> di
     "load": the measured force; "R": the tip radius; "E": all moduli in common; "h" and "nu": of the layer at the
     contact; "E:film", "h:film", "nu:film": of the layer of that name or number, "E:base": of the half-space.
     """
-    sigmas = {}
+    # The names with their layers
+    names, sigmas = layer_names(solution.problem.specimen), dict[str, float]()
+    layers = names[: len(solution.problem.specimen.layers)]
+    own = [f"{quantity}:{layer}" for quantity in ("E", "nu") for layer in names] + [f"h:{layer}" for layer in layers]
+    radius = [TIP] if hasattr(solution.problem.indenter, "R") else []
     for name, text in pairs:
-        whole = _whole(solution, name)
+        whole = f"{name}:{names[0]}" if name in ("h", "nu") and names else name
+        checked_names([whole], [FORCE, *radius, MODULI, *own], "pull-off")
         if whole in sigmas:
             raise InputError(f"pull-off: the uncertainty of {name} is given twice")
         relative = text.endswith("%")
@@ -213,17 +218,6 @@ def seconds_of_inputs(solution: Solution, names: Sequence[str]) -> float:
 def _radii(solution: Solution) -> Loading:
     """A hundred of the radii of the series, at which moved bodies are solved."""
     return Loading.given("radius", tuple(solution.series.a[evenly(len(solution.series), 100)].tolist()))
-
-
-def _whole(solution: Solution, name: str) -> str:
-    """The name with its layer; InputError where the body has no such input."""
-    names = layer_names(solution.problem.specimen)
-    whole = f"{name}:{names[0]}" if name in ("h", "nu") and names else name
-    layers = names[: len(solution.problem.specimen.layers)]
-    own = [f"{quantity}:{layer}" for quantity in ("E", "nu") for layer in names] + [f"h:{layer}" for layer in layers]
-    radius = [TIP] if hasattr(solution.problem.indenter, "R") else []
-    checked_names([whole], [FORCE, *radius, MODULI, *own], "pull-off")
-    return whole
 
 
 def _change(inverse: _Inverse, name: str, sigma: float) -> float:
@@ -320,8 +314,7 @@ class MeasuredByHistory(Result):
     @classmethod
     def of(
         cls, solution: Solution, load: float, stiffness: float,
-        found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]], slopes: str = "auto",
-        modulus_factor: float = 1.0,
+        found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]], slopes: str, modulus_factor: float,
     ) -> MeasuredByHistory:  # fmt: skip
         """What was ``found`` of the pull-off force ``load`` [N] by a device of ``stiffness`` [N/m]; where the theory
         holds is judged with the largest w."""
@@ -417,7 +410,11 @@ class MeasuredPullOff(Result):
         return w, error if isinstance(error, Unknown) else math.hypot(error, rough.error_at(w)) / rough.area
 
     def summary(self) -> dict[str, Any]:
-        means, work = self.means, self.means.work
+        means, work, rough = self.means, self.means.work, dict[str, Any]()
+        if self.rough is not None:
+            w, error = self._smooth
+            rough = {"w_smooth_J_per_m2": w, "w_smooth_err_J_per_m2": known(error), "w_smooth_bound": "upper",
+                     "roughness": self.rough.summary()}  # fmt: skip
         return {
             "file": str(means.result.path),
             "level": LEVEL,
@@ -426,16 +423,9 @@ class MeasuredPullOff(Result):
             **_measured_as_json(means),
             "w_half_space_J_per_m2": work.half_space,
             **tables.law(means.result),
-            **self._rough_as_json(),
+            **rough,
             "validity": tables.validity(means.result, work.point),
         }
-
-    def _rough_as_json(self) -> dict[str, Any]:
-        if self.rough is None:
-            return {}
-        w, error = self._smooth
-        smooth = {"w_smooth_J_per_m2": w, "w_smooth_err_J_per_m2": known(error), "w_smooth_bound": "upper"}
-        return smooth | {"roughness": self.rough.summary()}
 
     def words(self) -> list[str]:
         means, work = self.means, self.means.work

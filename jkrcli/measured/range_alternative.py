@@ -19,7 +19,7 @@ from ..base.errors import NOTICEABLE, JkrError, SolveError
 from ..base.numerics import MOST_SOLVES, TINY, Array, f_tail
 from ..base.units import show
 from ..methods.layered.spectrum import spectrum_seconds
-from .choices import Loss
+from .choices import Loss, Values
 from .forward_model import Drift
 from .least_squares import chi2_increase, influence, t_quantile
 from .parameters import FittedValue, Parameter
@@ -48,7 +48,7 @@ class RangeAlternative:
 
     best: float
     most: float
-    moves: Mapping[str, float]
+    moves: Values
     chance: float
 
     def warnings(self) -> Iterator[str]:
@@ -64,7 +64,7 @@ class _Rung:
 
     length: float
     excess: float
-    moves: Mapping[str, float]
+    moves: Values
 
 
 def range_alternative_of(
@@ -93,7 +93,23 @@ def range_alternative_of(
     lengths += [settings.range_at_most] * (len(lengths) < len(RANGE_RANGES))
     rung = partial(_rung, minimum, variance=variance, limit=limit, loss=settings.loss)
     rungs = _climbed(lengths, rung, values, limit)
-    return _judged(rungs, minimum, limit, settings.longest_range)
+    # Those within the limit of the best are possible; between the longest of them and the next the root of the excess
+    # is a straight line
+    best, i = min(rungs, key=lambda rung: rung.excess), _last_possible(rungs, limit)
+    possible = [rung for rung in rungs if rung.excess - best.excess <= limit]
+    # A short range counts by its square, as the work within the annulus does.
+    squares, moves = [rung.length**2 for rung in possible], [[*rung.moves.values()] for rung in possible]
+    if i + 1 < len(rungs):
+        last, beyond = rungs[i : i + 2]
+        low, high = (math.sqrt(rung.excess - best.excess) for rung in (last, beyond))
+        part = (math.sqrt(limit) - low) / (high - low) if math.isfinite(high) else 0.0
+        squares.append(last.length**2 + part * (beyond.length**2 - last.length**2))
+        moves.append([move + part * (beyond.moves[key] - move) for key, move in last.moves.items()])
+    within = np.minimum(squares, settings.longest_range**2)
+    largest = [float(np.abs(np.interp(within, squares, column)).max()) for column in np.transpose(moves)]
+    n = minimum.distances.residuals.size - minimum.least.x.size
+    chance = float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0)))
+    return RangeAlternative(best.length, math.sqrt(squares[-1]), dict(zip(best.moves, largest, strict=True)), chance)
 
 
 def _climbed(
@@ -119,8 +135,10 @@ def _climbed(
     with contextlib.suppress(JkrError):
         for _ in range(SEARCH_HALVINGS):
             rungs.sort(key=lambda rung: rung.length)
-            if (between := _between(rungs, limit)) is not None:
-                rungs.append(rung_of(between))
+            i = _last_possible(rungs, limit)
+            # a straight line to the next would not do
+            if i not in (0, len(rungs) - 1) and not rungs[i + 1].excess > RANGE_HOPELESS * limit:
+                rungs.append(rung_of(math.sqrt(rungs[i].length * rungs[i + 1].length)))
     return sorted(rungs, key=lambda rung: rung.length)
 
 
@@ -128,15 +146,6 @@ def _last_possible(rungs: Sequence[_Rung], limit: float) -> int:
     """The index of the longest of the ``rungs``, by increasing length, that is within the ``limit`` of the best."""
     best = min(rung.excess for rung in rungs)
     return max(i for i, rung in enumerate(rungs) if rung.excess - best <= limit)
-
-
-def _between(rungs: Sequence[_Rung], limit: float) -> float | None:
-    """A range [m] between the longest possible one and the next, where a straight line between
-    them would not do; None where it does."""
-    i = _last_possible(rungs, limit)
-    if i == 0 or i + 1 == len(rungs) or rungs[i + 1].excess > RANGE_HOPELESS * limit:
-        return None
-    return math.sqrt(rungs[i].length * rungs[i + 1].length)
 
 
 def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: Loss) -> _Rung:
@@ -170,31 +179,9 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
     return _Rung(length, excess if math.isfinite(excess) else math.inf, moves)
 
 
-def _works(values: Mapping[str, float]) -> list[float]:
+def _works(values: Values) -> list[float]:
     """The works of adhesion among ``values`` [J/m^2], that of the retraction first."""
     return [values[name] for name in WORKS if name in values]
-
-
-def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float, likely: float) -> RangeAlternative:
-    """The alternative by its ``rungs``, by increasing length: those within the ``limit`` of the best are possible, and
-    between the longest of them and the next the root of the excess is a straight line. Moves count up to the longest
-    range that is ``likely`` [m]."""
-    best, i = min(rungs, key=lambda rung: rung.excess), _last_possible(rungs, limit)
-    possible = [rung for rung in rungs if rung.excess - best.excess <= limit]
-    # A short range counts by its square, as the work within the annulus does.
-    squares, moves = [rung.length**2 for rung in possible], [[*rung.moves.values()] for rung in possible]
-    if i + 1 < len(rungs):
-        last, beyond = rungs[i : i + 2]
-        low, high = (math.sqrt(rung.excess - best.excess) for rung in (last, beyond))
-        part = (math.sqrt(limit) - low) / (high - low) if math.isfinite(high) else 0.0
-        squares.append(last.length**2 + part * (beyond.length**2 - last.length**2))
-        end = (move + part * (beyond.moves[key] - move) for key, move in last.moves.items())
-        moves.append([*end])
-    within = np.minimum(squares, likely**2)
-    largest = [float(np.abs(np.interp(within, squares, column)).max()) for column in np.transpose(moves)]
-    n = minimum.distances.residuals.size - minimum.least.x.size
-    chance = float(f_tail(1, max(n - 1, 1), max(-best.excess, 0.0)))
-    return RangeAlternative(best.length, math.sqrt(squares[-1]), dict(zip(best.moves, largest, strict=True)), chance)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -229,7 +216,7 @@ class AddedTerm:
 
     name: str
     change: float
-    moves: Mapping[str, float]
+    moves: Values
 
     @property
     def words(self) -> str:
@@ -249,7 +236,7 @@ class TableAlternatives:
     chance: float
     range: RangeAlternative | None = None
     untested: bool = False
-    values: Mapping[str, float] = field(default_factory=dict)
+    values: Values = field(default_factory=dict)
 
     @property
     def sensitivity(self) -> str:
@@ -280,7 +267,7 @@ class TableAlternatives:
         moves |= {} if self.range is None else {RANGE: self.range.moves}
         modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
 
-        def part(item: FittedValue, by: Mapping[str, float]) -> float:
+        def part(item: FittedValue, by: Values) -> float:
             follows = item.value * by.get("modulus", 0.0) / modulus if item.dimension == "modulus" else 0.0
             return 0.0 if item.error is None else by.get(item.name, follows)
 

@@ -21,6 +21,7 @@ from ..bodies.problem import Problem
 from ..methods.radii import ROOM
 from .alternative_fits import fall_of, fit_alternatives, record_alternatives, with_free_range, with_range_of
 from .checks import warnings_of
+from .choices import Values
 from .curve import APPROACH, RETRACT, TURNED, Curve
 from .fitted_record import FittedRecord, Known
 from .force_curve import (
@@ -91,12 +92,6 @@ class AddedParameter:
         return math.sqrt(max(spread.covariance[-1, -1], 0.0))
 
 
-def drift_left_out(fit: ForceCurveFit) -> AddedParameter:
-    """A drift of z0 [m/s] that was not fitted: one step of a search that knows it."""
-    t = np.concatenate([part.t for part in fit.model.stretches])
-    return AddedParameter.of(fit, -t * fit.model.by_position(fit.x))
-
-
 def another_modulus(fit: ForceCurveFit) -> AddedParameter:
     """Change of ln s on the way back against the way in that the data need: one step of a search with a modulus for
     each direction."""
@@ -159,7 +154,9 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
     model = best.model
     timed = all(np.ptp(part.t) > 0 for part in model.stretches)
     if timed and len(model.stretches) > 1 and "drift" not in model.positions:
-        drift = drift_left_out(best)
+        # of z0 [m/s], one step of a search that knows it
+        t = np.concatenate([part.t for part in model.stretches])
+        drift = AddedParameter.of(best, -t * model.by_position(best.x))
         if drift.size > FLAG_SURE and abs(drift.last) > FLAG_SURE * drift.error:
             change = float(drift.step[best.names.index("ln_s")]) if "ln_s" in best.names else 0.0
             half = show(HALF_WIDTH * drift.error, "speed", 2)
@@ -222,7 +219,7 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Cur
     )  # fmt: skip
 
 
-def _with_size(sizes: Mapping[str, float], remarks: list[str], scores: RecordAlternatives) -> RecordAlternatives:
+def _with_size(sizes: Values, remarks: list[str], scores: RecordAlternatives) -> RecordAlternatives:
     """The alternatives, none of them named where neither the misfit nor what those would change has a size, as in
     readings without noise: then a remark."""
     changes = [one.change(name) for one in scores.named for name in ("E_star", "w")]
@@ -295,7 +292,7 @@ def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tup
             yield f"{symbol} not determined", f"{worst[0]} may change it by {abs(worst[1]):.0%}"
 
 
-def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Mapping[str, float]) -> FittedValue:
+def _with_part(item: FittedValue, alternatives: RecordAlternatives, moves: Values) -> FittedValue:
     """The estimate with what the worst alternative may move it by, what leaving out a direction does, and the scale of
     the loads: of a device whose stiffness or sensitivity errs, E* and w err with it; and with the misfit, as if it were
     noise, where no alternative explains it."""
@@ -577,9 +574,7 @@ def as_fit(
     return alone(later(result, "remarks on the fit", with_remarks))
 
 
-def _carried(
-    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float]
-) -> dict[str, dict[str, float]]:
+def _carried(body: FittedBody, best: ForceCurveFit, settings: Settings, here: Values) -> dict[str, dict[str, float]]:
     """Changes of the outcome by the standard deviation of each uncertain input."""
 
     def outcome(name: str, value: float) -> dict[str, float]:
@@ -600,7 +595,7 @@ def _carried(
 
 
 def _intervals(
-    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float], fixed: Container[str],
+    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Values, fixed: Container[str],
     t: float, pool: Pool | None,
 ) -> Intervals:  # fmt: skip
     """Intervals of the parameters at the outcome ``here``, of which some are ``fixed``."""
@@ -639,7 +634,17 @@ def _resting(item: FittedValue, best: ForceCurveFit, t: float, intervals: Interv
         return intervals.with_limit(item)
     if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
         return item
-    low = max(_least_held(best, t) * item.value - t * _error_of_held(best), 0.0)
+    last = best.model.stretches[-1]
+
+    def held(x: Array) -> float:
+        values = best.model.values(x)
+        resting = best.model.rest(last, values)
+        return math.exp(values["ln_s"]) * held_by_last_row(best.model, values, resting) if resting else 0.0
+
+    steps = np.diag([best.error(name) for name in best.names])
+    rates = np.array([(held(best.x + step) - held(best.x - step)) / (2 * step.sum() or 1.0) for step in steps])
+    error = math.sqrt(max(float(rates @ best.covariance @ rates), 0.0))
+    low = max(_least_held(best, t) * item.value - t * error, 0.0)
     return FittedValue(item.name, item.value, True, item.dimension, None, low)
 
 
@@ -664,20 +669,6 @@ def _least_held(best: ForceCurveFit, t: float) -> float:
         if high - low < UNSEEN * high:
             break
     return high / values[own]
-
-
-def _error_of_held(best: ForceCurveFit) -> float:
-    """The standard error of the w that the last row of an edge that rests throughout holds, by those of the others."""
-
-    last = best.model.stretches[-1]
-
-    def held(x: Array) -> float:
-        values = best.model.values(x)
-        return math.exp(values["ln_s"]) * (held_by_last_row(best.model, values, best.model.rest(last, values)) or 0.0)
-
-    steps = np.diag([best.error(name) for name in best.names])
-    rates = np.array([(held(best.x + step) - held(best.x - step)) / (2 * step.sum() or 1.0) for step in steps])
-    return math.sqrt(max(float(rates @ best.covariance @ rates), 0.0))
 
 
 def _renewed(best: ForceCurveFit, rng: np.random.Generator) -> Callable[[State], State]:
@@ -893,7 +884,7 @@ def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> Force
 
 
 def fitted_whole(
-    body: FittedBody, record: ForceCurve, settings: Settings, begin: Mapping[str, float] | None = None
+    body: FittedBody, record: ForceCurve, settings: Settings, begin: Values | None = None
 ) -> Flow[tuple[FittedBody, ForceCurveFit]]:
     """The same as a flow, with the body solved as far as it reaches; searched from values of its unknowns, if these are
     about known."""
@@ -976,7 +967,7 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
 
 
 def _fitted(
-    body: FittedBody, model: ForceCurveModel, settings: Settings, begin: Mapping[str, float] | None = None
+    body: FittedBody, model: ForceCurveModel, settings: Settings, begin: Values | None = None
 ) -> Flow[tuple[FittedBody, ForceCurveFit]]:
     """The model that fits best, and the body solved as far as it reaches; from some values of its unknowns on."""
     for part in model.stretches:
@@ -1030,7 +1021,7 @@ def _without_window(best: ForceCurveFit, model: ForceCurveModel, settings: Setti
     return (yield from _again(best.model.values(best.x), replace(cut, known=model.known), settings))
 
 
-def _again(begin: Mapping[str, float], model: ForceCurveModel, settings: Settings) -> Flow[ForceCurveFit]:
+def _again(begin: Values, model: ForceCurveModel, settings: Settings) -> Flow[ForceCurveFit]:
     """The fit of a ``model`` from values of its unknowns on that are near."""
     return fitting(model, model.unknowns({**model.by_terms, **begin}), True, settings.loss)
 

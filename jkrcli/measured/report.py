@@ -39,7 +39,7 @@ from .parameters import FittedValue, show_within
 from .procedure import Failure
 from .result import Fit, JKRBeside
 from .rigid import Sensitivity, mean, sensitivity_of
-from .score_tests import FittedAlternative, RecordAlternatives
+from .score_tests import FittedAlternative
 from .segmentation import Direction, ForceCurve, saturation, saturation_words, segment_force_curves
 from .surface_tension import TensionFit
 from .work import ABOVE, BELOW, NONE, OK, PINNED, WorkAlong, typical
@@ -100,11 +100,9 @@ class Fits(Several):
             return [fit_words(self.fits[0])]
         each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]
                 for verdict, *rest in [fit_words(item)]]  # fmt: skip
-        several = len(self.outcomes) >= LEAST_CURVES
-        return [[self._together()], *each] if several and len(_surfaces(self.fits)) == 1 else each
-
-    def _together(self) -> str:
-        """The median and the ends of E* and w over all curves, how many were fitted, and of the others why not."""
+        if len(self.outcomes) < LEAST_CURVES or len({item.surface for item in self.fits}) != 1:
+            return each
+        # The median and the ends of E* and w over all curves, how many were fitted, and of the others why not
         parts = []
         for name in ("E_star", "w"):
             estimates = [one for item in self.fits for one in item.estimates if one.name == name]
@@ -118,11 +116,11 @@ class Fits(Several):
         counts = [f"{len(self.fits):,} of {counted(len(self.outcomes), 'curve')} fitted"]
         counts += [f"{reasons.total():,} {word}{_counted(reasons)}" for word, reasons in why.items()
                    if reasons or word == DOUBTFUL]  # fmt: skip
-        return f"{', '.join(parts)}: {', '.join(counts)}"
+        return [[f"{', '.join(parts)}: {', '.join(counts)}"], *each]
 
     @property
     def warnings(self) -> list[str]:
-        both = len(_surfaces(self.fits)) > 1
+        both = len({item.surface for item in self.fits}) > 1
         alike: dict[str, list[str]] = {}  # by what is left without the numbers, in a map; else each for itself
         for item in self.fits:
             where = f"{item.where}{f', {item.surface}' if both else ''}"
@@ -159,10 +157,6 @@ def _counted(reasons: Counter[str]) -> str:
     shown = [f"{count:,} {reason}" for reason, count in reasons.most_common(REASONS_SHOWN)]
     more = len(reasons) - len(shown)
     return f" ({', '.join([*shown, *[f'{more} other reasons'] * bool(more)])})" if shown else ""
-
-
-def _surfaces(fits: Sequence[Fit]) -> set[str]:
-    return {item.surface for item in fits}
 
 
 def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
@@ -237,12 +231,15 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
             "file": item.file, "curve": item.name, "status": UNUSABLE, "reason": list(item.lines), "grade": UNFIT,
             "grade_reason": item.reason, "quality": 0.0, "flags": list(item.flags),
         }  # fmt: skip
-    structure, jkr, beside = item.structure, item.jkr, dict[str, Any]()
+    structure, jkr, beside, graded = item.structure, item.jkr, dict[str, Any](), dict[str, Any]()
     # JKR beside a fit with a range, by what its misfit is larger
     if isinstance(jkr, JKRBeside):
         beside = {"jkr": quantities(jkr, "E_star w") | {"misfit": jkr.rms / jkr.rms_of_range}}
     elif jkr is not None:
         beside = {"jkr": {"reason": str(jkr)}}
+    if (grade := item.grade) is not None:
+        graded = {"grade": grade.word, "grade_reason": grade.reason, "sizes": dict(grade.sizes),
+                  "quality": grade.quality, "flags": list(item.flags)}  # fmt: skip
     return {
         "file": item.file,
         "curve": item.name,
@@ -269,18 +266,10 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **beside,
         **_verdict(item),
         **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
-        **_grade(item),
+        **graded,
         **({"free_rows": list(item.held)} if item.held else {}),
         "warnings": list(item.warnings),
     }
-
-
-def _grade(item: Fit) -> dict[str, Any]:
-    """The grade of a raw record with the sizes that give it."""
-    if (grade := item.grade) is None:
-        return {}
-    return {"grade": grade.word, "grade_reason": grade.reason, "sizes": dict(grade.sizes), "quality": grade.quality,
-            "flags": list(item.flags)}  # fmt: skip
 
 
 def estimate_summary(item: FittedValue, level: float = LEVEL) -> dict[str, Any]:
@@ -341,24 +330,20 @@ def verdict_words(item: Fit) -> list[str]:
         by = item.verdict.E_star
         words = f"{show(by, 'modulus', 3)} ({deviation(by / item.value('E_star') - 1)})"
         formula = [f"{item.verdict.formula} fit at maximum load would give {words}"]
+    # What may cause a misfit, and how much the likeliest of each family would change
     others = item.verdict.alternatives
-    judged = [cause_words(others)] if others.named else ["no alternative model is favoured"]
+    likeliest = {one.family: one for one in reversed(others.named)}
+    moved = ((family, *(change_words(likeliest[family].change(name)) for name in ("E_star", "w")))
+             for family in others.families)  # fmt: skip
+    changes = [f"{family} would change E* by {E}, w by {w}" for family, E, w in moved]
+    cause = f"cause{' not identifiable' * (len(changes) > 1)}: {'; '.join(changes)}"
+    judged = [cause if others.named else "no alternative model is favoured"]
     if tied := item.verdict.tied:
         verdict += f"; by {tied[0].name} ({parameter_words(tied[0])})"
         judged = ["JKR as described is rejected", *(f"{one.name} is not distinguishable from it" for one in tied[1:])]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
     judged += [f"model uncertainty from {', '.join(parts)}"] if parts else []
     return [verdict, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
-
-
-def cause_words(alternatives: RecordAlternatives) -> str:
-    """What may cause a misfit, and how much the likeliest of each family would change."""
-    likeliest = {one.family: one for one in reversed(alternatives.named)}
-    changes = [
-        f"{family} would change E* by {change_words(one.change('E_star'))}, w by {change_words(one.change('w'))}"
-        for family in alternatives.families for one in [likeliest[family]]
-    ]  # fmt: skip
-    return f"cause{' not identifiable' * (len(changes) > 1)}: {'; '.join(changes)}"
 
 
 def brief(items: Sequence[FittedValue], level: float) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from ..base.errors import NOTICEABLE, InputError, JkrError
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, ROUNDED, SAME, SETTLED, TINY, UNSEEN, Array, evenly, median
 from ..base.units import show
-from .choices import BranchName, Loss, SegmentName
+from .choices import BranchName, Loss, SegmentName, Values
 from .curve import APPROACH, RETRACT, Curve
 from .forward_model import ADVANCING, RECEDING, RESTING, Drift, Family, FittedBody, Member, Members, RestingMember
 from .least_squares import STATISTICS_NORMAL_MEDIAN, TURNS, Least, LeastSquares, State, robust_scale
@@ -279,7 +279,7 @@ def _level(values: Mapping[str, Array]) -> float:
     return level if np.ptp(far) < ROWS_FLAT * (level - least) and between.sum() < 3 else 0.0
 
 
-def noise_estimate(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str, float]:
+def noise_estimate(values: Mapping[str, Array], units: Values) -> dict[str, float]:
     """Standard deviation of the readings of each column from its third differences along the record.
 
     ``units``: size of the curve on each axis. Where rows are not in order of recording the differences show the curve
@@ -330,7 +330,7 @@ class Readings:
     """
 
     members: Members
-    values: Mapping[str, float]
+    values: Values
     columns: tuple[str, ...]
     scales: Array
     drift: Drift | None = None
@@ -525,24 +525,24 @@ class Objective:
         """Whether adhesion has a range."""
         return any(parameter.name in RANGES for parameter in self.parameters)
 
-    def holding(self, x: Mapping[str, float], *names: str) -> Objective:
+    def holding(self, x: Values, *names: str) -> Objective:
         """The same objective with the parameters of these ``names`` fixed where they are in ``x``."""
         held = (replace(p, free=False, value=p.outer(x[p.name])) if p.name in names else p for p in self.parameters)
         return replace(self, parameters=tuple(held))
 
-    def scaled(self, values: Mapping[str, float]) -> dict[str, float]:
+    def scaled(self, values: Values) -> dict[str, float]:
         """The ``values`` of the parameters, SI, on their scales."""
         return {p.name: p.inner(values[p.name]) for p in self.parameters}
 
-    def values(self, x: Mapping[str, float]) -> dict[str, float]:
+    def values(self, x: Values) -> dict[str, float]:
         """The parameters ``x`` on their scales as values, SI."""
         return {p.name: p.outer(x[p.name]) for p in self.parameters}
 
-    def at(self, begin: Mapping[str, float], y: Array) -> dict[str, float]:
+    def at(self, begin: Values, y: Array) -> dict[str, float]:
         """All parameters on their scales: the unknowns ``y`` of the search, the others as in ``begin``."""
         return {**begin, **dict(zip(self.unknowns.names, (y * self.unknowns.scales).tolist(), strict=True))}
 
-    def state(self, begin: Mapping[str, float], y: Array) -> ScaledDistances:
+    def state(self, begin: Values, y: Array) -> ScaledDistances:
         """The residuals there."""
         distances = self.distances(self.at(begin, y))
         return ScaledDistances(distances.residuals.ravel(), partial(self.rates, distances), distances)
@@ -551,7 +551,7 @@ class Objective:
         """Derivatives of the residuals by the unknowns of the search."""
         return distances.jacobian(self.unknowns.names) * self.unknowns.scales
 
-    def readings(self, x: Mapping[str, float], rated: bool = True) -> Readings:
+    def readings(self, x: Values, rated: bool = True) -> Readings:
         """The readings at the parameters ``x`` on their scales; where layers vary the body is solved anew, without
         their derivatives where not ``rated``."""
         values = self.values(x)
@@ -560,7 +560,7 @@ class Objective:
         body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
         return Readings(body.members(self.ranged), values, self.points.columns, self.scales, self.drift)
 
-    def distances(self, x: Mapping[str, float], rated: bool = True) -> Distances:
+    def distances(self, x: Values, rated: bool = True) -> Distances:
         """The distances of the points from the ``readings``."""
         readings, edges = self.readings(x, rated), self.points.edges
         edges = np.full(len(self.points), RECEDING) if edges is None else edges
@@ -635,7 +635,7 @@ class Minimum:
     unknowns of the search."""
 
     objective: Objective
-    x: Mapping[str, float]
+    x: Values
     least: Least
 
     @property
@@ -666,7 +666,7 @@ class Minimum:
         return tuple(name for name, on_bound in free if on_bound)
 
 
-def minimise(objective: Objective, start: Mapping[str, float], loss: Loss = "linear", width: float = 1.0) -> Minimum:
+def minimise(objective: Objective, start: Values, loss: Loss = "linear", width: float = 1.0) -> Minimum:
     """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the parameters ``start`` on their
     scales.
 
@@ -679,14 +679,23 @@ def minimise(objective: Objective, start: Mapping[str, float], loss: Loss = "lin
     splines = objective.ranged or any(parameter.of_body for parameter in unknowns.free)
     close = ROUNDED if splines else SETTLED  # curves of layers and ranges are good to 1e-8 themselves
     close = close if loss == "linear" else max(close, SEARCH_CONVERGED_ROUGH)
-    low, high = _bounds(objective, y)
+    # Logs stay near their start, those of layers around their nominal values, as far as the user's bounds let them
+    free, about = unknowns.free, {}
+    for p, x in zip(free, y.tolist(), strict=True):
+        if p.of_body:
+            about[p.name] = p.inner(objective.body.nominal(p.name)), SEARCH_BODY_REACH
+        elif p.name in RANGES:
+            about[p.name] = x, SEARCH_SPAN
+    low, high = unknowns.bounds(y, SEARCH_REACH, about)
+    faint = np.array([SEARCH_FAINT if p.kind == "positive" else -math.inf for p in free])
+    low = np.maximum(low, np.minimum(faint, high / 2))
     room = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(y), 1.0))  # the trust region wants some
     problem = LeastSquares(partial(objective.state, start), (low, high), close, 0.0, SEARCH_EVALUATIONS, loss, width)
     least = problem.least(np.clip(y, low + 1e-8 * room, high - 1e-8 * room))
     return Minimum(objective, objective.at(start, least.x), least)
 
 
-def _minima(objective: Objective, starts: Iterable[Mapping[str, float]], held: Sequence[str]) -> list[Minimum]:
+def _minima(objective: Objective, starts: Iterable[Values], held: Sequence[str]) -> list[Minimum]:
     """The same from each of these ``starts``, the parameters ``held`` there, but where a range takes the surfaces
     beyond the body."""
     minima = []
@@ -704,32 +713,18 @@ def robust(minimum: Minimum, loss: Loss) -> Minimum:
     return minimum
 
 
-def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
-    """Bounds of the free unknowns; logs stay near their ``start``, those of layers around their nominal values, as far
-    as the user's bounds let them."""
-    free, about = objective.unknowns.free, {}
-    for p, x in zip(free, start.tolist(), strict=True):
-        if p.of_body:
-            about[p.name] = p.inner(objective.body.nominal(p.name)), SEARCH_BODY_REACH
-        elif p.name in RANGES:
-            about[p.name] = x, SEARCH_SPAN
-    low, high = objective.unknowns.bounds(start, SEARCH_REACH, about)
-    faint = np.array([SEARCH_FAINT if p.kind == "positive" else -math.inf for p in free])
-    return np.maximum(low, np.minimum(faint, high / 2)), high
-
-
 # ---------------------------------------------------------------------- starts
 @dataclass(frozen=True)
 class Start:
     """Values of parameters to begin with, SI, by name; ``reach``: the largest contact radius [m] of the data with
     them; ``cost``: mean square distance in units of the data's ranges, for comparison of starts."""
 
-    values: Mapping[str, float]
+    values: Values
     reach: float
     cost: float
 
 
-def starts(family: Family, points: Points, known: Mapping[str, float], beyond: bool) -> list[Start]:
+def starts(family: Family, points: Points, known: Values, beyond: bool) -> list[Start]:
     """The best starting values, best first; InputError where no curve of the series resembles the data.
 
     ``known``: the values that are fixed, SI. ``beyond``: curves that go beyond the series count too.
@@ -762,9 +757,7 @@ def starts(family: Family, points: Points, known: Mapping[str, float], beyond: b
     return candidates[:SEARCH_ALTERNATIVES]
 
 
-def _of_shape(
-    shape: float, branch: tuple[Array, ...], delta: Array, P: Array, known: Mapping[str, float]
-) -> Iterator[Start]:
+def _of_shape(shape: float, branch: tuple[Array, ...], delta: Array, P: Array, known: Values) -> Iterator[Start]:
     """The best start for the few factors s of all moduli that are possible with sqrt(w/s) = ``shape``, if any.
 
     ``branch``: that of the curve at s = 1 which is stable under load control, by increasing load: log a, displacement
@@ -804,7 +797,7 @@ def _values(modulus: float, w: float, delta0: float, P0: float, compliance: floa
     return {name: float(value) for name, value in named.items()}
 
 
-def _with_radii(family: Family, points: Points, known: Mapping[str, float]) -> Start:
+def _with_radii(family: Family, points: Points, known: Values) -> Start:
     """The start by measured radii: the load is linear in s, sqrt(w s), P0; the displacement in sqrt(w/s), delta0."""
     (D, T, H, V), _, _ = family.at(np.clip(np.log(points.values["a"]), family.low - 0.5, family.high + 0.5))
     s, w, P0, delta0 = (known.get(name) for name in ("modulus", "w", "P0", "delta0"))
@@ -849,7 +842,20 @@ def search(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     edges = set(points.edges)
     if RECEDING not in edges:
         return _of_a_branch(body, replace(points, edges=None), settings)
-    return _there_and_back(body, points, settings) if ADVANCING in edges else _back(body, points, settings)
+    if ADVANCING in edges:
+        return _there_and_back(body, points, settings)
+    # Of a way back the edge may rest at first: with the turn only where the rows ask for one
+    minimum = _of_a_branch(body, replace(points, edges=None), settings.without(OF_A_CYCLE))
+    objective = replace(minimum.objective, parameters=settings.parameters, points=points)
+    variance = minimum.cost / max(len(points) - minimum.least.x.size, 1)
+    order = np.argsort(points.values["P" if "P" in points.columns else "delta"])
+    for share in SEARCH_SHARES:
+        some = np.sort(order[: round(share * len(points))])
+        with contextlib.suppress(JkrError):
+            values = minimise(replace(minimum.objective, points=points.at(some)), minimum.x).values
+            rested = _settled(objective, values | {"a_turn": _turn(objective, values, int(order[-1]))})
+            minimum = rested if minimum.cost - rested.cost > SEARCH_WORTH * variance else minimum
+    return minimum
 
 
 def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
@@ -876,22 +882,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     return min(minima, key=lambda item: item.cost)
 
 
-def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
-    """The best fit to a way back, whose edge may rest at first: with the turn only where the rows ask for one."""
-    minimum = _of_a_branch(body, replace(points, edges=None), settings.without(OF_A_CYCLE))
-    objective = replace(minimum.objective, parameters=settings.parameters, points=points)
-    variance = minimum.cost / max(len(points) - minimum.least.x.size, 1)
-    order = np.argsort(points.values["P" if "P" in points.columns else "delta"])
-    for share in SEARCH_SHARES:
-        some = np.sort(order[: round(share * len(points))])
-        with contextlib.suppress(JkrError):
-            values = minimise(replace(minimum.objective, points=points.at(some)), minimum.x).values
-            rested = _settled(objective, values | {"a_turn": _turn(objective, values, int(order[-1]))})
-            minimum = rested if minimum.cost - rested.cost > SEARCH_WORTH * variance else minimum
-    return minimum
-
-
-def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
+def _turn(objective: Objective, values: Values, top: int) -> float:
     """The contact radius [m] at the turn of an edge that rests at the row ``top``: as it was read, or that which its
     load and displacement belong to."""
     read = {name: float(column[top]) for name, column in objective.points.values.items()}
@@ -905,7 +896,7 @@ def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
     return float(np.exp(u[np.argmin(np.abs(values["modulus"] * (H - v * V) - P))]))
 
 
-def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
+def _settled(objective: Objective, values: Values) -> Minimum:
     """The minimum from ``values`` on at which each row lies on the edge that it was fitted with; w is fixed where no
     row of a cycle recedes, the turn where none rests, or where a search by it does not end: of a contact that hardly
     adheres it changes the loads to second order only, and steps of first order leap to and fro over the best one."""
@@ -928,7 +919,7 @@ def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
     return minimum
 
 
-def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float, Points]:
+def _assigned(objective: Objective, values: Values) -> tuple[float, Points]:
     """The cost of these ``values``, and the points with each row of the way back at rest, where on the straight line it
     is nearest to G < w and the receding edge is not clearly nearer, else on that."""
     points, x = objective.points, objective.scaled(values)
@@ -1043,7 +1034,7 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
     return [replace(tried[0], values=values) for values in _ranged(body, tried[0].values, law.name)]
 
 
-def _ranged(body: FittedBody, values: Mapping[str, float], name: str) -> Iterator[dict[str, float]]:
+def _ranged(body: FittedBody, values: Values, name: str) -> Iterator[dict[str, float]]:
     """These values with ranges (or tensions, as ``name`` says) from those of a rigid sphere to those of JKR."""
     s = values["modulus"]
     w = max(values["w"], NOTICEABLE * body.family.natural_work * s)
@@ -1097,7 +1088,7 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     return minimum
 
 
-def _by_cost(objective: Objective, starts: Sequence[Mapping[str, float]]) -> Sequence[Mapping[str, float]]:
+def _by_cost(objective: Objective, starts: Sequence[Values]) -> Sequence[Values]:
     """Starts sorted by their cost; where layers or a range vary, after a fit of the other parameters alone. Half way,
     in the logarithm of the range, from the lowest to its neighbours on both sides there are more."""
     own = [p.name for p in objective.unknowns.free if p.of_body or p.name in RANGES]
@@ -1113,7 +1104,7 @@ def _by_cost(objective: Objective, starts: Sequence[Mapping[str, float]]) -> Seq
     return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else starts
 
 
-def _cost(objective: Objective, x: Mapping[str, float]) -> float:
+def _cost(objective: Objective, x: Values) -> float:
     """The sum of squares; infinite where a range takes the surfaces beyond the body."""
     with contextlib.suppress(*[JkrError] * objective.ranged):
         return float(np.sum(objective.distances(x, rated=False).residuals ** 2))

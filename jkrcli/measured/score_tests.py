@@ -10,7 +10,7 @@ are named together. Many records are tested together; no alternative is known he
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any, Protocol
@@ -24,7 +24,7 @@ from ..base.process import REMEMBERED
 from .cosine import cosine_transform, fast_length
 from .curve import APPROACH
 from .fitted_record import FittedRecord
-from .force_curve import ForceCurveFit
+from .force_curve import DirectionReadings, ForceCurveFit
 from .hypotheses import ALTERNATIVES
 from .least_squares import COLOURED_FREE, frequencies, in_time, t_quantile
 from .lockstep import Flow, ask, by_groups
@@ -276,16 +276,28 @@ def score_tests(record: FittedRecord) -> Flow[tuple[RecordAlternatives, Table]]:
     if noise.slow or record.fit.spread.possible is not None:
         left = linear.moves @ columns[1:own] + columns[own:]  # c' = c + J moves
     scores, dof = _scores(linear, left), max(int(np.count_nonzero(rows)) - record.fit.x.size, 1)
-    named = _named(scores, linear.alike)
-    found = tuple(scores), named, linear.left, dof, _loose(record), _excess(record.fit, linear.left)
-    return RecordAlternatives(*found), table
+    # Those that are detected and take nearly as much as the best, or whose columns are much alike its own
+    named = sorted((i for i, one in enumerate(scores) if one.word == DETECTED), key=lambda i: -scores[i].taken)
+    if named:
+        least, same = least_taken(scores[named[0]].taken), np.abs(linear.alike(named[0])) > SCORE_ALIKE
+        named = [i for i in named if scores[i].taken >= least or same[i]]
+    rest = linear.left, dof, _loose(record), _excess(record.fit, linear.left)
+    return RecordAlternatives(tuple(scores), tuple(scores[i] for i in named), *rest), table
 
 
 @np.errstate(all="ignore")
 def _scores(linear: Linearised, left: Array | None) -> list[Score]:
     """The scores of the alternatives; ``left``: what is of each column beyond the model's."""
     record, alternatives, sizes = linear.record, linear.table.alternatives, linear.sizes
-    dofs, unseen = _noise_dofs(record.fit, left, sizes), sizes <= UNSEEN * linear.whole
+    # The degrees of freedom of the noise at the frequencies of what is left of each column: waves of the free rows in
+    # each octave, of which a share has as much of the variance, at least one
+    spread, unseen = record.fit.spread, sizes <= UNSEEN * linear.whole
+    dofs = np.full(sizes.size, float(spread.dof))
+    if left is not None and spread.noise.slow:
+        edges = _octaves(left.shape[1])
+        share = np.add.reduceat((left / np.where(sizes > 0, sizes, np.inf)[:, None]) ** 2, edges, axis=1)
+        counts = np.maximum(np.diff(np.append(edges, left.shape[1])) * spread.dof / left.shape[1], 1)
+        dofs = 1 / np.maximum((share**2 / counts).sum(axis=1), 1 / max(spread.dof, 1.0))
     chances = np.where(unseen, 1.0, _chances(record, left, linear.rows, sizes, linear.shared**2, dofs))
     amounts, errors = np.where(unseen, 0.0, -linear.shared / sizes), np.where(unseen, np.inf, 1 / sizes)
     taken, rates = np.where(unseen, 0.0, linear.shared**2), linear.moves @ by_moves(record.fit).T
@@ -317,19 +329,6 @@ def _excess(fit: ForceCurveFit, left: float) -> float:
     as many numbers as there are unknowns at most, for what they leave changes its sign as often."""
     excess = min(fit.spread.excess, math.sqrt(left / max(fit.x.size, 1)))
     return excess if excess > SCORE_MISFIT else 1.0
-
-
-def _noise_dofs(fit: ForceCurveFit, left: Array | None, sizes: Array) -> Array:
-    """The degrees of freedom of the noise at the frequencies of what is ``left`` of each column, as large as ``sizes``:
-    waves of the free rows in each octave, of which a share has as much of the variance, at least one."""
-    spread = fit.spread
-    if left is None or not spread.noise.slow:
-        return np.full(sizes.size, float(spread.dof))
-    rows = left.shape[1]
-    edges = _octaves(rows)
-    share = np.add.reduceat((left / np.where(sizes > 0, sizes, np.inf)[:, None]) ** 2, edges, axis=1)
-    counts = np.maximum(np.diff(np.append(edges, rows)) * spread.dof / rows, 1)
-    return 1 / np.maximum((share**2 / counts).sum(axis=1), 1 / max(spread.dof, 1.0))
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -516,17 +515,6 @@ def _evidence(gram: Array, scale: Array, along: Array, inverse: Array) -> tuple[
     return np.where(seen, sizes, 0.0), np.where(seen, shared, 0.0) / np.where(seen, sizes, 1.0), moves
 
 
-def _named(scores: Sequence[Score], alike: Callable[[int], Array]) -> tuple[Score, ...]:
-    """Those that are detected and take nearly as much as the best, or whose columns are much ``alike`` its own."""
-    detected = [i for i, one in enumerate(scores) if one.word == DETECTED]
-    if not detected:
-        return ()
-    detected.sort(key=lambda i: -scores[i].taken)
-    best = detected[0]
-    least, same = least_taken(scores[best].taken), np.abs(alike(best)) > SCORE_ALIKE
-    return tuple(scores[i] for i in detected if scores[i].taken >= least or same[i])
-
-
 def least_taken(most: float) -> float:
     """What an alternative takes from chi^2 at least that is named beside the one that takes ``most``."""
     return min(most - SCORE_TIED, SCORE_NEAR * most)
@@ -534,13 +522,14 @@ def least_taken(most: float) -> float:
 
 def by_moves(fit: ForceCurveFit) -> Array:
     """Changes of the logs of E* and w with moves of the unknowns, (2, unknowns)."""
-    by = _by_unknown(fit)
+    by = by_unknown(fit, fit.model.stretches)
     return np.array([[float(name == "ln_s") for name in fit.names], [by.get(name, 0.0) for name in fit.names]])
 
 
-def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
-    """Derivatives of ln w of the last direction whose w is above its error, by the unknowns: w = s q = s r^2."""
-    for part in reversed(fit.model.stretches):
+def by_unknown(fit: ForceCurveFit, stretches: Sequence[DirectionReadings]) -> dict[str, float]:
+    """Derivatives of ln w of the last of the ``stretches`` whose w is above its error, by the unknowns: w = s q =
+    s r^2."""
+    for part in reversed(stretches):
         for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):
             if name in fit.names and fit.value(name) > HALF_WIDTH * fit.error(name):
                 return {name: power / fit.value(name), "ln_s": 1.0}
@@ -550,7 +539,7 @@ def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
 def relative_errors(fit: ForceCurveFit) -> tuple[float, float]:
     """Relative standard errors of E* and w, infinite where they are not determined."""
     E = fit.error("ln_s") if "ln_s" in fit.names else math.inf
-    rates = _by_unknown(fit)
+    rates = by_unknown(fit, fit.model.stretches)
     by = np.array([rates.get(name, 0.0) for name in fit.names])
     return E, math.sqrt(max(float(by @ fit.covariance @ by), 0.0)) if rates else math.inf
 

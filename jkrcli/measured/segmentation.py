@@ -315,7 +315,12 @@ def examined(curve: Curve, quick: bool = False) -> Flow[ForceCurve]:
         directions = yield from _directions(z, P, sides, code)
     # What a reader should know before trusting anything that is fitted to this curve; the last sentence of a name.
     touched = [item for item in directions if not isinstance(item.touch, Unknown)]
-    flags = [*_missing(parts, directions)]
+    flags, kinds = list[tuple[str, str]](), [item.segment.kind for item in directions]
+    for kind, other in ((APPROACH, RETRACT), (RETRACT, APPROACH)):
+        if kind not in kinds:  # it is missing, or the record holds too little of it
+            lack = f"only {other} rows" if other in kinds else "neither approach nor retraction"
+            few = sum(len(part) for part in parts if part.kind == kind)
+            flags.append((f"no {kind}", f"{few} of its rows, at least {FEWEST_ROWS} are needed" if few else lack))
     if directions and not touched:
         flags.append(("no contact", "the load never leaves its base line"))
     dent = _permanent_set(z, P, directions) if by_load else ()
@@ -968,17 +973,6 @@ def _runs(rows: Sequence[int], width: int) -> list[tuple[int, int]]:
     return runs
 
 
-def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
-    """A flag for each direction that the record lacks, or holds too little of."""
-    kinds = [item.segment.kind for item in directions]
-    for kind, other in ((APPROACH, RETRACT), (RETRACT, APPROACH)):
-        if kind in kinds:
-            continue
-        lack = f"only {other} rows" if other in kinds else "neither approach nor retraction"
-        few = sum(len(part) for part in parts if part.kind == kind)
-        yield f"no {kind}", f"{few} of its rows, at least {FEWEST_ROWS} are needed" if few else lack
-
-
 def _on_base_lines(P: Array, touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     """Flags of base lines that are not there, or not straight."""
     span = float(np.ptp(P))
@@ -1136,7 +1130,18 @@ def with_zero_points(curve: Curve) -> Curve:
     so that is delta = 0, with a jump into contact or without. Between two rows: half a step of uncertainty. An
     estimate to start from, not a measurement. InputError where the approach holds no free part.
     """
-    side = _approach(curve)
+    side = segment_force_curve(curve).direction(APPROACH)
+    if side is None:
+        segments = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""
+        raise InputError(
+            f"{curve.where}: has no approach{segments}: contact point and force offset cannot be estimated"
+        )
+    if isinstance(side.touch, Unknown):
+        raise InputError(f"{curve.where}: the load of the approach never leaves its baseline: no contact was made")
+    if not side.begins_free:
+        raise InputError(
+            f"{curve.where}: the approach has no free part to estimate contact point and force offset from; {GIVE}"
+        )
     z, P = curve.device[side.segment.rows], curve.load[side.segment.rows]
     off, free = np.abs(P - side.base(z)), side.base.rows
     scatter = RECORD_NORMAL * median(off[:free])
@@ -1151,20 +1156,3 @@ def with_zero_points(curve: Curve) -> Curve:
     P = curve.load - side.base(curve.device)
     delta = curve.device - touch - (0.0 if curve.stiffness is None else P / curve.stiffness)
     return replace(curve, delta=delta, P=P, flags=(*curve.flags, flag))
-
-
-def _approach(curve: Curve) -> Direction:
-    """The approach of a curve; InputError where it shows no contact points."""
-    side = segment_force_curve(curve).direction(APPROACH)
-    if side is None:
-        segments = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""
-        raise InputError(
-            f"{curve.where}: has no approach{segments}: contact point and force offset cannot be estimated"
-        )
-    if isinstance(side.touch, Unknown):
-        raise InputError(f"{curve.where}: the load of the approach never leaves its baseline: no contact was made")
-    if not side.begins_free:
-        raise InputError(
-            f"{curve.where}: the approach has no free part to estimate contact point and force offset from; {GIVE}"
-        )
-    return side

@@ -220,24 +220,19 @@ class _Model:
 
     def search(self, start: float, x: Array | None = None) -> Least:
         """Least squares from 2 Ups/E* = ``start`` [m], and from the unknowns ``x`` where they are known."""
-        x = self._first(start) if x is None else x
+        if x is None:  # E* gives the first record its range of loads
+            depth, load = _span(self.records[0].depth), _span(self.records[0].load)
+            E = self.E_star * load / float(self.families[0].loads(np.array([depth]), 1.0, start, 0.0)[0])
+            if TENSION in self.fixed:
+                E = 2 * self.fixed[TENSION] / start
+            tension, w = start * self.fixed.get("modulus", E) / 2, TENSION_FIT_WORK * self.unknowns.units["w"]
+            zeros = {f"delta0:{i}": float(np.min(record.depth)) for i, record in enumerate(self.records)}
+            x = self.unknowns.at({"modulus": E, TENSION: tension, "w": w, **zeros})
         try:
             bounds = self.unknowns.bounds(np.zeros(x.size), TENSION_FIT_FARTHEST)
             return LeastSquares(self.state, bounds).least(x)
         except ValueError as error:
             raise SolveError(f"fit of surface tension: {error}") from None
-
-    def _first(self, start: float) -> Array:
-        """Unknowns to begin with: E* gives the first record its range of loads."""
-        depth, load = _span(self.records[0].depth), _span(self.records[0].load)
-        E = self.E_star * load / float(self.families[0].loads(np.array([depth]), 1.0, start, 0.0)[0])
-        if TENSION in self.fixed:
-            E = 2 * self.fixed[TENSION] / start
-        tension = start * self.fixed.get("modulus", E) / 2
-        zeros = {f"delta0:{i}": float(np.min(record.depth)) for i, record in enumerate(self.records)}
-        return self.unknowns.at(
-            {"modulus": E, TENSION: tension, "w": TENSION_FIT_WORK * self.unknowns.units["w"], **zeros}
-        )
 
 
 def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:

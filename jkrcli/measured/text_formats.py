@@ -81,7 +81,17 @@ def one_under_the_other(table: TextTable, quantity: QuantityOf) -> tuple[TextTab
         return table, flags
     directed = replace(directed, columns={kind: directed.columns[kind] for kind in (APPROACH, RETRACT)})
     if not directed.make_curves(table.names, quantity):
-        _refuse_halves(table, directed, quantity)
+        # Directions that differ in their columns are refused where one of them makes a curve alone
+        (one, ins), (other, outs) = directed.columns.items()
+        for word, columns in directed.columns.items():
+            alone = replace(directed, columns={word: columns, "": columns})
+            if alone.make_curves(table.names, quantity):
+                wanted = {quantity(title): i for title, i in columns.items()}
+                remedy = " ".join(f"--column {key}={i + 1}" for key, i in wanted.items() if key in DEFINING)
+                own = [(one, title) for title in ins if title not in outs]
+                owner, title = [*own, *((other, title) for title in outs if title not in ins)][0]
+                raise InputError(f"{table.path}: the columns of approach and retraction differ, only the {owner} has a "
+                                 f'column "{title}": {remedy} takes the {word} alone ({table.choice})')  # fmt: skip
         return table, flags
     return _in_order_of_time(_stacked(table, directed), quantity, [*flags, _words(directed)])
 
@@ -90,20 +100,6 @@ def _words(sets: Sets) -> str:
     words = ", ".join(sets.columns) if len(sets.columns) < 10 else f"{len(sets.columns)} of them"
     what = "segments of one force curve" if sets.key == "segment" else "curves"
     return f"{what} beside each other, put one under the other: {words}"
-
-
-def _refuse_halves(table: TextTable, directed: Sets, quantity: QuantityOf) -> None:
-    """Refuse directions that differ in their columns, where one of them makes a curve alone."""
-    (one, ins), (other, outs) = directed.columns.items()
-    for word, columns in directed.columns.items():
-        alone = replace(directed, columns={word: columns, "": columns})
-        if alone.make_curves(table.names, quantity):
-            wanted = {quantity(title): i for title, i in columns.items()}
-            remedy = " ".join(f"--column {key}={i + 1}" for key, i in wanted.items() if key in DEFINING)
-            own = [(one, title) for title in ins if title not in outs]
-            owner, title = [*own, *((other, title) for title in outs if title not in ins)][0]
-            raise InputError(f"{table.path}: the columns of approach and retraction differ, only the {owner} has a "
-                             f'column "{title}": {remedy} takes the {word} alone ({table.choice})')  # fmt: skip
 
 
 def _repeated(table: TextTable) -> Sets | None:

@@ -18,7 +18,7 @@ from ..base.numerics import HALF_WIDTH, ROUNDED, SETTLED, TOGETHER, Array, zeros
 from ..base.units import show
 from ..series import Solution
 from ..tables.text import some
-from .choices import Use
+from .choices import Use, Values
 from .curve import Curve, Reading
 from .files import each
 from .forward_model import FittedBody, body_of
@@ -77,7 +77,7 @@ class WorkAlong:
 
 
 def work_along(
-    body: Nonadhesive, curve: Curve, use: tuple[str, str] | None = None, noise: Mapping[str, float] | None = None,
+    body: Nonadhesive, curve: Curve, use: tuple[str, str] | None = None, noise: Values | None = None,
     window: int = 11,
 ) -> WorkAlong:  # fmt: skip
     """The work of adhesion at each row of ``curve`` on ``body``.
@@ -152,7 +152,7 @@ class Evaluation:
 
     body: Nonadhesive
     use: tuple[str, str] | None = None
-    noise: Mapping[str, float] = field(default_factory=dict)
+    noise: Values = field(default_factory=dict)
     window: int = 11
     segment: str | None = None
     fitted: FittedBody | None = None
@@ -173,7 +173,7 @@ class Evaluation:
 
 def evaluation_of(
     solution: Solution, unit: Nonadhesive, reading: Reading, modulus_factor: float = 1.0, use: Use | None = None,
-    segment: str | None = None, noise: Mapping[str, float] | None = None, window: int = 11,
+    segment: str | None = None, noise: Values | None = None, window: int = 11,
 ) -> Evaluation:  # fmt: skip
     """What gives w along any curve: on a ``solution`` with its functions ``unit``, moduli times ``modulus_factor``, by
     the pair of quantities ``use`` ("a,P"); of raw records base line, contact points and rows are fitted first."""
@@ -288,12 +288,28 @@ def _excess(body: Nonadhesive, a: Array, delta: Array, P: Array) -> tuple[Array,
 
 # ---------------------------------------------------------------------- errors, to first order
 def errors(
-    body: Nonadhesive, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Mapping[str, float],
+    body: Nonadhesive, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Values,
     compliance: float = 0.0,
 ) -> dict[str, Array]:  # fmt: skip
     """Half-widths of "w" and "a" where the noise is known, and of w by "noise" and by "slopes" alone, as far as
     they are. ``compliance`` [m/N]: of the device whose deflection by P was subtracted from delta."""
-    by_noise, by_slopes = _gradients(body, used, a, lag)
+    # Derivatives of log w and of a: by the measured quantities, and by (delta_H, P_H, S, S') as arrays (4, n)
+    (_, _, S, dS, t), rates = body.with_rates(a)
+    zero, below = np.zeros_like(a), S * lag  # P_H - P
+    if "delta" in used:  # d(log w)/da at constant readings; by one of them; by the functions
+        along, name, at_once = 2 * (rates.delta_H / lag - rates.t / t), "delta", -2 / lag
+        direct = np.stack([2 / lag, zero, zero, 1 / dS])
+    else:
+        along, name, at_once = 2 * (rates.P_H / below - rates.S / S - rates.t / t), "P", -2 / below
+        direct = np.stack([zero, 2 / below, -2 / S, 1 / dS])
+    by_noise: dict[str, dict[str, Array]] = {"w": {"a": along, name: at_once}, "a": {}}
+    by_slopes: dict[str, Array | None] = {"w": direct, "a": None}
+    if "a" not in used:
+        slope = dS * lag  # -F': a moves by (S d(delta) - dP)/slope
+        of_a = {"delta": S / slope, "P": -1 / slope}
+        by_noise = {"w": {"delta": along * of_a["delta"] + at_once, "P": along * of_a["P"]}, "a": of_a}
+        by_fields = np.stack([-S / slope, 1 / slope, -lag / slope, zero])
+        by_slopes = {"w": along * by_fields + direct, "a": by_fields}
     at_nodes = body.slopes.covariance
     covariance = None if at_nodes is None else body.between(at_nodes, a)
     parts: dict[str, dict[str, Array]] = {"w": {}, "a": {}}
@@ -309,27 +325,6 @@ def errors(
             parts[target]["slopes"] = body.slopes.quantile * unit * np.sqrt(variance)
     totals = {name: np.hypot.reduce(list(part.values())) for name, part in parts.items() if "noise" in part}
     return totals | parts["w"]
-
-
-def _gradients(
-    body: Nonadhesive, used: tuple[str, str], a: Array, lag: Array
-) -> tuple[dict[str, dict[str, Array]], dict[str, Array | None]]:
-    """Derivatives of log w and of a: by the measured quantities, and by (delta_H, P_H, S, S') as arrays (4, n)."""
-    (_, _, S, dS, t), rates = body.with_rates(a)
-    zero, below = np.zeros_like(a), S * lag  # P_H - P
-    if "delta" in used:  # d(log w)/da at constant readings; by one of them; by the functions
-        along, name, at_once = 2 * (rates.delta_H / lag - rates.t / t), "delta", -2 / lag
-        direct = np.stack([2 / lag, zero, zero, 1 / dS])
-    else:
-        along, name, at_once = 2 * (rates.P_H / below - rates.S / S - rates.t / t), "P", -2 / below
-        direct = np.stack([zero, 2 / below, -2 / S, 1 / dS])
-    if "a" in used:
-        return {"w": {"a": along, name: at_once}, "a": {}}, {"w": direct, "a": None}
-    slope = dS * lag  # -F': a moves by (S d(delta) - dP)/slope
-    of_a = {"delta": S / slope, "P": -1 / slope}
-    of_w = {"delta": along * of_a["delta"] + at_once, "P": along * of_a["P"]}
-    by_fields = np.stack([-S / slope, 1 / slope, -lag / slope, zero])
-    return {"w": of_w, "a": of_a}, {"w": along * by_fields + direct, "a": by_fields}
 
 
 # ---------------------------------------------------------------------- the speed of the edge

@@ -127,19 +127,6 @@ def adhering_fit(
     return fit if corrected and not found.here.given_up else replace(fit, warnings=(*fit.warnings, GIVEN_UP))
 
 
-def _problem(body: FittedBody, cycle: Cycle, settings: RelaxationSettings) -> Adhering:
-    """The problem with all rows by their noise, and the jumps where the rows show them."""
-    depth = float(cycle.tip.max()) - min(cycle.touches)
-    body = body.to_depth(DEEPER * depth)
-    z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
-    units = {"delta0": max(depth, 1e-3 * z), "P0": P, "tilt": P / z}
-    seen, errors = np.array(cycle.jumps), np.array([cycle.jump_error, ROUGH_TIME * cycle.lasting])
-    jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, errors], axis=1), [0.0, math.inf])
-    tolerance = QUICK if settings.law == "power" else FINE[1]
-    return Adhering(body, AttractedBody(body.problem), cycle, settings, Unknowns(settings.parameters, units), FINE[0],
-                    tolerance, np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
-
-
 def _corrected(begun: Nearby, wide: Adhering) -> tuple[Nearby, bool]:
     """The least of ``wide`` zones with what narrower ones, extrapolated, change there, from a place where it has
     ``begun``, and whether these could be followed."""
@@ -174,13 +161,20 @@ def prepared(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> Ad
     cycle = Cycle.of(curve)
     _check(cycle)
     settings = _with_base_line(cycle, settings)
-    fine = _problem(body, cycle, settings)
-    if not settings.rate:
-        return fine
-    seen = np.array([cycle.jumps[0], cycle.jumps[1] if cycle.held else cycle.recovered])
-    error = math.hypot(cycle.spacing / math.sqrt(12), PARTING_TIME * cycle.lasting)
-    jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, np.full(2, error)], axis=1), [0.0, math.inf])
-    return replace(fine, jumps=jumps, parting=cycle.parting)
+    depth = float(cycle.tip.max()) - min(cycle.touches)
+    body = body.to_depth(DEEPER * depth)
+    z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
+    unknowns = Unknowns(settings.parameters, {"delta0": max(depth, 1e-3 * z), "P0": P, "tilt": P / z})
+    # All rows count by their noise, the jumps where the rows show them
+    seen, errors = np.array(cycle.jumps), np.array([cycle.jump_error, ROUGH_TIME * cycle.lasting])
+    if settings.rate:
+        seen = np.array([cycle.jumps[0], cycle.jumps[1] if cycle.held else cycle.recovered])
+        errors = np.full(2, math.hypot(cycle.spacing / math.sqrt(12), PARTING_TIME * cycle.lasting))
+    jumps = np.where(np.isfinite(seen)[:, None], np.stack([seen, errors], axis=1), [0.0, math.inf])
+    tolerance = QUICK if settings.law == "power" else FINE[1]
+    fine = Adhering(body, AttractedBody(body.problem), cycle, settings, unknowns, FINE[0], tolerance,
+                    np.full(cycle.t.size, cycle.noise), jumps, cycle.near(APART))  # fmt: skip
+    return replace(fine, parting=cycle.parting) if settings.rate else fine
 
 
 def _check(cycle: Cycle) -> None:
@@ -234,8 +228,17 @@ def _begun(fine: Adhering) -> tuple[Adhering, Array]:
         known = {name: value for name, value in settings.fixed.items() if name not in settings.of_law}
         settings = replace(settings, law="sls", fixed=known)
     fine = replace(fine, settings=settings, unknowns=Unknowns(settings.parameters, fine.unknowns.units))
-    model = rough(fine)
-    return fine, _best(model, _starts(model), SEARCH[2])
+    model, searches = rough(fine), []
+    for theta in _starts(model):  # side by side, stress or range held
+        low, high = model.unknowns.bounds(theta, REACH)
+        held = np.isin(model.unknowns.names, ZONE)
+        bounds = np.where(held, theta, low), np.where(held, theta, high)
+        problem = LeastSquares(model, bounds, 1e-6, CONVERGED / model.cycle.t.size, SEARCH[2])
+        searches.append(problem.searching(theta))
+    found = [one for one in together(searches) if not isinstance(one, Exception)]
+    if not found:
+        raise SolveError("no history of this specimen resembles the data")
+    return fine, min(found, key=lambda one: one.cost).x
 
 
 def rough(fine: Adhering) -> Adhering:
@@ -290,24 +293,6 @@ def misses(model: Adhering, starts: Sequence[Array]) -> list[float]:
         missed = 0.0 if math.isinf(model.jumps[1, 1]) else (lost - model.jumps[1, 0]) / cycle.lasting
         costs.append(float(np.sum(np.log1p(off**2))) * (1 + abs(missed)))
     return costs
-
-
-def _search(model: Adhering, start: Array, evaluations: int) -> LeastSquares:
-    """What is minimised from ``start`` on, whose stress or range is held."""
-    low, high = model.unknowns.bounds(start, REACH)
-    held = np.isin(model.unknowns.names, ZONE)
-    bounds = np.where(held, start, low), np.where(held, start, high)
-    return LeastSquares(model, bounds, 1e-6, CONVERGED / model.cycle.t.size, evaluations)
-
-
-def _best(model: Adhering, begun: Sequence[Array], evaluations: int) -> Array:
-    """The unknowns of the least of searches from several places, side by side."""
-    ends = together([_search(model, theta, evaluations).searching(theta) for theta in begun])
-    found = [one for one in ends if not isinstance(one, Exception)]
-    if not found:
-        raise SolveError("no history of this specimen resembles the data")
-    theta: Array = min(found, key=lambda one: one.cost).x
-    return theta
 
 
 def _least(near: Nearby, evaluations: int, holds: Sequence[float]) -> Nearby:

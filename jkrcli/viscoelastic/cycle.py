@@ -78,11 +78,6 @@ class RateOptions:
         beside = ("rate", "to_load", "to_depth")
         return [name for name, value in vars(self).items() if value is not None and name not in beside]
 
-    def refuse_without_time(self) -> None:
-        """InputError where options of time are given for what does not depend on it."""
-        if self.rate is None and (timed := [name for name in self.named if name != "program"]):
-            raise InputError(f"cycle: {flag(timed[0])} needs --rate: without it nothing depends on time")
-
     @property
     def timed(self) -> bool:
         """Whether they say what the device does over time, to a viscoelastic body."""
@@ -235,8 +230,8 @@ def cycle(
     file = inputs.series_file(file)
     solution = inputs.read_series(file)
     relaxes = solution.problem.specimen.relaxation is not None
-    if not relaxes:
-        rates.refuse_without_time()
+    if not relaxes and rates.rate is None and (timed := [name for name in rates.named if name != "program"]):
+        raise InputError(f"cycle: {flag(timed[0])} needs --rate: without it nothing depends on time")
     works = works_of(solution, w_approach, w_retract)
     adhering = relaxes and any(works)
     if adhering:

@@ -23,8 +23,9 @@ from ..base.numerics import Array, PiecewiseCubic, cubic_spline, median
 from ..base.process import REMEMBERED
 from ..bodies.problem import PowerRelaxation, Relaxation, StandardSolid
 from ..measured.branches import rest
+from ..measured.choices import Values
 from ..measured.curve import APPROACH
-from ..measured.fitted_record import FittedRecord, Values
+from ..measured.fitted_record import FittedRecord
 from ..measured.force_curve import DirectionReadings, ForceCurveModel, Loads, base_line, load_at, receding
 from ..measured.model_changes import (
     ADHESION,
@@ -185,7 +186,15 @@ def _instants(record: FittedRecord, which: int) -> tuple[Array, Array, Array]:
 
 def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation]) -> Loads:
     """Loads [N] of all rows of a stretch of a viscoelastic body by a ``law`` of the unknowns, by its whole history."""
-    t, x = _program(record)
+    # Times since the turn [s] and positions of the tip [m], about ``RELAXATION_PIECES`` of each direction and the turn
+    way, back = record.model.stretches
+    bent = [(part.P - base_line(part, record.values)[0]) / record.model.k for part in (way, back)]
+    tips, turn = (way.z - bent[0], back.z - bent[1]), way.turn - bent[0][int(np.argmax(way.z))]
+    some = slice(None, None, max(way.P.size // RELAXATION_PIECES, 1))
+    t = np.concatenate([way.t[some], [0.0], back.t[::-1][some]])
+    x = np.concatenate([tips[0][some], [turn], tips[1][::-1][some]])
+    order = np.argsort(t, kind="stable")
+    t, x = t[order], x[order]
     from .relaxation import RelaxingContact
 
     body = record.body.to_depth(CHANGE_BEYOND * record.reach)
@@ -210,19 +219,6 @@ def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation])
         return math.exp(values["ln_s"]) * np.where((part.t >= first) & (part.t <= last), P, 0.0)
 
     return loads
-
-
-def _program(record: FittedRecord) -> tuple[Array, Array]:
-    """Times since the turn [s] and positions of the tip [m], about ``RELAXATION_PIECES`` of each direction and the
-    turn."""
-    way, back = record.model.stretches
-    bent = [(part.P - base_line(part, record.values)[0]) / record.model.k for part in (way, back)]
-    tips, turn = (way.z - bent[0], back.z - bent[1]), way.turn - bent[0][int(np.argmax(way.z))]
-    some = slice(None, None, max(way.P.size // RELAXATION_PIECES, 1))
-    t = np.concatenate([way.t[some], [0.0], back.t[::-1][some]])
-    x = np.concatenate([tips[0][some], [turn], tips[1][::-1][some]])
-    order = np.argsort(t, kind="stable")
-    return t[order], x[order]
 
 
 HYPOTHESES: tuple[AlternativeModel, ...] = (

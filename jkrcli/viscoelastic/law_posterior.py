@@ -252,7 +252,11 @@ class Posterior:
         shares = [i for i, name in enumerate(self.near.model.unknowns.names) if self.near.own[i] and not is_time(name)]
         found[:, shares] = np.clip(found[:, shares], SAME, 1 - SAME)
         logs = np.array([one.kind == "log" for one in self.near.model.unknowns.free])
-        middle = self._central(law)
+        # of the samples of the law that whose r(t) is nearest to the medians, with the most likely others
+        r = np.log(np.maximum(self.near.r(law, SPECTRUM_TIMES * self.near.model.cycle.lasting), TINY))
+        off = (r - np.median(r, axis=0)) / np.maximum(np.std(r, axis=0), TINY)
+        nearest = int(np.argmin(np.sum(off**2, axis=1)))
+        middle: Array = self._whole(law[nearest : nearest + 1])[0]
         return middle, np.where(logs, np.clip(found, middle - UNKNOWN, middle + UNKNOWN), found)
 
     def _whole(self, law: Array, errors: Array | float = 0.0) -> Array:
@@ -268,14 +272,6 @@ class Posterior:
             i = self.near.model.unknowns.names.index("modulus")
             found[:, i] += np.log1p(mu) - self.near.stiffer(law)
         return found
-
-    def _central(self, law: Array) -> Array:
-        """Of the samples of a ``law`` that whose r(t) is nearest to the medians, with the most likely others."""
-        r = np.log(np.maximum(self.near.r(law, SPECTRUM_TIMES * self.near.model.cycle.lasting), TINY))
-        off = (r - np.median(r, axis=0)) / np.maximum(np.std(r, axis=0), TINY)
-        nearest = int(np.argmin(np.sum(off**2, axis=1)))
-        whole: Array = self._whole(law[nearest : nearest + 1])[0]
-        return whole
 
     def likeliest(self) -> Array:
         """The unknowns with the likeliest law."""

@@ -103,12 +103,12 @@ class Kernel:
         kept = np.abs(kappa) > KERNEL * np.abs(kappa).max()
         return cls(attraction.reach, kappa[kept], attraction.basis.at(x) @ vectors[:, kept])
 
-    def at(self, x: Array) -> Array:
-        """u at ``x`` of any shape, one axis more."""
-        last = len(self.u) - 1
+    def between(self, rows: Array, x: Array) -> Array:
+        """What holds at ``x`` of any shape, by straight lines between the ``rows`` at the places."""
+        last = len(rows) - 1
         y = np.minimum(x * (last / self.reach), last)
         i = np.minimum(y.astype(int), last - 1)
-        return self.u[i] + (y - i)[..., None] * (self.u[i + 1] - self.u[i])
+        return rows[i] + (y - i).reshape(*x.shape, *[1] * (rows.ndim - 1)) * (rows[i + 1] - rows[i])
 
     @cached_property
     def discs(self) -> Array:
@@ -121,11 +121,7 @@ class Kernel:
 
     def disc(self, a: Array) -> tuple[Array, Array]:
         """(1/kappa + A)^-1, (n, m, m), and beta (n, m) of the radii ``a`` [m]."""
-        last = len(self.u) - 1
-        y = np.minimum(a * (last / self.reach), last)
-        i = np.minimum(y.astype(int), last - 1)
-        low, high = self.discs[i], self.discs[i + 1]
-        both = low + (y - i)[:, None, None] * (high - low)
+        both = self.between(self.discs, a)
         return both[..., :-1], both[..., -1]
 
 
@@ -238,7 +234,7 @@ class March:
         way = float(np.ptp(self.x))
         wider = math.ceil(math.log(float(self.reach.max()) / way, KERNEL_WIDER))
         self.kernel = Kernel.of(self.body, min(way * KERNEL_WIDER**wider, self.r_max))
-        self.u = self.kernel.at(self.grid)
+        self.u = self.kernel.between(self.kernel.u, self.grid)
         self.s0 = 2 * self.sigma / self.E
         self.crack = self._crack() if (self.kappa < 1).any() else None
 
@@ -300,13 +296,9 @@ class March:
         self.G = self.relaxed[rows] + eased
         remembered = np.einsum("nm,nmx->nx", weights * self.decay, self.eta[some])
         self.H = remembered - eased[:, None] * self.W[some]
-        self._profile(rows, self.shape[some] - self.H / self.G[:, None])
-
-    def _profile(self, rows: Array, g: Array) -> None:
-        self.g = g
-        d = self.d[rows, None]
-        self.cum = np.zeros_like(g)
-        np.cumsum((g[:, 1:] + g[:, :-1]) * (d / 2), axis=1, out=self.cum[:, 1:])
+        self.g = self.shape[some] - self.H / self.G[:, None]
+        self.cum = np.zeros_like(self.g)
+        np.cumsum((self.g[:, 1:] + self.g[:, :-1]) * (self.d[rows, None] / 2), axis=1, out=self.cum[:, 1:])
 
     def _rim(self, at: Array, rows: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
         """delta, P over the modulus, the gap at c, and kappa mu of states with radii ``a`` and zones ``b``, for the
@@ -331,7 +323,7 @@ class March:
             delta = ga - s0 / G * root
             P = 2 * self.E * (G * (delta * a - inside) - s0 * sector)
             return delta, P, 2 / math.pi * (arc - delta * theta - s0 / G * b), np.empty((a.size, 0))
-        u = kernel.at(x)
+        u = kernel.between(kernel.u, x)
         ua, uz = u[:, -1], u[:, :-1]
         M, beta = kernel.disc(a)
         # int_0^a u g by Gauss, more nodes near the edge
@@ -340,7 +332,7 @@ class March:
         i = np.minimum(y.astype(int), self.g.shape[1] - 2)
         flat = (at * self.g.shape[1])[:, None] + i
         inner = line[flat] + (y - i) * (line[flat + 1] - line[flat])
-        gamma = a[:, None] * np.matmul((inner * INNER_GAUSS[1])[:, None], kernel.at(x))[:, 0]
+        gamma = a[:, None] * np.matmul((inner * INNER_GAUSS[1])[:, None], kernel.between(kernel.u, x))[:, 0]
         rho = (c**2 * theta)[:, None] * np.matmul((GAUSS[1] * np.sin(psi) ** 2)[:, None], uz)[:, 0]
         known = -G[:, None] * gamma - s0[:, None] * rho
         edge = np.matmul(ua[:, None], M)[:, 0]
@@ -476,7 +468,16 @@ class March:
         n, points = self.grid.shape
         self.W, self.eta = np.zeros((n, points)), np.zeros((n, self.rates.shape[1], points))
         self.harder, self.jumped = np.zeros(n), np.zeros(n, dtype=int)
-        self.now, self.piece, self.begun = self._begin()
+        # When the surfaces come within the range [s], and in which piece; infinite where they do not
+        self.now, self.piece = np.full(n, np.inf), np.zeros(n, dtype=int)
+        for i in range(n):
+            off = self.x - self.zero[i] + self.length[i]
+            k = int(np.argmax(off > 0))
+            if off[k] > 0:
+                self.piece[i] = max(k - 1, 0)
+                self.now[i] = self.t[0] if k == 0 else self.t[k - 1] + (self.t[k] - self.t[k - 1]) * off[k - 1] / (
+                    off[k - 1] - off[k])  # fmt: skip
+        self.begun = self.now.copy()
         self.lost, self.given_up = np.full(n, np.inf), np.zeros(n, dtype=bool)
         self.active = np.isfinite(self.now)
         self.state = np.zeros((4, n))  # a, c, delta, P
@@ -494,7 +495,10 @@ class March:
                 break
             self._advance(rows)
         self.given_up |= self.active
-        return self._gathered()
+        rows = np.concatenate([one[0] for one in self.history])
+        columns = np.stack([np.concatenate([one[k] for one in self.history]) for k in range(1, 6)], axis=1)
+        return [Marched(columns[rows == i], float(self.begun[i]), float(self.lost[i]), self.t, bool(self.given_up[i]))
+                for i in range(n)]  # fmt: skip
 
     def _advance(self, rows: Array) -> None:
         """A step of time of the trials ``rows``; shorter next time where it is not good, a jump where none is."""
@@ -589,25 +593,6 @@ class March:
     def _place(self, rows: Array, t: Array) -> Array:
         """Positions of the device over those of first touch [m]."""
         return np.interp(t, self.t, self.x) - self.zero[rows]
-
-    def _begin(self) -> tuple[Array, Array, Array]:
-        """When the surfaces come within the range [s], and in which piece; infinite where they do not."""
-        n = self.w.size
-        t, piece = np.full(n, np.inf), np.zeros(n, dtype=int)
-        for i in range(n):
-            off = self.x - self.zero[i] + self.length[i]
-            k = int(np.argmax(off > 0))
-            if off[k] > 0:
-                piece[i] = max(k - 1, 0)
-                t[i] = self.t[0] if k == 0 else self.t[k - 1] + (self.t[k] - self.t[k - 1]) * off[k - 1] / (
-                    off[k - 1] - off[k])  # fmt: skip
-        return t, piece, t.copy()
-
-    def _gathered(self) -> list[Marched]:
-        rows = np.concatenate([one[0] for one in self.history])
-        columns = np.stack([np.concatenate([one[k] for one in self.history]) for k in range(1, 6)], axis=1)
-        return [Marched(columns[rows == i], float(self.begun[i]), float(self.lost[i]), self.t, bool(self.given_up[i]))
-                for i in range(self.w.size)]  # fmt: skip
 
 
 _nodes, _weights = np.polynomial.legendre.leggauss(NODES)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -22,7 +22,7 @@ from ..base.arguments import read_fields
 from ..base.errors import LEVEL, NOTICEABLE, InputError, JkrError, SolveError, Unknown, counted
 from ..base.numerics import FEWEST_ROWS, HALF_WIDTH, ROUNDED, SAME, Array, PiecewiseCubic, evenly, zeros_between
 from ..base.units import LARGEST_SI, Named, Ranged, show
-from ..measured.choices import SegmentName
+from ..measured.choices import SegmentName, Values
 from ..measured.curve import Curve
 from ..measured.forward_model import FittedBody
 from ..measured.least_squares import (
@@ -240,7 +240,7 @@ def law_ranges(name: str) -> dict[str, Ranged]:
     return {"w0": Ranged("work", above=0)} | rate_parameters(name)
 
 
-def law_of(name: str, values: Mapping[str, float]) -> tuple[RateLaw, float]:
+def law_of(name: str, values: Values) -> tuple[RateLaw, float]:
     """The law called ``name`` and w0 by the ``values`` of its parameters and w0, SI."""
     law: RateLaw = RATE_LAWS[name](**{key: values[key] for key in rate_parameters(name)})
     return law, values["w0"]
@@ -272,13 +272,21 @@ def law_along_records(
         return Unknown(f"{v.size} points with a receding contact line are too few for a law")
     ranges = law_ranges(name)
     logs = Unknowns(parameters_of(ranges, ranges, {}, RATE_ENDS))
-    starts, sigma = _starts(logs, v, w), np.ones(v.size)
+    # Half of w at the middle speed is due to it
+    low, middle, speed = float(np.quantile(w, 0.02)), float(np.median(w)), float(np.median(v))
+    known = dict.fromkeys(logs.names, 1.0) | {"w0": min(low, middle / 2), "v0": speed, "b": middle / 2}
+    starts, sigma = [logs.at(known | {"n": exponent}) for exponent in WHOLE_EXPONENTS], np.ones(v.size)
     for _ in range(1 if v_err is None else WHOLE_ROUNDS):
         best = min((_nearest(name, logs, v, w, sigma, start) for start in starts), key=lambda least: least.cost)
         law, w0 = law_of(name, logs.values(best.x))
         residuals, starts = np.log(law.work(w0, v) / w), [best.x]
         if v_err is not None:
-            sigma = _uneven(law, w0, v, v_err[rows], residuals)
+            # By the half-widths of the speeds and the scatter of the half of the points whose speeds are surest
+            by_v = np.log(law.work(w0, v * (1 + 1e-4)) / law.work(w0, v * (1 - 1e-4))) / 2e-4
+            known_to = by_v * v_err[rows] / (HALF_WIDTH * v)
+            sigma = np.hypot(known_to, robust_scale(residuals[known_to <= np.median(known_to)]))
+            even = float(np.median(sigma))
+            sigma = np.maximum(sigma / even, WHOLE_EVEN) if even > 0 else np.ones_like(v)
     dof = max(v.size // together - best.x.size, 1)
     factor = robust_scale(residuals / sigma) ** 2 * together
     ends = np.quantile(v, (0.05, 0.95))
@@ -292,17 +300,6 @@ def law_along_records(
         apart = estimates - estimates.mean(axis=0)
         inner = larger(inner, (WHOLE_BLOCKS - 1) / WHOLE_BLOCKS * apart.T @ apart)
     return LawAlongRecords(law, w0, logs.names, inner, (float(ends[0]), float(ends[1])), dof)
-
-
-def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -> Array:
-    """How uneven the points are: standard deviations of log w by the half-widths of the speeds and by the scatter
-    of the half of the points whose speeds are surest, over their median."""
-    step = 1e-4
-    by_v = np.log(law.work(w0, v * (1 + step)) / law.work(w0, v * (1 - step))) / (2 * step)
-    known = by_v * v_err / (HALF_WIDTH * v)
-    surest = known <= np.median(known)
-    sigma = np.hypot(known, robust_scale(residuals[surest]))
-    return np.ones_like(v) if not (middle := float(np.median(sigma))) > 0 else np.maximum(sigma / middle, WHOLE_EVEN)
 
 
 def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
@@ -323,13 +320,6 @@ def law_along(along: Sequence[WorkAlong]) -> LawAlongRecords | Unknown | None:
     if all(item.timed is None for item in along):
         return None
     return law_along_records("power", *receding(along))
-
-
-def _starts(logs: Unknowns, v: Array, w: Array) -> list[Array]:
-    """Unknowns to begin with: half of w at the middle speed is due to it."""
-    low, middle, speed = float(np.quantile(w, 0.02)), float(np.median(w)), float(np.median(v))
-    known = dict.fromkeys(logs.names, 1.0) | {"w0": min(low, middle / 2), "v0": speed, "b": middle / 2}
-    return [logs.at(known | {"n": exponent}) for exponent in WHOLE_EXPONENTS]
 
 
 def _nearest(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, start: Array) -> Least:
@@ -424,23 +414,8 @@ def _moving(
     s = np.append((piece.nodes[:-1, None] + np.diff(piece.nodes)[:, None] * inner).ravel(), piece.nodes[-1])
     tau, u = piece.path(s)[:2]
     times, a = piece.ramp.t + piece.unit * tau, np.exp(u)
-    v, growth, forcing = _linearised(edge, piece, law, w0, tilt, times, a)
-    per_s = piece.unit / np.hypot(1.0, v * piece.unit / a)  # dt/ds
-    along = _linear(s, growth * per_s, forcing * per_s, y)
-    clock = PiecewiseCubic(s, times, per_s)  # the s, among the nodes, of the times t
-    t = np.clip(t, *clock(s[[0, -1]]))
-    after = np.clip(np.searchsorted(clock(s), t), 1, s.size - 1)
-    at = zeros_between(lambda at: clock(at) - t, s[after - 1], s[after], 0.0)
-    u_rows = PiecewiseCubic(s, u, -v / a * per_s)(at)
-    rates = np.stack([np.interp(at, s, row) for row in along])
-    return u_rows, rates, along[:, -1], np.interp(at, s, v)
-
-
-def _linearised(
-    edge: Edge, piece: Motion, law: RateLaw, w0: float, tilt: tuple[float, float], t: Array, a: Array
-) -> tuple[Array, Array, Array]:
-    """Speed v [m/s], F_u [1/s] and F_p (p, n) of du/dt = F = -v(G)/a on the path."""
-    x = piece.ramp.at(t)
+    # Speed v, F_u and F_p of du/dt = F = -v(G)/a on the path
+    x = piece.ramp.at(times)
     state = edge.state(a, x)
     v = -piece.speeds(a, state.G)
     here, rate = edge.body.with_rates(a)
@@ -455,10 +430,19 @@ def _linearised(
     slope = np.log(law.work(w0, safe * (1 + step)) / law.work(w0, safe * (1 - step))) / (2 * step)  # dlog w/dlog v
     by_G = np.where(moves, 1 / slope, 0.0)  # dlog v/dlog G
     F = -v / a
-    shift = np.stack([1 + 2 * lag_s / state.lag, g_x, g_x * (t - tilt[0]) / tilt[1], np.zeros_like(a)])
+    shift = np.stack([1 + 2 * lag_s / state.lag, g_x, g_x * (times - tilt[0]) / tilt[1], np.zeros_like(a)])
     by_law = -log_rates(law, w0, safe)
     forcing = F * by_G * np.concatenate([shift, by_law])
-    return v, F * (by_G * g_u - 1), forcing
+    growth = F * (by_G * g_u - 1)
+    per_s = piece.unit / np.hypot(1.0, v * piece.unit / a)  # dt/ds
+    along = _linear(s, growth * per_s, forcing * per_s, y)
+    clock = PiecewiseCubic(s, times, per_s)  # the s, among the nodes, of the times t
+    t = np.clip(t, *clock(s[[0, -1]]))
+    after = np.clip(np.searchsorted(clock(s), t), 1, s.size - 1)
+    at = zeros_between(lambda at: clock(at) - t, s[after - 1], s[after], 0.0)
+    u_rows = PiecewiseCubic(s, u, -v / a * per_s)(at)
+    rates = np.stack([np.interp(at, s, row) for row in along])
+    return u_rows, rates, along[:, -1], np.interp(at, s, v)
 
 
 def _linear(s: Array, growth: Array, forcing: Array, y: Array) -> Array:
@@ -498,7 +482,7 @@ class RateSettings:
     level: Level = LEVEL
     confidence: Followed = "covariance"
     segment: SegmentName | None = None
-    start: Mapping[str, float] = field(default_factory=dict)
+    start: Values = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         read_fields(self, "fit")
@@ -649,19 +633,16 @@ class _Problem:
         taken, records = (least.x.size - 2 * len(self.records)) / self.size, []
         parts = self.differences(least.x, self.predictions(least.x))
         for i, (record, part) in enumerate(zip(self.records, parts, strict=True)):
-            again = rate_record(record.curve, self.settings.segment, self._lost(least.x, i))
+            # Where the predicted tension has all but gone
+            begin, end = record.t[[0, -1]]
+            t = np.linspace(begin, end + FIT_BEYOND * (end - begin), FIT_LOOKED_AT)
+            P = self._predicted(least.x, i, t, True).P
+            row = recovered(P, int(np.argmin(P)))
+            again = rate_record(record.curve, self.settings.segment, None if row == t.size else float(t[row]))
             squares = {name: float(np.mean(off**2)) for name, off in part.items()}
             sigma = {name: noise_about(mean, 1 - taken, getattr(record, name)) for name, mean in squares.items()}
             records.append(replace(again, sigma=sigma))
         return replace(self, records=tuple(records))
-
-    def _lost(self, theta: Array, i: int) -> float | None:
-        """The time [s] at which the predicted tension of record ``i`` has all but gone; None where it does not go."""
-        begin, end = self.records[i].t[[0, -1]]
-        t = np.linspace(begin, end + FIT_BEYOND * (end - begin), FIT_LOOKED_AT)
-        P = self._predicted(theta, i, t, True).P
-        row = recovered(P, int(np.argmin(P)))
-        return None if row == t.size else float(t[row])
 
     # ------------------------------------------------------------------ starts
     def starts(self) -> list[Array]:
@@ -687,7 +668,7 @@ class _Problem:
         except (JkrError, OverflowError):
             return math.inf
 
-    def _with(self, elastic: Mapping[str, float]) -> list[Array]:
+    def _with(self, elastic: Values) -> list[Array]:
         """Starts with this elastic part: by the points of w over speed, and by exponents."""
         along = self._along(elastic)
         v, w, *_ = receding(along)
@@ -700,13 +681,13 @@ class _Problem:
         known = {**self.settings.start, **self.unknowns.fixed}
         return [self._from({**elastic, **guess, **known}, along) for guess in guesses]
 
-    def _from(self, values: Mapping[str, float], along: Sequence[WorkAlong]) -> Array:
+    def _from(self, values: Values, along: Sequence[WorkAlong]) -> Array:
         """The unknowns of common ``values``, SI, and the radii at the begins of the records; w ``along`` each."""
         least, most = self.body.nonadhesive.a[[0, -1]] * (1.01, 0.999)
         radii = [np.clip(np.median(item.a[item.ok][:FIT_FIRST]), least, most) for item in along]
         return np.array([*self.unknowns.at(values), *(x for a in radii for x in (math.log(a), 0.0, 0.0))])
 
-    def _along(self, values: Mapping[str, float]) -> list[WorkAlong]:
+    def _along(self, values: Values) -> list[WorkAlong]:
         """w along each record with the elastic part of ``values``; InputError where one has none."""
         body, along = self.body.nonadhesive.scaled(values["modulus"]), []
         for record in self.records:

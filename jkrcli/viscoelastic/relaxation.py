@@ -513,7 +513,10 @@ class Drive:
                 begin = float(ends[whole - 1]) if whole else begin
                 falls = begin + part * float(ends[whole] - begin)
                 if last.size > 1:
-                    now = self._back(taken, now, since, self.t[i] + falls * (self.t[i + 1] - self.t[i]))
+                    # steps that end too near to where contact is lost are given up: it shrinks like a power there
+                    lost = self.t[i] + falls * (self.t[i + 1] - self.t[i])
+                    while taken and taken[-1][0].t >= since and lost - now.t < DRIVEN_NEAR * (now.t - taken[-1][0].t):
+                        now = taken.pop()[0]
                     begin = begin if now.t == since else self._part(i, now.t)
                 return True, self._last(taken, now, i, begin, falls - begin, last, solver)
             begin, ends = float(ends[whole - 1]), ends[whole:]
@@ -523,14 +526,6 @@ class Drive:
         """The part of piece ``i`` that is over at a time."""
         lasts = float(self.t[i + 1] - self.t[i])
         return float(t - self.t[i]) / lasts if lasts > 0 else 0.0
-
-    @staticmethod
-    def _back(taken: Taken, now: Now, since: float, lost: float) -> Now:
-        """The state before the steps, from a time [s] on, that end too near to where contact is ``lost`` [s], which are
-        given up: it shrinks like a power there."""
-        while taken and taken[-1][0].t >= since and lost - now.t < DRIVEN_NEAR * (now.t - taken[-1][0].t):
-            now = taken.pop()[0]
-        return now
 
     def _last(self, taken: Taken, now: Now, i: int, begin: float, part: float, last: Array, solver: Solver) -> Now:
         """Take steps up to where the contact turns or is lost, about ``part`` beyond the part ``begin`` of piece

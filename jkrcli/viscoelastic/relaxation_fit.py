@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -84,19 +84,16 @@ def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings, like: Rel
     least = problem.minimise(problem.start())
     problem = replace(problem, record=problem.reweighed(least))
     fit = problem.result(problem.minimise(least.x), body.problem.E_star)
-    return replace(fit, warnings=(*fit.warnings, *_fewer(body, fit)))
-
-
-def _fewer(body: FittedBody, fit: RelaxationFit) -> Iterator[str]:
-    """A warning where a term less of a Prony series does as well, by the information criterion of Bayes."""
-    terms, rows = fit.settings.terms - 1, fit.record.t.size
-    if fit.settings.law != "prony" or terms == 0:
-        return
-    fewer = relaxation_fit(body, fit.record.curve, replace(fit.settings, terms=terms))
-    scores = [rows * math.log(np.sum((one.response - one.record.response) ** 2)) for one in (fit, fewer)]
-    rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
-    if rise >= 0:
-        yield f"{terms} terms fit as well as {terms + 1} (BIC better by {rise:.2g}): take --terms {terms}"
+    # Whether a term less of a Prony series does as well, by the information criterion of Bayes
+    terms, rows = settings.terms - 1, fit.record.t.size
+    if settings.law == "prony" and terms:
+        fewer = relaxation_fit(body, fit.record.curve, replace(fit.settings, terms=terms))
+        scores = [rows * math.log(np.sum((one.response - one.record.response) ** 2)) for one in (fit, fewer)]
+        rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
+        if rise >= 0:
+            words = f"{terms} terms fit as well as {terms + 1} (BIC better by {rise:.2g}): take --terms {terms}"
+            fit = replace(fit, warnings=(*fit.warnings, words))
+    return fit
 
 
 def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> RelaxationSettings:
@@ -207,14 +204,14 @@ class _Problem:
             second[part] = noise_about(squares, float(left[-n:][part].sum()), record.response)
         return replace(record, sigma=(first, second), shared=shared)
 
-    def minimise(self, start: Array, cost: float = 0.0, evaluations: int | None = None) -> Least:
+    def minimise(self, start: Array) -> Least:
         """The least sum of squares from ``start`` on: logs stay near it, shares within 0 and 1, corners between their
         neighbours."""
         low, high = self.unknowns.bounds(start, SEARCH_REACH)
         t, k = self.record.knots[0] / np.ptp(self.record.knots[0]), self.moving
         first = start.size - k.size
         low[first:], high[first:] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
-        return LeastSquares(self.state, (low, high), FIT_CONVERGED, cost, evaluations).least(start)
+        return LeastSquares(self.state, (low, high), FIT_CONVERGED).least(start)
 
     def cost(self, theta: Array) -> float:
         """The sum of squares; infinite where there is no history."""
@@ -303,26 +300,22 @@ class _Problem:
             imposed=imposed, response=response, settings=settings,
             scatter=math.sqrt(float(off @ off) / max(off.size - len(unknowns.free), 1)),
         )  # fmt: skip
-        return replace(fit, warnings=tuple(_warnings(fit, self.program(least.x))))
-
-
-def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
-    """Warnings, each with its number."""
-    lines = list(fit.record.flags)
-    if fit.covariance is None:
-        lines.append(
-            f"the force curve does not determine {', '.join(fit.free)} together: fix one of them, such as delta0"
-        )
-    lines += fit.vague([name for name in fit.free if name not in ZEROS])
-    times = [item.value for item in fit.estimates if item.name.startswith("time")]
-    rises = np.diff(program.t)[np.diff(program.x) > 0]
-    if fit.settings.law != "power" and rises.size and rises[0] > min(times):
-        lines.append(
-            f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
-            "shortest relaxation time: the instantaneous modulus is extrapolated; press faster"
-        )
-    if fit.scatter > SEARCH_MISFIT:
-        lines.append(
-            f"residuals are {fit.scatter:.2g} times the scatter from row to row: {MISFIT}; intervals are too narrow"
-        )
-    return lines
+        program = self.program(least.x)
+        lines = list(fit.record.flags)
+        if fit.covariance is None:
+            lines.append(
+                f"the force curve does not determine {', '.join(fit.free)} together: fix one of them, such as delta0"
+            )
+        lines += fit.vague([name for name in fit.free if name not in ZEROS])
+        times = [item.value for item in fit.estimates if item.name.startswith("time")]
+        rises = np.diff(program.t)[np.diff(program.x) > 0]
+        if fit.settings.law != "power" and rises.size and rises[0] > min(times):
+            lines.append(
+                f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
+                "shortest relaxation time: the instantaneous modulus is extrapolated; press faster"
+            )
+        if fit.scatter > SEARCH_MISFIT:
+            lines.append(
+                f"residuals are {fit.scatter:.2g} times the scatter from row to row: {MISFIT}; intervals are too narrow"
+            )
+        return replace(fit, warnings=tuple(lines))

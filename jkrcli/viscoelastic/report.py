@@ -405,7 +405,12 @@ def followed_with_limits(
     if not compare_rate:
         return followed
     radius = RATE_REACH * float(followed.rows[:, 1].max())
-    return replace(followed, relaxed=relaxed_specimen(solution, radius, slopes, modulus_factor))
+    relaxation = solution.problem.specimen.relaxation
+    if relaxation is None or not relaxation.relaxed:
+        raise InputError("cycle: --compare-rate needs a relaxed modulus above zero: a fluid has none")
+    unit = nonadhesive(solution, slopes).scaled(modulus_factor)
+    _, unit = solved_on(solution.scaled(modulus_factor), unit, lambda body: bool(body.a[-1] > radius), slopes)
+    return replace(followed, relaxed=unit.scaled(relaxation.relaxed))
 
 
 def effective_summary(rate: RateLawCourse | Unknown) -> dict[str, Any]:
@@ -461,17 +466,6 @@ def pull_off_in_limits(
         except InputError as error:
             points[FROM_REST] = Unknown(str(error))
     return points
-
-
-def relaxed_specimen(solution: Solution, radius: float, slopes: str, modulus_factor: float = 1.0) -> Nonadhesive:
-    """The w-free functions of a viscoelastic specimen whose moduli are relaxed, solved up to a contact ``radius`` [m]
-    at least where that is not long."""
-    relaxation = solution.problem.specimen.relaxation
-    if relaxation is None or not relaxation.relaxed:
-        raise InputError("cycle: --compare-rate needs a relaxed modulus above zero: a fluid has none")
-    unit = nonadhesive(solution, slopes).scaled(modulus_factor)
-    _, unit = solved_on(solution.scaled(modulus_factor), unit, lambda body: bool(body.a[-1] > radius), slopes)
-    return unit.scaled(relaxation.relaxed)
 
 
 def speed_words(program: Program, stiffness: float) -> str:

@@ -226,46 +226,40 @@ def shared_speeds_fit(
     check_body(body)
     try:
         with np.errstate(all="ignore"):  # of trials far from any record
-            return _fit(body, curves, settings, announce)
+            began = process_time()
+            fine = Records(tuple(prepared(body, curve, settings) for curve in curves))
+            begun = Records(tuple(map(rough, fine.models)))
+            rising = begun.approaches()
+            ends = rising.searched(begun.begins(rising), APPROACHED)
+            if announce is not None:
+                announce(f"fit of {counted(len(curves), 'force curve')} together", LONGER * (process_time() - began))
+            found = [one.x for one in ends if one.cost < WORSE * ends[0].cost]
+            x = begun.searched(begun.continued(rising, found), SEARCHED)[0].x
+            x = fine.search(x, FOLLOWED).least(x).x
+
+            # Narrower zones, extrapolated, and the least with what they change, of the same rows throughout: those that
+            # come and go with the march change the squares by as much as parameters do within their errors.
+            for _ in range(ROUNDS):
+                here = fine.marched(x)
+                pairs = zip(fine.each, here, strict=True)
+                narrower = [model.corrected(x[places], one) for (model, places), one in pairs]
+                settled = Records(tuple(replace(model, left_out=model.out(one), settled=True, erring=True)
+                                        for model, one in zip(narrower, here, strict=True)))  # fmt: skip
+                least = settled.search(x, FINE[2]).least(x)
+                wide = Records(tuple(replace(model, correction=0.0, jumps=one.jumps)
+                                     for model, one in zip(settled.models, fine.models, strict=True)))  # fmt: skip
+                shift = np.linalg.pinv(least.state.jacobian) @ (wide(least.x).residuals - least.state.residuals)
+                x, there = least.x, settled.marched(least.x)
+                same = not any((model.apart(one, (other.begun, other.lost)) & ~model.left_out).any()
+                               for model, one, other in zip(settled.models, here, there, strict=True))  # fmt: skip
+                if same:
+                    break
+            doubts = [BESIDE] if settings.law == "power" else []
+            doubts += [] if least.ended and same else [f"{UNSETTLED}: values and intervals are preliminary"]
+            lost = any(one.given_up for one in there) or any(map(operator.is_, narrower, fine.models))
+            return _answer(settled, least, shift, [*doubts, GIVEN_UP] if lost else doubts)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise SolveError(f"{RANGE} ({error}); are all sizes and units right?") from error
-
-
-def _fit(
-    body: FittedBody, curves: Sequence[Curve], settings: RelaxationSettings,
-    announce: Callable[[str, float], None] | None,
-) -> SharedSpeedsFit:  # fmt: skip
-    began = process_time()
-    fine = Records(tuple(prepared(body, curve, settings) for curve in curves))
-    begun = Records(tuple(map(rough, fine.models)))
-    rising = begun.approaches()
-    ends = rising.searched(begun.begins(rising), APPROACHED)
-    if announce is not None:
-        announce(f"fit of {counted(len(curves), 'force curve')} together", LONGER * (process_time() - began))
-    found = [one.x for one in ends if one.cost < WORSE * ends[0].cost]
-    x = begun.searched(begun.continued(rising, found), SEARCHED)[0].x
-    x = fine.search(x, FOLLOWED).least(x).x
-
-    # Narrower zones, extrapolated, and the least with what they change, of the same rows throughout: those that come
-    # and go with the march change the squares by as much as parameters do within their errors.
-    for _ in range(ROUNDS):
-        here = fine.marched(x)
-        narrower = [model.corrected(x[places], one) for (model, places), one in zip(fine.each, here, strict=True)]
-        settled = Records(tuple(replace(model, left_out=model.out(one), settled=True, erring=True)
-                                for model, one in zip(narrower, here, strict=True)))  # fmt: skip
-        least = settled.search(x, FINE[2]).least(x)
-        wide = Records(tuple(replace(model, correction=0.0, jumps=one.jumps)
-                             for model, one in zip(settled.models, fine.models, strict=True)))  # fmt: skip
-        shift = np.linalg.pinv(least.state.jacobian) @ (wide(least.x).residuals - least.state.residuals)
-        x, there = least.x, settled.marched(least.x)
-        same = not any((model.apart(one, (other.begun, other.lost)) & ~model.left_out).any()
-                       for model, one, other in zip(settled.models, here, there, strict=True))  # fmt: skip
-        if same:
-            break
-    doubts = [BESIDE] if settings.law == "power" else []
-    doubts += [] if least.ended and same else [f"{UNSETTLED}: values and intervals are preliminary"]
-    lost = any(one.given_up for one in there) or any(map(operator.is_, narrower, fine.models))
-    return _answer(settled, least, shift, [*doubts, GIVEN_UP] if lost else doubts)
 
 
 def _answer(records: Records, least: Least, shift: Array, doubts: Sequence[str]) -> SharedSpeedsFit:

@@ -22,7 +22,7 @@ from ..base.errors import LEVEL, InputError
 from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
 from ..base.units import Named, Ranged, show
 from ..bodies.problem import RELAXATIONS, Relaxation
-from ..measured.choices import SegmentName
+from ..measured.choices import SegmentName, Values
 from ..measured.curve import Curve
 from ..measured.least_squares import SEARCH_MISFIT, Followed, t_quantile
 from ..measured.parameters import MODULUS, Answer, Level, Nameable, Parameter, Unknowns, check_law, parameters_of, word
@@ -72,17 +72,17 @@ def corners(t: Array, x: Array, noise: float, most: int = MOTION_MOST) -> tuple[
         rest = x - through(t, x, t[knots])[1]
         if np.sqrt(np.mean(rest**2)) < MOTION_STRAIGHT * noise:
             break
-        better = _settled(sums, sorted([*knots, _next(rest, knots)]))
+        # A new corner in the piece that leaves most, where a hat stands out most in what is left
+        left = [float(np.sum(rest[a : b + 1] ** 2)) if b - a > 1 else -1.0 for a, b in itertools.pairwise(knots)]
+        a, b = knots[(i := int(np.argmax(left)))], knots[i + 1]
+        tops, rows = np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, MOTION_TRIED)).astype(int)), np.arange(a, b + 1)
+        hats = [abs(float(np.sum(rest[a : b + 1] * np.interp(rows, [a, top, b], [0, 1, 0])))) for top in tops]
+        better = _settled(sums, sorted([*knots, int(tops[int(np.argmax(hats))])]))
         if sums.left(knots) - sums.left(better) < MOTION_WORTH * noise**2:
             break
         knots = better
-    times = _between_rows(t, x, knots)
-    return times, through(t, x, times)[0]
-
-
-def _between_rows(t: Array, x: Array, knots: list[int]) -> Array:
-    """The times of the corners; for two in rows one after the other that where the straight pieces before and behind
-    them meet, if they do so between these rows: a device turns there, and goes beyond both."""
+    # Two corners in rows one after the other are one where the straight pieces before and behind them meet, if they
+    # do so between these rows: a device turns there, and goes beyond both
     times, places = t[knots], through(t, x, t[knots])[0]
     slopes = np.diff(places) / np.diff(times)
     for i in range(len(knots) - 3, 0, -1):
@@ -94,7 +94,7 @@ def _between_rows(t: Array, x: Array, knots: list[int]) -> Array:
                 times = np.concatenate([times[:i], [times[i] + ahead], times[i + 2 :]])
                 places = through(t, x, times)[0]
                 slopes = np.diff(places) / np.diff(times)
-    return times
+    return times, through(t, x, times)[0]
 
 
 def through(t: Array, x: Array, knots: Array) -> tuple[Array, Array]:
@@ -131,15 +131,6 @@ class _Sums:
         right[1:] += ux
         matrix = np.diag(ends) + np.diag(both, 1) + np.diag(both, -1)
         return float(np.sum(xx) - right @ np.linalg.solve(matrix, right))
-
-
-def _next(rest: Array, knots: list[int]) -> int:
-    """The row of a new corner: in the piece that leaves most, where a hat stands out most in what is left."""
-    squares = [float(np.sum(rest[a : b + 1] ** 2)) if b - a > 1 else -1.0 for a, b in itertools.pairwise(knots)]
-    a, b = knots[(i := int(np.argmax(squares)))], knots[i + 1]
-    tops, rows = (np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, MOTION_TRIED)).astype(int)), np.arange(a, b + 1))
-    sums = [abs(float(np.sum(rest[a : b + 1] * np.interp(rows, [a, top, b], [0, 1, 0])))) for top in tops]
-    return int(tops[int(np.argmax(sums))])
 
 
 def _settled(sums: _Sums, knots: list[int]) -> list[int]:
@@ -237,7 +228,7 @@ class RelaxationSettings:
 
     law: str
     zeros: tuple[str, ...]
-    fixed: Mapping[str, float] = field(default_factory=dict)
+    fixed: Values = field(default_factory=dict)
     terms: Annotated[int, Ranged("number", least=1, most=4)] = 2
     level: Level = LEVEL
     confidence: Followed = "covariance"
@@ -279,7 +270,7 @@ class RelaxationSettings:
         onset = {"onset": TIME} if self.law == "power" and self.adheres else {}
         return _of_law(self.law, self.terms) | onset
 
-    def relaxation(self, values: Mapping[str, float]) -> Relaxation:
+    def relaxation(self, values: Values) -> Relaxation:
         """The law with its parameters."""
         parameters: dict[str, Any] = {name: values[name] for name in self.of_law}
         if self.law == "prony":
@@ -471,14 +462,14 @@ class RelaxationFit(Answer):
         determined."""
         nominal = self.value("E_star") / self.value("modulus")
 
-        def logs(own: Mapping[str, float]) -> Array:
+        def logs(own: Values) -> Array:
             r = RELAXED[self.settings.law]({name: np.asarray(value) for name, value in own.items()}, t)
             found: Array = np.log(nominal * own["modulus"] * np.maximum(r, TINY))
             return found
 
         return self.intervals(logs)
 
-    def intervals(self, logs: Callable[[Mapping[str, float]], Array]) -> Array:
+    def intervals(self, logs: Callable[[Values], Array]) -> Array:
         """Quantities by their ``logs`` as a function of the parameters, with the ends of their intervals, (n, 3)."""
         unknowns, values = Unknowns(self.settings.parameters), {item.name: item.value for item in self.estimates}
         x = unknowns.at(values)

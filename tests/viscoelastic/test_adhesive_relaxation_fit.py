@@ -305,7 +305,7 @@ def test_derivatives_through_r_are_those_of_steps_of_the_law(body: FittedBody) -
     """Loads near the loss of contact follow r only as far as short steps; the onset changes it most at short times."""
     made = cycle(W, STRESS, power(0.25, 0.02, 10.0), CORNERS, 2.0)
     settings = relaxation_settings("power", [], ["w", "stress", "delta0", "P0", "tilt"], 1.0)
-    model = adhesive_fit._problem(body, Cycle.of(readings(made, 0.5, 0.5, k=2.0)), settings)
+    model = adhesive_fit.prepared(body, readings(made, 0.5, 0.5, k=2.0), settings)
     known = {"w": W, "stress": STRESS, "delta0": 0.03, "P0": 0.0, "tilt": 0.0}
     x = model.unknowns.at({"modulus": 0.02**0.25, "time": 1.0, "exponent": 0.25, "onset": 0.02} | known)
     near, i = Nearby.of(model, x), model.unknowns.names.index("onset")

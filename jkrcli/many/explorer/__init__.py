@@ -26,7 +26,6 @@ from ...base.units import SI, UNITS, decades, scale
 from ...formulas import MEASURED, strained_pull_off
 from ...resolve import analysis
 from ...resolve.analysis import Analysis, nonadhesive
-from ...series import Solution
 
 # --------------------------------------------------------------------------------------------------
 # What the page is given: the nonadhesive curve at close radii, from which Eq. 13 gives what the command line says.
@@ -39,11 +38,6 @@ EVERY = 16  # choice: entries of the table per interval of the series
 TABULATED = 1e-8
 COST_PAGE_PER_ROW = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
 WORKS = 9  # works of adhesion at which the page knows the errors of its pull-off points
-
-
-def seconds_of_page(solution: Solution) -> float:
-    """CPU seconds of the explorer's page of a solution, beside those of its curve."""
-    return COST_PAGE_PER_ROW * solution.increments.a.size
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,9 @@ specimen.half_space = { E = "1 MPa", nu = 0.3 }
 loading = { radius = "10 um", points = 40 }
 adhesion.w = "50 mJ/m^2"
 """
-LAYER = CASE.replace(
-    '[specimen.half_space]\nE = "1 MPa"\nnu = 0.3',
-    '[[specimen.layers]]\nname = "gel"\nthickness = "5 um"\nE = "1 MPa"\nnu = 0.45',
-).replace("50 mJ", "5 mJ")
+LAYER = CASE.replace("50 mJ", "5 mJ").replace(
+    'half_space = { E = "1 MPa", nu = 0.3 }', 'layers = [{ name = "gel", thickness = "5 um", E = "1 MPa", nu = 0.45 }]'
+)
 
 
 def solved(jkr, text: str) -> None:

@@ -43,14 +43,6 @@ def columns(indenter, specimen, sticks=False, tolerance=1e-11):
     return np.array([series.delta, series.P, series.S, series.dS])
 
 
-@pytest.mark.parametrize("sticks", [False, True])
-def test_a_coating_of_the_core_s_own_material_is_none(sticks):
-    specimen = Specimen((Layer(FILM, 4e-6),), Rigid())
-    with_layers = columns(coated(Layer(CORE, 4e-6), Layer(CORE, 2e-6)), specimen, sticks, 1e-8)
-    plain = columns(Paraboloid(R, CORE), specimen, sticks, 1e-8)
-    assert with_layers == pytest.approx(plain, rel=1e-10 if sticks else 1e-12)
-
-
 @pytest.mark.parametrize("film", [FILM, THREADS])
 @pytest.mark.parametrize(("sticks", "tolerance"), [(False, 1e-11), (True, 1e-8)])
 def test_the_layers_may_be_on_either_body(film, sticks, tolerance):
@@ -58,11 +50,6 @@ def test_the_layers_may_be_on_either_body(film, sticks, tolerance):
     one = columns(coated(*layers), Specimen((), HalfSpace(FILM)), sticks, tolerance)
     other = columns(Paraboloid(R, FILM), Specimen(layers, HalfSpace(CORE)), sticks, tolerance)
     assert one == pytest.approx(other, rel=1e-10)
-
-
-def test_a_thick_coating_is_a_half_space_of_it():
-    thick = columns(coated(Layer(FILM, 1.0)), ON_RIGID)
-    assert thick == pytest.approx(columns(Paraboloid(R, FILM), ON_RIGID), rel=1e-4)  # like a/thickness
 
 
 @pytest.mark.parametrize(

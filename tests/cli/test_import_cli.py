@@ -85,34 +85,22 @@ def test_bodies_by_flags(jkr, table: Path) -> None:
 
 WRONG = {
     "no bodies": (("t.txt",), "import: needs --case, or the specimen from options: --radius, --E, --nu missing"),
-    "both": (("t.txt", "--case", "my.toml", "--nu", "0.3"),
-             "import: --nu belongs to an import without --case; my.toml says it already"),
+    "both": (("t.txt", "--case", "my.toml", "--nu", "0.3"), "--nu belongs to an import without --case; my.toml says it"),
     "base alone": (("t.txt", *BODY, "--base", "bonded"), "import: --base needs --thickness: a half-space has no base"),
-    "wrong base": (("t.txt", *BODY, "--thickness", "1 mm", "--base", "glued"),
-                   'import: --base: must be one of bonded, frictionless, got "glued"'),
+    "wrong base": (("t.txt", *BODY, "--thickness", "1 mm", "--base", "glued"), "--base: must be one of bonded, "),
     "wrong nu": (("t.txt", *BODY[:-1], 0.6), "import: --nu: must be > -1 and <= 0.5, got 0.6"),
     "no file": (("u.txt", *BODY), 'u.txt: table not found, did you mean "t.txt"?'),
-    "no unit": (("t.txt", "--unit", "N"), "invalid value for '--unit': must be KEY=UNIT with a quantity or a column, "
-                'such as P=nN, got "N"; see jkr import --help'),
-    "wrong key": (("t.txt", "--column", "F=1"), "invalid value for '--column': must be KEY=VALUE with a key of a, "
-                  'area, delta, P, got "F=1"; see jkr import --help'),
-    "wrong factor": (("t.txt", "--factor", "P=0"),
-                     "invalid value for '--factor': must be KEY=NUMBER, finite and not 0, got \"P=0\"; "
-                     "see jkr import --help"),
-    "another's file": (("t.txt", *BODY, "-o", "my.toml"),
-                       "my.toml: exists and was not written by jkr; give --force to replace it, or another name"),
-    "case is no TOML": (("t.txt", "--case", "t.txt"), None),
+    "no unit": (("t.txt", "--unit", "N"), "'--unit': must be KEY=UNIT with a quantity or a column, such as P=nN, got"),
+    "wrong key": (("t.txt", "--column", "F=1"), "'--column': must be KEY=VALUE with a key of a, area, delta, P, got"),
+    "wrong factor": (("t.txt", "--factor", "P=0"), "'--factor': must be KEY=NUMBER, finite and not 0, got \"P=0\";"),
+    "another's file": (("t.txt", *BODY, "-o", "my.toml"), "my.toml: exists and was not written by jkr; give --force"),
+    "case is no TOML": (("t.txt", "--case", "t.txt"), "error: t.txt: is not valid TOML: "),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize(("words", "line"), WRONG.values(), ids=WRONG.keys())
-def test_wrong_input_is_one_line_and_exit_code_2(jkr, table: Path, words: tuple, line: str | None) -> None:
-    outcome = jkr("import", *words)
-    assert outcome.code == 2
-    if line is None:
-        assert outcome.err.startswith("jkr: error: t.txt: is not valid TOML: ")
-    else:
-        assert outcome.err == f"jkr: error: {line}\n"
+def test_wrong_input_is_one_line_and_exit_code_2(jkr, table: Path, words: tuple, line: str) -> None:
+    jkr("import", *words).refused(line)
     assert not Path("t.h5").exists()
 
 

@@ -85,7 +85,7 @@ def test_bodies_by_flags(jkr, table: Path) -> None:
 
 WRONG = {
     "no bodies": (("t.txt",), "import: needs --case, or the specimen from options: --radius, --E, --nu missing"),
-    "both": (("t.txt", "--case", "my.toml", "--nu", "0.3"), "--nu belongs to an import without --case; my.toml says it"),
+    "both": (("t.txt", "--case", "my.toml", "--nu", "0.3"), "--nu belongs to an import without --case; my.toml says"),
     "base alone": (("t.txt", *BODY, "--base", "bonded"), "import: --base needs --thickness: a half-space has no base"),
     "wrong base": (("t.txt", *BODY, "--thickness", "1 mm", "--base", "glued"), "--base: must be one of bonded, "),
     "wrong nu": (("t.txt", *BODY[:-1], 0.6), "import: --nu: must be > -1 and <= 0.5, got 0.6"),

@@ -259,7 +259,7 @@ CHOICES = {
     "unknown name": (SeriesReading(columns={"P": "dleta"}), 'no single column "dleta" for P, did you mean "delta"? ('),
     "number too large": (SeriesReading(columns={"P": "4"}), 'no single column "4" for P (columns: 1 "a_um", 2 "del'),
     "radius and area": (SeriesReading(columns={"a": "1", "area": "2"}), "for the contact area, not for both"),
-    "one column twice": (SeriesReading(columns={"P": "2"}), 'one column cannot be two quantities, got P = column 2 "de'),
+    "one column twice": (SeriesReading(columns={"P": "2"}), "one column cannot be two quantities, got P = column 2 "),
     "comma twice": (SeriesReading(separator="comma", decimal=","), 'separator "comma" and decimal "," exclude each '),
     "area beyond the sphere": (SeriesReading(columns={"area": "1"}, units={"area": "m^2"}),
                                "line 2: contact area 1 m^2 is larger than the indenter's surface, 6.28318e-06 m^2; is"),

@@ -179,15 +179,8 @@ TAKEN_AS = {
     "chiaro": Reading(format="afm"),
 }
 CHECKED = ("jpk", "jpk map", "workshop map")  # checksums over all that counts
-DECLARED = (
-    *CHECKED,
-    "ibw",
-    "tab",
-    "hdf5",
-    "nanoscope",
-    "nanoscope map",
-    "nanoscope capture",
-)  # where every cut is seen
+# where every cut is seen
+DECLARED = (*CHECKED, "ibw", "tab", "hdf5", "nanoscope", "nanoscope map", "nanoscope capture")
 
 
 def numbers(path: Path, reading: Reading) -> list[Any]:

@@ -92,13 +92,6 @@ def test_radii_of_a_load_or_a_displacement() -> None:
         ours.radii()
 
 
-def test_no_adhesion_returns_the_nonadhesive_series_exactly() -> None:
-    series = half_space(10)
-    ours = curve(series, 0.0)
-    assert np.array_equal(ours.delta, series.delta)
-    assert np.array_equal(ours.P, series.P)
-
-
 def test_errors_propagate_to_first_order() -> None:
     series = half_space(30)
     covariance = np.zeros((30, 4, 4))

@@ -48,7 +48,8 @@ def draw_curve(curve: Analysis, scales: Scales | None = None) -> Figure:
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
          "theta": "edge_angle"}  # fmt: skip
-ABOVE = "Tabor", "JKR does not hold", "JKR is doubtful"  # how the warnings begin that say again what the line of the Tabor number says
+# How the warnings begin that say again what the line of the Tabor number says.
+ABOVE = "Tabor", "JKR does not hold", "JKR is doubtful"
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,6 +44,20 @@ def one_byte_changed(path: Path, trials: int, read: Callable[[], object]) -> int
     return len(refused)
 
 
+def lengthened(path: Path, rows: int) -> None:
+    """The series with so many ``rows``, interpolated."""
+
+    def lengthen(file: h5py.File) -> None:
+        for group in ("series", "errors"):
+            for name, data in list(file[group].items()):
+                values = np.interp(np.linspace(0, 1, rows), np.linspace(0, 1, data.size), data[()])
+                attributes = dict(data.attrs)
+                del file[group][name]
+                file[group].create_dataset(name, data=values).attrs.update(attributes)
+
+    edit(path, lengthen)
+
+
 def _fix(item: h5py.Group | h5py.Dataset) -> None:
     """Give texts the length that our files give them."""
     for name in item.attrs:

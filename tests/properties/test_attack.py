@@ -10,22 +10,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import h5py
-import numpy as np
 import pytest
 import sweep_files
-from series_files import edit
-from stopwatch import seconds_of, takes_less_than
+from series_files import edit, lengthened
+from stopwatch import takes_less_than
 
 from jkrcli.adhesion.finite_range import RangeRequest
 from jkrcli.base.errors import InputError
-from jkrcli.base.files import as_json, write_csv
+from jkrcli.base.files import write_csv
 from jkrcli.case import store
 from jkrcli.case.models import parse_case, plain_toml
-from jkrcli.case.store import solve
 from jkrcli.many.sweep_plan import load_plan
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.report.tables import curve_columns, summary
-from jkrcli.resolve.analysis import JKR, analyse, forecast
+from jkrcli.resolve.analysis import JKR, forecast
 
 ROOT = Path(__file__).parents[2]
 CASE = """
@@ -266,20 +263,6 @@ def test_works_and_moduli_count_as_no_solves_of_their_own(tmp_path: Path) -> Non
     assert len(plan.groups(range(0, 24_000, 40), most=10**6)[0]) == 20
 
 
-def lengthened(series: Path, rows: int) -> None:
-    """The series with so many ``rows``, interpolated."""
-
-    def lengthen(file: h5py.File) -> None:
-        for group in ("series", "errors"):
-            for name, data in list(file[group].items()):
-                values = np.interp(np.linspace(0, 1, rows), np.linspace(0, 1, data.size), data[()])
-                attributes = dict(data.attrs)
-                del file[group][name]
-                file[group].create_dataset(name, data=values).attrs.update(attributes)
-
-    edit(series, lengthen)
-
-
 @pytest.mark.parametrize("verb", [
     ("transform",), ("pull-off",), ("pull-off", "--load", "0.1 mN"), ("cycle",), ("explore",),
     ("profile", "--load", "-50 uN"),
@@ -306,27 +289,6 @@ def test_the_forecast_of_curves_counts_solved_points_and_the_range() -> None:
         assert plain == pytest.approx(seconds, abs=0.04)
         assert ranged > plain * 1.1
         assert forecast(solution, (0.05, 0.04), JKR, tables=False).seconds == pytest.approx(2 * plain)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("asked", [JKR, RangeRequest(1e5)], ids=["JKR", "range"])
-@pytest.mark.parametrize(("layers", "rows", "works"), [(0, 100, 30), (1, 100, 30), (0, 10_000, 5), (1000, 100, 5)])
-def test_the_forecast_of_curves_is_right_within_a_factor_of_three(
-    tmp_path: Path, layers: int, rows: int, works: int, asked: RangeRequest
-) -> None:
-    """Over rows, works of adhesion and layers, on a machine like the one that it was tuned on: 0.7 to 2.6 measured."""
-    stack = "".join(LAYER.format("0.1 um" if i else "100 um", i % 5 + 1) for i in range(layers))
-    text = LAYERS.format(stack).replace("points = 20", f"points = {rows}")
-    case = parse_case((text if layers else 'method = "closed-form"' + text).encode(), "x")
-    solution = solve(case)[1]
-    some = [0.05 * 0.97**i for i in range(works)]
-
-    def curves() -> None:
-        for i, result in enumerate(analyse(solution, some, request=asked)):
-            as_json(summary(result))
-            write_csv(tmp_path / f"{i}.csv", curve_columns(result.curve))
-
-    assert 1 / 3 < forecast(solution, some, asked).seconds / seconds_of(curves, 2) < 4
 
 
 def test_many_works_of_adhesion_are_refused_before_they_begin(jkr, series: Path) -> None:

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 import pytest
 from fuzzing import bounded
-from series_files import edit
+from series_files import edit, lengthened
 
 from jkrcli.base.errors import InputError, Refusal, SolveError, Unknown
 from jkrcli.base.files import read_bytes
@@ -324,15 +324,7 @@ def test_points_that_do_not_fit_between_the_rows_are_left_out(jkr: Callable, tmp
     (tmp_path / "s.toml").write_text(case, encoding="utf-8")
     assert jkr("run", "s.toml").code == 0
 
-    def interpolate(file: h5py.File) -> None:
-        for group in ("series", "errors"):
-            for name, data in list(file[group].items()):
-                attributes = dict(data.attrs)
-                values = np.interp(np.linspace(0, 1, 5000), np.linspace(0, 1, data.size), data[()])
-                del file[group][name]
-                file[group].create_dataset(name, data=values).attrs.update(attributes)
-
-    edit(tmp_path / "s.h5", interpolate)
+    lengthened(tmp_path / "s.h5", 5000)
     assert jkr("pull-off", "s.h5").code == 0
 
 

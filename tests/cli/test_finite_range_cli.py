@@ -7,13 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.cli import call
 from jkrcli.report.tables import read_curve
 
 TIP = """
-[indenter]
-shape = "paraboloid"
-radius = "30 nm"
+indenter = { shape = "paraboloid", radius = "30 nm" }
 [[specimen.layers]]
 thickness = "20 nm"
 E = "1 GPa"
@@ -30,21 +27,20 @@ w = "50 mJ/m^2"
 
 
 @pytest.fixture
-def tip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
+def tip(jkr) -> Path:
     Path("tip.toml").write_text(TIP)
-    assert call(["run", "tip.toml", "-q"]) == 0
+    assert jkr("run", "tip.toml", "-q").code == 0
     return Path("tip.h5")
 
 
-def test_transform_writes_beside_jkr_and_adds_a_column(tip: Path) -> None:
-    assert call(["transform", "tip.h5", "--no-plots", "-q"]) == 0
-    assert call(["transform", "tip.h5", "--stress", "100 MPa", "--no-plots", "-q"]) == 0
-    assert call(["transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q"]) == 0
-    jkr, by_stress, by_range = (
+def test_transform_writes_beside_jkr_and_adds_a_column(jkr, tip: Path) -> None:
+    assert jkr("transform", "tip.h5", "--no-plots", "-q").code == 0
+    assert jkr("transform", "tip.h5", "--stress", "100 MPa", "--no-plots", "-q").code == 0
+    assert jkr("transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q").code == 0
+    without, by_stress, by_range = (
         json.loads(Path(f"tip-w0.05{name}.json").read_text()) for name in ("", "-stress1e+08", "-range5e-10")
     )
-    assert set(jkr) < set(by_stress)
+    assert set(without) < set(by_stress)
     assert by_stress["range_m"] == pytest.approx(5e-10)
     assert by_stress["pull_off"]["load"]["P_N"] == pytest.approx(by_range["pull_off"]["load"]["P_N"], rel=1e-12)
     assert by_stress["pull_off"]["load"]["c_m"] > by_stress["pull_off"]["load"]["a_m"]
@@ -57,38 +53,35 @@ def test_transform_writes_beside_jkr_and_adds_a_column(tip: Path) -> None:
     assert found["delta_m"][0] == -5e-10
 
 
-def test_what_a_range_changes_is_told_where_it_matters(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert call(["check", "tip.toml"]) == 0
-    said = capsys.readouterr()
+def test_what_a_range_changes_is_told_where_it_matters(jkr, tip: Path) -> None:
+    said = jkr("check", "tip.toml").ok
     assert "JKR is doubtful: attraction over the range z0 makes the pull-off force 4.1 % larger" in said.out
     assert "4.1 % larger (Tabor number 1.25): give --range or --stress" in said.err
-    assert call(["transform", "tip.h5", "--w", "5 J/m^2", "--no-plots", "--json"]) == 0
-    assert "range" not in capsys.readouterr().err  # short enough a range: nothing is said
+    done = jkr("transform", "tip.h5", "--w", "5 J/m^2", "--no-plots", "--json").ok
+    assert "range" not in done.err  # short enough a range: nothing is said
 
 
-def test_case_files_ask_for_it(tip: Path) -> None:
+def test_case_files_ask_for_it(jkr, tip: Path) -> None:
     for line, name in (('range = "0.5 nm"', "-range5e-10"), ('stress = "100 MPa"', "-stress1e+08")):
         Path("own.toml").write_text(TIP + line)
-        assert call(["run", "own.toml", "-q"]) == 0
-        assert call(["transform", "own.h5", "--no-plots", "-q"]) == 0
+        assert jkr("run", "own.toml", "-q").code == 0
+        assert jkr("transform", "own.h5", "--no-plots", "-q").code == 0
         assert Path(f"own-w0.05{name}.csv").exists()
 
 
-def test_capillary_bridge_is_a_tension_and_a_work(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_capillary_bridge_is_a_tension_and_a_work(jkr, tip: Path) -> None:
     bridge = 'capillary = { surface_tension = "72.8 mN/m", humidity = 0.5, contact_angles = [0, 60] }'
     Path("wet.toml").write_text(TIP.replace('w = "50 mJ/m^2"', bridge))
-    assert call(["run", "wet.toml", "-q"]) == 0
-    assert call(["transform", "wet.h5", "--no-plots", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["results"][0]
+    assert jkr("run", "wet.toml", "-q").code == 0
+    found = jkr("transform", "wet.h5", "--no-plots", "--json").told["results"][0]
     assert found["w_J_per_m2"] == pytest.approx(72.8e-3 * 1.5, rel=1e-12)
     assert found["range_m"] == pytest.approx(1.5 * 0.778e-9, rel=2e-3)  # r_K = 0.54 nm/ln 2 of water at 20 degrees
 
 
-def test_pull_off_and_cycle(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert call(["pull-off", "tip.h5", "--range", "0.5 nm", "--stiffness", "0.5 N/m", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["results"][0]["controls"][0]
-    assert call(["cycle", "tip.h5", "--range", "0.5 nm", "--stiffness", "0.5 N/m", "--no-plots", "--json"]) == 0
-    around = json.loads(capsys.readouterr().out)
+def test_pull_off_and_cycle(jkr, tip: Path) -> None:
+    words = ("tip.h5", "--range", "0.5 nm", "--stiffness", "0.5 N/m", "--json")
+    found = jkr("pull-off", *words).told["results"][0]["controls"][0]
+    around = jkr("cycle", *words, "--no-plots").told
     assert around["jumps_on_retraction"][-1]["from"]["P_N"] == pytest.approx(found["pull_off"]["P_N"], rel=1e-9)
     assert around["energy_lost_J"] == pytest.approx(found["energy_lost_J"], rel=1e-12)
     assert around["jump_in"] == found["jump_in"]
@@ -108,13 +101,9 @@ def test_pull_off_and_cycle(tip: Path, capsys: pytest.CaptureFixture[str]) -> No
         ("rnage = 1e-9", 'adhesion.rnage: unknown key, did you mean "range"?'),
     ],
 )
-def test_mistakes_in_case_files(tip: Path, capsys: pytest.CaptureFixture[str], lines: str, message: str) -> None:
+def test_mistakes_in_case_files(jkr, tip: Path, lines: str, message: str) -> None:
     Path("wrong.toml").write_text(TIP + lines)
-    capsys.readouterr()
-    assert call(["check", "wrong.toml"]) == 2
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 1
-    assert message in said[0]
+    jkr("check", "wrong.toml").refused(message)
 
 
 WITHOUT_W = TIP.replace('w = "50 mJ/m^2"', "")
@@ -154,51 +143,45 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
 
 @pytest.mark.first(7)
 @pytest.mark.parametrize("name", FOLLOWED)
-def test_who_follows_a_refusal_gets_an_answer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_who_follows_a_refusal_gets_an_answer(jkr, name: str) -> None:
     refused, words, says, mended, better = FOLLOWED[name]
     Path("sweep.toml").write_text(SWEEP)
     Path("data.csv").write_text("delta_nm,P_nN\n0.2,-5\n0.5,-3\n0.8,0\n1.1,4\n1.4,9\n1.7,15\n")
     for case, line, fine in ((refused, words, False), (mended, better, True)):
         Path("own.toml").write_text(case)
-        assert call(["run", "own.toml", "-q", "--force"]) == 0
-        capsys.readouterr()
-        assert (call(line.split() if isinstance(line, str) else line) == 0) == fine
-        said = [line for line in capsys.readouterr().err.splitlines() if "error:" in line]
+        assert jkr("run", "own.toml", "-q", "--force").code == 0
+        done = jkr(*(line.split() if isinstance(line, str) else line))
+        assert (done.code == 0) == fine
+        said = [line for line in done.err.splitlines() if "error:" in line]
         assert len(said) == (not fine)
         assert fine or says in said[0]
 
 
-def test_imported_series_have_no_kernel(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    series = read_curve(_written(tip))
+def test_imported_series_have_no_kernel(jkr, tip: Path) -> None:
+    series = read_curve(_written(jkr, tip))
     rows = zip(*(series[name].tolist() for name in ("a_m", "delta_H_m", "P_H_N")), strict=True)
     Path("data.csv").write_text("a_m,delta_m,P_N\n" + "".join(f"{a!r},{delta!r},{P!r}\n" for a, delta, P in rows))
-    assert call(["import", "data.csv", "--case", "tip.toml", "-o", "data.h5"]) == 0
-    capsys.readouterr()
-    assert call(["transform", "data.h5", "--range", "0.5 nm", "--no-plots"]) == 2
-    said = [line for line in capsys.readouterr().err.splitlines() if "error:" in line]
-    assert len(said) == 1
-    assert "which the method import does not have: solve the case with the method layered or hybrid" in said[0]
-    assert call(["transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q"]) == 0
+    assert jkr("import", "data.csv", "--case", "tip.toml", "-o", "data.h5").code == 0
+    done = jkr("transform", "data.h5", "--range", "0.5 nm", "--no-plots")
+    assert (done.code, done.err.count("error:")) == (2, 1)
+    assert "which the method import does not have: solve the case with the method layered or hybrid" in done.err
+    assert jkr("transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q").code == 0
 
 
-def _written(series: Path) -> Path:
+def _written(jkr, series: Path) -> Path:
     """The table of a series without a range."""
-    assert call(["transform", str(series), "--no-plots", "-q"]) == 0
+    assert jkr("transform", str(series), "--no-plots", "-q").code == 0
     return Path(f"{series.stem}-w0.05.csv")
 
 
-def test_first_attraction_is_no_critical_point(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert call(["pull-off", "tip.h5", "--range", "0.5 nm"]) == 0
-    assert "c = 0 m" not in capsys.readouterr().out
+def test_first_attraction_is_no_critical_point(jkr, tip: Path) -> None:
+    assert "c = 0 m" not in jkr("pull-off", "tip.h5", "--range", "0.5 nm").ok.out
 
 
 @pytest.mark.slow
-def test_profile_carries_the_load_and_the_tension(tip: Path) -> None:
-    assert call(["transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q"]) == 0
-    assert call(["profile", "tip.h5", "--range", "0.5 nm", "--a", "4.5 nm", "-q"]) == 0
+def test_profile_carries_the_load_and_the_tension(jkr, tip: Path) -> None:
+    assert jkr("transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q").code == 0
+    assert jkr("profile", "tip.h5", "--range", "0.5 nm", "--a", "4.5 nm", "-q").code == 0
     table = np.genfromtxt("tip-profile-range5e-10.csv", delimiter=",", names=True)
     r, p, gap = table["r_m"], table["pressure_Pa"], table["gap_m"]
     curve = read_curve(Path("tip-w0.05-range5e-10.csv"))
@@ -232,17 +215,16 @@ def test_check_says_what_transform_will_refuse(jkr, case: str, says: str) -> Non
 
 
 @pytest.mark.slow
-def test_a_range_between_those_that_are_tried_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_range_between_those_that_are_tried_is_found(jkr) -> None:
     """The curve of the guide, 20 pN and 1 pm of noise: its valley is narrower than the ranges to begin with are apart,
     and a search from these ended at 176 pm with four times the noise."""
-    monkeypatch.chdir(tmp_path)
     example = Path(__file__).parents[2] / "docs" / "examples" / "curve_of_a_tip.py"
     runpy.run_path(str(example))["main"]("probe.csv")
     Path("afm.toml").write_text(
         'indenter = { shape = "paraboloid", radius = "20 nm" }\nloading = { radius = "12 nm" }\n'
         'specimen.layers = [{ thickness = "50 nm", E = "2 GPa", nu = 0.4 }]\n'
     )
-    assert call(["fit", "afm.toml", "probe.csv", "--free", "range", "--no-plots", "-o", "fitted"]) == 0
+    assert jkr("fit", "afm.toml", "probe.csv", "--free", "range", "--no-plots", "-o", "fitted").code == 0
     (written,) = Path("fitted").glob("*-fit.json")
     (found,) = json.loads(written.read_text())["curves"]
     estimate = found["estimates"]["range"]

@@ -235,11 +235,8 @@ def test_falling_load_is_named(path: Path) -> None:
 
 def test_foreign_truncated_missing(path: Path) -> None:
     whole = path.read_bytes()
-    for content, line in {
-        b"a_m,delta_m\n1,2\n": "is not an HDF5 file",
-        b"": "is not an HDF5 file",
-        whole[: len(whole) // 2]: "the HDF5 file is truncated and cannot be read; run the case again",
-    }.items():
+    none, cut = "is not an HDF5 file", "the HDF5 file is truncated and cannot be read; run the case again"
+    for content, line in {b"a_m,delta_m\n1,2\n": none, b"": none, whole[: len(whole) // 2]: cut}.items():
         path.write_bytes(content)
         assert refused_by(store.read_solution, path) == (f"{path}: {line}",)
     path.unlink()
@@ -314,25 +311,22 @@ def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable,
     for name in COLUMNS:  # up to 3e-16 apart on another processor than the one that wrote it
         np.testing.assert_allclose(getattr(found.series, name), getattr(exact.series, name), rtol=1e-15)
         np.testing.assert_allclose(found.series.errors[name], WIDER * exact.series.errors[name], rtol=1e-6)
-    assert (found.record.title, found.record.w, found.record.versions["jkr"]) == (
-        "A file of format 1",
-        (50.0,),
-        "0.1.0",
-    )
+    record = found.record
+    assert (record.title, record.w, record.versions["jkr"]) == ("A file of format 1", (50.0,), "0.1.0")
     assert (found.method, found.raw) == ("closed-form", None)
     assert found.budget.total == pytest.approx(WIDER * exact.budget.total, rel=1e-6)
     warning = f"jkr: warning: old.h5: {store.NO_DIGEST}\n"
-    for words in (
-        ("show", "old.h5"),
-        ("transform", "old.h5", "--no-plots"),
-        ("pull-off", "old.h5"),
-        ("profile", "old.h5", "--a", "5 um"),
-        ("cycle", "old.h5", "--no-plots"),
-        ("explore", "old.h5"),
-        ("compare", "old.h5", "old.h5"),
-    ):
-        done = jkr(*words).ok
-        assert done.err.count(warning) == 1, words
+    verbs = (
+        "show",
+        "transform --no-plots",
+        "pull-off",
+        "profile --a 5um",
+        "cycle --no-plots",
+        "explore",
+        "compare old.h5",
+    )
+    for verb in verbs:
+        assert jkr(*verb.split(), "old.h5").ok.err.count(warning) == 1, verb
     assert store.NO_DIGEST in jkr("show", "old.h5", "--json").out
     assert store.NO_DIGEST in (tmp_path / "old-w50.json").read_text()
 

@@ -26,13 +26,8 @@ def test_a_modulus_without_unit_that_no_solid_has_is_remarked(
 
 def test_symbols_of_the_field_are_answered_with_the_option(jkr: Callable) -> None:
     """--R was answered with --E and --w."""
-    for symbol, option in {
-        "--R": "--radius",
-        "--k": "--stiffness",
-        "--h": "--thickness",
-        "--alpha": "--half-angle",
-    }.items():
-        jkr("fit", "x.csv", symbol, "1").refused(f", did you mean '{option}'?")
+    for symbol, option in {"R": "radius", "k": "stiffness", "h": "thickness", "alpha": "half-angle"}.items():
+        jkr("fit", "x.csv", f"--{symbol}", "1").refused(f", did you mean '--{option}'?")
     assert "--radius" not in jkr("show", "x.h5", "--R", "1").err  # which has none
 
 

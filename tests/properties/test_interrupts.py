@@ -74,11 +74,8 @@ VERBS = {
 @pytest.fixture(name="folder")
 def _folder(jkr, tmp_path: Path) -> Path:
     """What the verbs read."""
-    for name, method, body, points in (
-        ("s", "closed-form", HALF_SPACE, 20),
-        ("l", "layered", LAYER, 100),
-        ("f", "fem", HALF_SPACE, 20),
-    ):
+    bodies = ("s", "closed-form", HALF_SPACE, 20), ("l", "layered", LAYER, 100), ("f", "fem", HALF_SPACE, 20)
+    for name, method, body, points in bodies:
         Path(f"{name}.toml").write_text(CASE.format(method=method, body=body, points=points))
     Path("many.toml").write_text(SWEEP)
     a = np.linspace(1e-5, 1e-4, 30)

@@ -112,8 +112,7 @@ def bounds(alternatives: RecordAlternatives, table: Table) -> Flow[RecordAlterna
     near, rates = (yield from ask(linearised, (table, every))), by_moves(record.fit)
     each = [_bounded(off if one.name in (RANGE, TENSION) else near, one, i, rates)
             for i, one in enumerate(alternatives.scores)]  # fmt: skip
-    followed = yield from beside([quiet(one) for one in each if not isinstance(one, Score)])
-    ends = iter(followed)
+    ends = iter((yield from beside([quiet(one) for one in each if not isinstance(one, Score)])))
     scores = [one if isinstance(one, Score) else next(ends) for one in each]
     named = [one for one in scores if one.word == DETECTED][:1]
     for best in named[:1]:  # and those that take nearly as much of the misfit, though they see fewer rows
@@ -178,8 +177,19 @@ class _Amounts:
         return {amount: moves for amount, moves in self.moves.items() if moves is not None}
 
     def at(self, amount: float) -> Flow[Moves | None]:
-        """The moves at an amount, from where those below lead."""
-        end = yield from _followed(self.near, self.change, amount, SCORE_TIED, self._begin(amount))
+        """The moves at an amount, from where those below lead: from the unknowns to first order, and what is missing to
+        those that are left next to it, or at the two below, on the straight line through these; nothing where none is
+        left next to it: another valley may begin there."""
+        missing = {0.0: np.zeros_like(self.near.x)}
+        missing |= {one: x - self.near.x - self._first(one) for one, x in self.ends.items()}
+        points, more = [0.0], min((more for more in self.moves if more > amount), default=0.0)
+        for less in sorted(less for less in self.moves if less < amount):
+            points = [*points, less] if less in missing else points[:1]
+        points += [more] if more in self.ends else []
+        first, last = points[-2:][0], points[-1]
+        share = (amount - last) / (last - first) if last > first else 0.0
+        begin = self.near.x + self._first(amount) + missing[last] + (missing[last] - missing[first]) * share
+        end = yield from _followed(self.near, self.change, amount, SCORE_TIED, begin)
         moves = None if end is None else (end[0], *_moves(self.near, end[1]))
         self.moves[amount] = None
         if end is not None and moves is not None and moves[0] < SCORE_TIED and np.isfinite(moves).all():
@@ -202,20 +212,6 @@ class _Amounts:
         known = [0.0, *sorted(self.first)]
         rows = np.array([np.zeros_like(self.ahead), *(self.first[one] for one in known[1:])])
         return np.array([np.interp(amount, known, column) for column in rows.T])
-
-    def _begin(self, amount: float) -> Array:
-        """Unknowns at an amount: to first order, and what is missing to those that are left next to it, or at the two
-        below, on the straight line through these; nothing where none is left next to it: another valley may begin
-        there."""
-        missing = {0.0: np.zeros_like(self.near.x)}
-        missing |= {one: x - self.near.x - self._first(one) for one, x in self.ends.items()}
-        points, more = [0.0], min((more for more in self.moves if more > amount), default=0.0)
-        for less in sorted(less for less in self.moves if less < amount):
-            points = [*points, less] if less in missing else points[:1]
-        points += [more] if more in self.ends else []
-        first, last = points[-2:][0], points[-1]
-        share = (amount - last) / (last - first) if last > first else 0.0
-        return self.near.x + self._first(amount) + missing[last] + (missing[last] - missing[first]) * share
 
 
 def _of_ranges(tried: _Amounts, score: Score, certain: float, long: bool) -> Flow[Score]:

@@ -38,7 +38,7 @@ class Known:
     level: float = LEVEL
     told: bool = False
 
-    @cached_property
+    @property
     def quantile(self) -> float:
         """Half-width of intervals, in standard errors."""
         return half_width(self.level)
@@ -97,7 +97,7 @@ class FittedRecord:
         """The column of the Jacobian that belongs to an unknown."""
         return self.jacobian[:, self.fit.names.index(name)]
 
-    @cached_property
+    @property
     def retraction(self) -> DirectionReadings | None:
         return next((part for part in self.model.stretches if part.kind != APPROACH), None)
 
@@ -116,17 +116,17 @@ class FittedRecord:
         """Largest contact radius [m]."""
         return float(self.a.max())
 
-    @cached_property
+    @property
     def modulus(self) -> float:
         """Factor of the body's moduli."""
         return math.exp(self.values["ln_s"])
 
-    @cached_property
+    @property
     def E_star(self) -> float:
         """E* of the body as fitted [Pa]."""
         return self.modulus * self.body.problem.E_star
 
-    @cached_property
+    @property
     def work(self) -> float:
         """The largest w of the directions [J/m^2], 0 where none adheres."""
         return max(0.0, *(self.values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
@@ -138,7 +138,7 @@ class FittedRecord:
         R = self.body.problem.indenter.tip_radius or self.a_max
         return float((self.work**2 * R / self.E_star**2) ** (1 / 3))
 
-    @cached_property
+    @property
     def narrow_range(self) -> float:
         """The range z0 [m] of which the ring is ``CHANGE_SMALL`` a_max wide there: d = pi E* z0^2/(4 w)."""
         return math.sqrt(4 * CHANGE_SMALL * self.a_max * self.work / (math.pi * self.E_star))
@@ -171,7 +171,7 @@ class FittedRecord:
         """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
         return 1 - self.by_position / self.model.k
 
-    @cached_property
+    @property
     def reach(self) -> float:
         """How far the device moves in contact [m]."""
         return max(part.reach for part in self.model.stretches)

@@ -112,7 +112,7 @@ class DirectionReadings:
         """The numbers of the rows in contact, where these are known."""
         return np.flatnonzero(self.touching)
 
-    @cached_property
+    @property
     def travel(self) -> float:
         """How far the device moves in all [m]."""
         return self.turn - float(self.z.min())

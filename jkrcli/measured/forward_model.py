@@ -654,8 +654,7 @@ class FittedBody:
         first, a0 = float(self.series.a[0]), self.series.a0
         steps = math.ceil(math.log10((first - a0) / (a - a0)) * RESOLVING_PER_DECADE)
         below = a0 + (a - a0) * np.geomspace(1.0, (first - a0) / (a - a0), steps, endpoint=False)
-        loading = Loading.given("radius", (*below.tolist(), *self.series.a.tolist()))
-        return self.on(loading)
+        return self.on(Loading.given("radius", (*below.tolist(), *self.series.a.tolist())))
 
     def under(self, indenter: Indenter, a: float) -> FittedBody:
         """The same specimen under another ``indenter``, solved to the contact radius ``a`` [m] and beyond."""

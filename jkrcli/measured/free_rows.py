@@ -371,7 +371,17 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float, sunk: float = 
     ``size``: rows of the record, ``stiffness`` of the device [N/m]; ``sunk``: by how much the surface may have sunk in
     a dwell [m].
     """
-    place = _place(sides, size, stiffness)
+    x, tips, free, inside = np.zeros(size), np.zeros(size), np.zeros(size, dtype=int), np.zeros(size, dtype=int)
+    used = [side for side in sides if side.x.size]
+    for side in used:
+        number = 1 + (side.kind != "approach")
+        x[side.rows], x[side.contact] = side.x, side.deep
+        free[side.rows], inside[side.contact] = number, number
+        base = float(np.mean(side.y[: max(side.y.size // 4, 1)]))
+        tips[side.contact] = side.deep - (side.pressed - base) / stiffness
+    at = next((float(side.x[-1]) for side in sorted(used, key=lambda one: one.kind != "approach")), 0.0)
+    way = max((float(np.ptp(side.x)) for side in used), default=1.0) or 1.0
+    place = Place(np.arange(size), x, tips, free, inside, at, way, stiffness)
     levels = [_levels(side) for side in sides]
     uneven = [side.rows[rows - 1 :] for side, (_, rows) in zip(sides, levels, strict=True) if rows < side.y.size]
     sides = [replace(side, rows=side.rows[:rows], x=side.x[:rows], y=side.y[:rows])
@@ -402,21 +412,6 @@ def row_noise(y: Array) -> float:
     """Standard deviation of a row by second differences, whatever the rows follow."""
     steps = y[1:] - y[:-1]
     return 1.4826 * median(np.abs(steps[1:] - steps[:-1])) / math.sqrt(6) if y.size > 3 else 0.0
-
-
-def _place(sides: Sequence[Side], size: int, stiffness: float) -> Place:
-    """Where the rows of a record lie."""
-    x, tips, free, inside = np.zeros(size), np.zeros(size), np.zeros(size, dtype=int), np.zeros(size, dtype=int)
-    used = [side for side in sides if side.x.size]
-    for side in used:
-        number = 1 + (side.kind != "approach")
-        x[side.rows], x[side.contact] = side.x, side.deep
-        free[side.rows], inside[side.contact] = number, number
-        base = float(np.mean(side.y[: max(side.y.size // 4, 1)]))
-        tips[side.contact] = side.deep - (side.pressed - base) / stiffness
-    at = next((float(side.x[-1]) for side in sorted(used, key=lambda one: one.kind != "approach")), 0.0)
-    way = max((float(np.ptp(side.x)) for side in used), default=1.0) or 1.0
-    return Place(np.arange(size), x, tips, free, inside, at, way, stiffness)
 
 
 # ---------------------------------------------------------------------- levels

@@ -115,8 +115,7 @@ class Settings:
     @property
     def of_the_approach(self) -> Settings:
         """From those of both directions those of the approach alone, whose w is that of the approach."""
-        approach = replace(self.known("w_approach"), name="w")
-        return self.without(("w", *OF_A_CYCLE), approach)
+        return self.without(("w", *OF_A_CYCLE), replace(self.known("w_approach"), name="w"))
 
     def without(self, names: Container[str], *first: Parameter) -> Settings:
         """The same without some parameters, and with others ``first``."""

@@ -273,7 +273,7 @@ class ByLaw(device_path.EdgeRule):
     evaluations: int
     slow: float
 
-    @cached_property
+    @property
     def w(self) -> float:
         """Work of adhesion [J/m^2] of an edge at rest."""
         return self.curve.w

@@ -123,10 +123,21 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     chosen = _retraction(t, P, device, lost) if t.size >= FEWEST_ROWS else np.empty(0, dtype=int)
     if chosen.size < FEWEST_ROWS:
         raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {FEWEST_ROWS} are needed")
-    base, loose = _motion(t[chosen], device[chosen])
+    # The device's motion as points (t, x), and standard deviations of its shift and tilt, from noise alone: that of the
+    # readings about the motion
+    times, x = t[chosen], device[chosen]
+    z = (times - (times[0] + times[-1]) / 2) / ((times[-1] - times[0]) / 2)
+    line = np.polynomial.Polynomial(np.polynomial.polynomial.polyfit(z, x, 1))
+    base = times[[0, -1]], line(np.array([-1.0, 1.0]))
+    off = noise_about(float(np.sum((x - line(z)) ** 2)), times.size - 2, x)
+    if off > RECORD_STRAIGHT * noise_from_third_differences(x) + SAME * float(np.ptp(x)):
+        knots = np.linspace(times[0], times[-1], min(RECORD_KNOTS, times.size // 4) + 1)
+        places, pieces = through(times, x, knots)
+        base, off = (knots, places), noise_about(float(np.sum((x - pieces) ** 2)), times.size - knots.size, x)
+    loose = off / np.sqrt(times.size), off / np.sqrt(np.sum((z - z.mean()) ** 2))
     stiffness = np.inf if curve.stiffness is None else float(curve.stiffness)
     a = None if part.a is None else part.a[chosen]
-    record = RateRecord(curve, t[chosen], P[chosen], a, {}, {}, base, loose, stiffness, numbers[chosen])
+    record = RateRecord(curve, times, P[chosen], a, {}, {}, base, loose, stiffness, numbers[chosen])
     noise = {name: noise_of(column) for name, column in record.columns.items()}
     return replace(record, noise=noise, sigma=noise)
 
@@ -157,21 +168,6 @@ def recovered(P: Array, lowest: int) -> int:
     """The row behind the ``lowest`` where the tension has all but gone; the number of rows where it never has."""
     risen = np.flatnonzero(P[lowest:] > RECORD_RECOVERED * P[lowest])
     return lowest + int(risen[0]) if risen.size else P.size
-
-
-def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, float]]:
-    """The device's motion as points (t, x), and standard deviations of its shift and tilt, from noise alone: that of
-    the readings about the motion."""
-    middle, half = (t[0] + t[-1]) / 2, (t[-1] - t[0]) / 2
-    z = (t - middle) / half
-    line = np.polynomial.Polynomial(np.polynomial.polynomial.polyfit(z, device, 1))
-    base, squares = (t[[0, -1]], line(np.array([-1.0, 1.0]))), float(np.sum((device - line(z)) ** 2))
-    noise = noise_about(squares, t.size - 2, device)
-    if noise > RECORD_STRAIGHT * noise_from_third_differences(device) + SAME * float(np.ptp(device)):
-        knots = np.linspace(t[0], t[-1], min(RECORD_KNOTS, t.size // 4) + 1)
-        places, pieces = through(t, device, knots)
-        base, noise = (knots, places), noise_about(float(np.sum((device - pieces) ** 2)), t.size - knots.size, device)
-    return base, (noise / np.sqrt(t.size), noise / np.sqrt(np.sum((z - z.mean()) ** 2)))
 
 
 # --------------------------------------------------------------------------------------------------

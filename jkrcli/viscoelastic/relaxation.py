@@ -719,7 +719,20 @@ class RelaxingContact:
         raise InputError("cycle: no reversal keeps the contact within the solution: give it, --to-depth")
 
     def _path(self, program: Program) -> RelaxedPath:
-        t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
+        # The program from first contact on, where it holds 0; loads up to where they come to 0 again
+        t, x = _ended(program)
+        pressed = np.flatnonzero(x > 0)
+        if not pressed.size:
+            raise InputError(f"program: never presses: its largest value is {np.max(x):g}, contact begins at 0")
+        first = int(pressed[0])
+        begin = t[0] if first == 0 else t[first] - x[first] / (x[first] - x[first - 1]) * (t[first] - t[first - 1])
+        t, x = np.append(begin, t[first:]), np.append(0.0, x[first:])
+        if self.stiffness == LOAD_CONTROL and (pulled := np.flatnonzero((x[1:] <= 0) & (x[:-1] > 0))).size:
+            i = int(pulled[0])
+            part = x[i] / (x[i] - x[i + 1])
+            t, x = np.append(t[: i + 1], t[i] + part * (t[i + 1] - t[i])), np.append(x[: i + 1], 0.0)
+        if not t[-1] > t[0]:
+            raise InputError("program: must last longer than no time in contact")
         modes = self._modes(t)
         if math.isinf(self.stiffness):
             return depth_controlled(self.depths, modes, t, x, PATH_RATIO**self.coarser, self.grows)
@@ -776,23 +789,6 @@ def _ended(program: Program) -> tuple[Array, Array]:
     if program.rate > 0 or program.x[-1] <= 0:
         raise InputError("program: the way back must begin in contact")
     return np.append(program.t, program.t[-1] - program.x[-1] / program.rate), np.append(program.x, 0.0)
-
-
-def _in_contact(t: Array, x: Array, loaded: bool) -> tuple[Array, Array]:
-    """The program from first contact on, where it holds 0; loads up to where they come to 0 again."""
-    pressed = np.flatnonzero(x > 0)
-    if not pressed.size:
-        raise InputError(f"program: never presses: its largest value is {np.max(x):g}, contact begins at 0")
-    first = int(pressed[0])
-    begin = t[0] if first == 0 else t[first] - x[first] / (x[first] - x[first - 1]) * (t[first] - t[first - 1])
-    t, x = np.append(begin, t[first:]), np.append(0.0, x[first:])
-    if loaded and (pulled := np.flatnonzero((x[1:] <= 0) & (x[:-1] > 0))).size:
-        i = int(pulled[0])
-        part = x[i] / (x[i] - x[i + 1])
-        t, x = np.append(t[: i + 1], t[i] + part * (t[i + 1] - t[i])), np.append(x[: i + 1], 0.0)
-    if not t[-1] > t[0]:
-        raise InputError("program: must last longer than no time in contact")
-    return t, x
 
 
 @dataclass(frozen=True, eq=False)

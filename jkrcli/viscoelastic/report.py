@@ -226,8 +226,7 @@ class CycledRelaxing(RelaxedHistory, Result):
     def of(cls, contact: RelaxingContact, program: Program, file: Path, points: int = ROWS) -> CycledRelaxing:
         """What happens to ``contact`` under ``program``."""
         try:
-            history = contact.history(program)
-            whole = cls(**_fields(history), file=file, points=points)
+            whole = cls(**_fields(contact.history(program)), file=file, points=points)
             whole.summary()  # may find that the contact is loaded again
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None

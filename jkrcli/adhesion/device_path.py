@@ -1159,6 +1159,7 @@ def turning_radius(
         raise InputError(
             f"cycle: the reversal at {name} = {show(value, unit)} is not reached on approach, which in this solution "
             f"goes from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
+            f"{': increase [loading] radius' if value > getattr(last, name) else ''}"
         )
     return met[0]
 

@@ -167,7 +167,7 @@ def large_strains(
     name = max(ratios, key=lambda each: ratios[each])
     if ratios[name] <= LIMITS.strained:
         return None
-    return Unknown(f"not estimated for this body, {name} = {ratios[name]:.2g} at pull-off")
+    return Unknown(f"of unknown effect, {name} = {ratios[name]:.2g} at pull-off")
 
 
 def strains_are_known(problem: Problem) -> bool:
@@ -201,7 +201,7 @@ def with_large_strains(judged: Validity, change: Strains) -> Validity:
     regime = judged.regime
     if strain_size(change) > LIMITS.effect:
         small = regime.startswith("JKR holds")
-        regime = f"short-range adhesion, but {strain_words(change)}" if small else f"{regime}; {strain_words(change)}"
+        regime = "short-range adhesion, but large strains" if small else f"{regime}; {strain_words(change)}"
     return replace(judged, regime=regime, large_strains=change)
 
 
@@ -412,8 +412,8 @@ def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float |
     width = math.pi * E_star * G / (4 * sigma**2)
     if width < LIMITS.atom:
         small = Unknown(
-            f"the attraction's stress, {show(sigma, 'modulus')}, gives {width:.1g} m, less than an atom: "
-            "dissipation on so soft a body reaches further: give its own stress, --stress"
+            f"from the stress of the attraction, {show(sigma, 'modulus')}, its size would be "
+            f"{show(width, 'length', 2)}, less than an atom; give the stress of the dissipating zone, --stress"
         )
         return Zone(small, small, small)
     return Zone(width, width / a, NO_LAYER if math.isinf(h) else width / h)

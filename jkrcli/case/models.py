@@ -841,7 +841,8 @@ KINDS = {  # what the file must hold, by pydantic's types of findings
 KeysAt = Callable[[tuple[str, ...]], list[str]]
 # Of keys that other tables have, which one of them means
 ELSEWHERE = {
-    "counter_radius": ': the radius of a spherical specimen needs shape = "paraboloid"; omit it on a flat specimen'
+    "counter_radius": ': the radius of a spherical specimen needs shape = "paraboloid"; omit it on a flat specimen',
+    "specimen.E": ", a half-space is [specimen.half_space] with E and nu, a layer [[specimen.layers]]",
 }
 
 
@@ -997,10 +998,11 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
     where, value, context = _path(item["loc"], tree), item["input"], item.get("ctx", {})
     match item["type"]:
         case "missing":
-            return f"{where}: is required"
+            infinite = where.startswith("specimen.layers") and where.endswith(".thickness")
+            return f"{where}: is required{'; a half-space is [specimen.half_space]' if infinite else ''}"
         case "extra_forbidden":
             keys = _allowed(item["loc"], keys_at)
-            hint = ELSEWHERE.get(str(item["loc"][-1])) or did_you_mean(item["loc"][-1], keys)
+            hint = ELSEWHERE.get(where) or ELSEWHERE.get(str(item["loc"][-1])) or did_you_mean(item["loc"][-1], keys)
             return f"{where}: unknown key{hint} (allowed: {', '.join(keys)})"
         case "literal_error":
             allowed = [str(word).strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]

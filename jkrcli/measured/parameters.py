@@ -424,7 +424,7 @@ def implausible_work(w: float, E_star: float) -> str:
     if w < SMALL_WORK and E_star >= FIRM:
         least = f"a few mJ/m^2 in air and hardly less than {show(SMALL_WORK, 'work')} in liquids"
         small = f"w = {show(w, 'work')} is implausibly small for E* = {show(E_star, 'modulus')}"
-        return f"{small}: solids so stiff have {least}: {check}"
+        return f"{small}: solids of such a modulus have {least}: {check}"
     return ""
 
 

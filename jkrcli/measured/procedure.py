@@ -409,7 +409,7 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
         of_error = f" (1 % changes E* by {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} %)"
         of_device = {"stiffness": "spring constant", "sensitivity": f"sensitivity{of_error}"}
         missing += [words for name, words in of_device.items() if name not in fitted.settings.uncertain]
-    words = f"{', '.join(missing)}: --uncertain adds their errors" if missing else ""
+    words = f"errors of {', '.join(missing)}: --uncertain adds them" if missing else ""
     fitted = replace(fitted, not_included=words)
     modulus = next((item for item in fitted.estimates if item.name == "E_star"), None)
     if ratio is None or ratio <= STIFFEST or modulus is None or not modulus.free:
@@ -516,7 +516,7 @@ def with_other_profile(
         return fitted
     others = [two for _, two in reversed(pairs)]
     values = ", ".join(f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension)}" for item in others)
-    words = f"by the {name} of the same radius {values} (a/R up to {largest / R:.2g}): choose --shape"
+    words = f"a {name} of the same radius would give {values} (a/R up to {largest / R:.2g}): choose --shape"
     return replace(fitted, tip="; ".join(filter(None, (fitted.tip, words))))
 
 

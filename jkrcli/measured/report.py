@@ -110,7 +110,7 @@ class Fits(Several):
                 continue
             sizes, dimension = [one.value for one in estimates], estimates[0].dimension
             middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
-            parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
+            parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; least {low}, largest {high})")
         why = {word: Counter(kind_of(reason_of(item))[:LONGEST_REASON] for item in self.outcomes
                              if status_of(item) == word) for word in (DOUBTFUL, UNUSABLE)}  # fmt: skip
         counts = [f"{len(self.fits):,} of {counted(len(self.outcomes), 'curve')} fitted"]

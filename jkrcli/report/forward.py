@@ -48,13 +48,15 @@ def draw_curve(curve: Analysis, scales: Scales | None = None) -> Figure:
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
          "theta": "edge_angle"}  # fmt: skip
-# How the warnings begin that say again what the line of the Tabor number says.
+# How warnings begin that repeat the line of the Tabor number.
 ABOVE = "Tabor", "JKR does not hold", "JKR is doubtful"
 
 
 @dataclass(frozen=True, eq=False)
 class PullOff(Result):
     """What is read off one curve under each control."""
+
+    first_lines = 16
 
     result: Analysis
     lost: Sequence[Lost]

@@ -27,9 +27,9 @@ from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
 from ..resolve.analysis import Analysis, is_solved_at
 from ..resolve.resolve import sticking
 
-SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
 PRINTED = 1e-4  # choice: relative error from which each force is printed with its own
+SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
 DIMENSIONS = {  # of quantities by their names
     **dict.fromkeys(("delta", "a", "c", "at", "position"), "length"),
@@ -173,9 +173,9 @@ def law_words(result: Analysis) -> str:
 
 
 def digits(value: float, change: Strains, known_to: float = 0.0) -> int:
-    """How many digits of a ``value`` are worth showing that large strains ``change`` and that is ``known_to`` a
-    relative error: to the second of the larger one."""
-    error = abs(value) * max(strain_size(change), known_to)
+    """How many digits of a ``value`` are worth showing that large strains ``change``, by a tenth where that is unknown,
+    and that is ``known_to`` a relative error: to the second of the larger one."""
+    error = abs(value) * max(0.1 if isinstance(change, Unknown) else strain_size(change), known_to)
     return 4 if error == 0 else min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 2), 4)
 
 
@@ -183,10 +183,9 @@ def error_words(error: Estimate, change: Strains, name: str = "numerical error")
     """The relative ``error`` called ``name``, and the model's: what large strains ``change``, far larger or not."""
     if change is None:
         return f"{accuracy(error, name)} ({AT_LEVEL} confidence)"
-    size = strain_size(change)
-    seen = isinstance(error, Unknown) or error > SEEN * size
-    numerical = f"{accuracy(error, name)} ({AT_LEVEL} confidence)" if seen else f"{name} far smaller"
-    return f"{strain_words(change)} (model), {numerical}"
+    seen = isinstance(error, Unknown) or error > SEEN * strain_size(change)
+    numerical = f"{accuracy(error, name)} ({AT_LEVEL} confidence)" if seen else f"the {name} is far below that"
+    return f"{strain_words(change)} (model); {numerical}"
 
 
 def strains(change: Strains) -> dict[str, Any]:

@@ -28,7 +28,7 @@ def test_less_than_an_atom_is_no_size() -> None:
     found = zone(0.07, 0.035, 2e4, 1e-3, 1e-4, None, 3e-10)
     for size in (found.width, found.over_a, found.over_h):
         assert isinstance(size, Unknown)
-    assert "116.7 MPa, gives 8e-14 m, less than an atom" in found.words
+    assert "116.7 MPa, its size would be 0.081 pm, less than an atom" in found.words
     assert found.warnings == []
 
 

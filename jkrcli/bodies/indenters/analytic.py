@@ -124,7 +124,8 @@ class PowerLaw(Indenter):
 
     @property
     def words(self) -> str:
-        return f"cone of slope {self.B:.4g}" if self.d == 1 else f"profile {self.B:.4g} r^{self.d:g}"
+        half_angle = math.degrees(math.atan(1 / self.B))
+        return f"cone of half-angle {half_angle:.4g} deg" if self.d == 1 else f"profile {self.B:.4g} r^{self.d:g}"
 
     def f(self, r: Array) -> Array:
         return self.B * np.asarray(r, dtype=float) ** self.d

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -824,7 +824,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
         # Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
         # little
         body = AttractedBody(problem, kept=solution.kernel)
-        half_way = (a + cast(float, problem.specimen.radius)) / 2
+        half_way = (a + problem.specimen.radius) / 2
         attraction = body.attraction(min(3 * a, half_way, body.limit))
         r = _around(a, attraction.reach)
         return _of_surface(problem, r, adhesive_surface(attraction, a, w, r, body.scale))

@@ -259,9 +259,9 @@ def read_table(
     for place, beside, block in ((0, 1, numbers[1:]), (-1, -1, numbers[:-1])):
         if block.size >= TEXT_BLOCK and (np.diff(block) == 1).all() and rows[place][0] + beside not in known:
             alone[rows[place][0]] = rows[place][1]
-    beside = [item for item in lines_of_file if item[0] not in alone] if alone else lines_of_file
-    dialect, sample = _dialect(path, beside, separator, decimal, least, is_text)
-    lines, values = _rows(beside, dialect, gaps=not finite)
+    others = [item for item in lines_of_file if item[0] not in alone] if alone else lines_of_file
+    dialect, sample = _dialect(path, others, separator, decimal, least, is_text)
+    lines, values = _rows(others, dialect, gaps=not finite)
     if decimal is None:
         _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
     missing = {} if finite else _missing(values)
@@ -269,7 +269,7 @@ def read_table(
     for i, number in missing.items():
         gone[:, i] = values[:, i] == number
     values = np.where(gone, np.nan, values)
-    table = _table(path, beside, dialect, lines, values, finite, is_note)
+    table = _table(path, others, dialect, lines, values, finite, is_note)
     failed = table.failed | set(lines[gone.any(axis=1)].tolist())
     return replace(table, failed=failed, missing=missing, alone=alone)
 

@@ -129,9 +129,9 @@ class Angles:
         t, root = tau[:n] / edges[ANGLES_FIRST], np.sqrt(w[:n])
         powers = [t ** (2 * i) for i in range(1, ANGLES_TERMS + 1)]
         basis = np.stack([np.ones(n), *powers, *(power * np.log(t) for power in powers)], axis=1)
-        row = np.zeros(tau.size)
-        row[:n] = np.linalg.pinv(basis * root[:, None])[0] * root
-        return cls(edges, order, tau, w, row, apart, across, plain, mirrored, *rest)
+        to_edge = np.zeros(tau.size)
+        to_edge[:n] = np.linalg.pinv(basis * root[:, None])[0] * root
+        return cls(edges, order, tau, w, to_edge, apart, across, plain, mirrored, *rest)
 
     @cached_property
     def nearest(self) -> float:

@@ -111,7 +111,7 @@ def _arrow(axes: Axes, line: Sequence[Array], a: Array, colour: str) -> None:
 
 def _near_rows(fit: Fit) -> Array:
     """Where the fitted line runs along the rows, not far beyond them."""
-    return np.asarray(fit.line["a"] <= 1.02 * fit.a.max())
+    return fit.line["a"] <= 1.02 * fit.a.max()
 
 
 def _residuals(axes: Axes, fit: Fit) -> None:

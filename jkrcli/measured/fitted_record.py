@@ -116,17 +116,17 @@ class FittedRecord:
         """Largest contact radius [m]."""
         return float(self.a.max())
 
-    @property
+    @cached_property
     def modulus(self) -> float:
         """Factor of the body's moduli."""
         return math.exp(self.values["ln_s"])
 
-    @property
+    @cached_property
     def E_star(self) -> float:
         """E* of the body as fitted [Pa]."""
         return self.modulus * self.body.problem.E_star
 
-    @property
+    @cached_property
     def work(self) -> float:
         """The largest w of the directions [J/m^2], 0 where none adheres."""
         return max(0.0, *(self.values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
@@ -138,7 +138,7 @@ class FittedRecord:
         R = self.body.problem.indenter.tip_radius or self.a_max
         return float((self.work**2 * R / self.E_star**2) ** (1 / 3))
 
-    @property
+    @cached_property
     def narrow_range(self) -> float:
         """The range z0 [m] of which the ring is ``CHANGE_SMALL`` a_max wide there: d = pi E* z0^2/(4 w)."""
         return math.sqrt(4 * CHANGE_SMALL * self.a_max * self.work / (math.pi * self.E_star))
@@ -171,7 +171,7 @@ class FittedRecord:
         """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
         return 1 - self.by_position / self.model.k
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """How far the device moves in contact [m]."""
         return max(part.reach for part in self.model.stretches)

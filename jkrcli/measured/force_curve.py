@@ -865,7 +865,7 @@ class ForceCurveFit:
         """By how much the unknowns move, to first order, where the readings are higher by ``loads`` of all rows [N]."""
         J, by = self.weighted[:-1], self.model.whitened(loads[self.model.rows], self.spread.noise)
         scale = np.maximum(np.linalg.norm(J, axis=1), 1e-300)
-        return np.asarray(np.linalg.lstsq(J.T / scale, by, rcond=SAME)[0] / scale)
+        return np.linalg.lstsq(J.T / scale, by, rcond=SAME)[0] / scale
 
     def at_loads(self, factor: float) -> Array:
         """The unknowns as they are about where all loads are ``factor`` times as large."""

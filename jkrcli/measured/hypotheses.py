@@ -136,25 +136,23 @@ class RangeChange(BodyChange):
             E, z0 = change.of(plain.family, values)
             if (w := values[f"q:{part.kind}"] * math.exp(values["ln_s"])) > 0 and 0 < z0 < math.inf:
                 rings.append((i, plain.family, E, z0, w))
-        if rings:
-            places, *each = zip(*rings, strict=True)
-            changes[list(places), 1::2] = _maugis(*each)
+        if not rings:
+            return list(changes)
+
+        # The stress sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the
+        # load by 2 sigma a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3).
+        places, families, *each = zip(*rings, strict=True)
+        E, z0, w = np.array(each)[..., None]
+        nodes = [np.stack([_radii(family), on_grid(family)[0, 0]]) for family in families]
+        a, D = np.stack(nodes, axis=1)[..., ::ADHESION_EVERY]
+        sigma = w / z0
+        m = _rim(a, D, E, w, sigma)
+        root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
+        shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
+        pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
+        logs = np.stack([np.log(shift), np.log(pull)], axis=1)
+        changes[list(places), 1::2] = logs @ _splines(grid(families[0]).size)
         return list(changes)
-
-
-def _maugis(families: Sequence[Family], *each: Sequence[float]) -> Array:
-    """Changes of the logs of T and V (rings, 2, n) of bodies of E* [Pa] with the range z0 [m] of w [J/m^2]: the stress
-    sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2 sigma
-    a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
-    E, z0, w = np.array(each)[..., None]
-    nodes = [np.stack([_radii(family), on_grid(family)[0, 0]]) for family in families]
-    a, D = np.stack(nodes, axis=1)[..., ::ADHESION_EVERY]
-    sigma = w / z0
-    m = _rim(a, D, E, w, sigma)
-    root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
-    shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
-    pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
-    return np.stack([np.log(shift), np.log(pull)], axis=1) @ _splines(grid(families[0]).size)
 
 
 @lru_cache

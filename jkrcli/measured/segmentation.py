@@ -714,7 +714,7 @@ def _over_first(operation: np.ufunc, values: Array, starts: Array, rows: Array) 
     """The sums, or extremes, by an ``operation`` of so many ``rows`` (B,) of the ``values`` from each of the
     ``starts`` (B,) on."""
     edges = np.column_stack([starts, starts + rows]).ravel()
-    return np.asarray(operation.reduceat(values, edges[:-1] if edges[-1] == values.size else edges)[::2])
+    return operation.reduceat(values, edges[:-1] if edges[-1] == values.size else edges)[::2]
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -742,7 +742,7 @@ def _best_cuts(x: Array, y: Array, rows: Array) -> Array:
     between = np.stack([np.add.reduceat(power.ravel(), edges).reshape(rows.size, -1) for power in powers])
     before, beyond = np.cumsum(between[..., :-1], axis=2), np.cumsum(between[..., :0:-1], axis=2)[..., ::-1]
     left = _left_by_sums(before, cuts, 1) + _left_by_sums(beyond, count - cuts, 2)
-    return np.asarray(cuts[np.arange(rows.size), np.argmin(left, axis=1)])
+    return cuts[np.arange(rows.size), np.argmin(left, axis=1)]
 
 
 def _left_by_sums(sums: Array, rows: Array, degree: int) -> Array:

@@ -94,7 +94,7 @@ class TenseFamily:
         def interpolated(w: float) -> Array:
             depth, load = lagging(D, H, S, math.sqrt(w / s) * T)
             first = int(np.argmin(depth))
-            return np.asarray(np.interp(delta, depth[first:], s * load[first:]))
+            return np.interp(delta, depth[first:], s * load[first:])
 
         return interpolated(w) if w >= 0 else 2 * interpolated(0.0) - interpolated(-w)
 

@@ -29,7 +29,7 @@ from ..measured.parameters import Unknowns
 from .adhesive_loads import APART, CONVERGED, LIKELY_RANGE, STEEP, ZONE, Adhering
 from .law_posterior import MARCH_ERROR, Nearby, Posterior
 from .relaxing_adhesion import ZONE_SLOPE
-from .timed_record import BESIDE, MISFIT, ROWS_APART, UNSETTLED, RelaxationFit, RelaxationSettings
+from .timed_record import BESIDE, MISFIT, ROWS_APART, UNSETTLED, ZEROS, RelaxationFit, RelaxationSettings
 from .whole_record import BASE_FEWEST, MEAN, NEAR, PARTING_TIME, Cycle
 
 DEEPER = 1.5  # choice: times the depth, to which a body is solved
@@ -160,7 +160,14 @@ def prepared(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> Ad
         raise InputError(body.no_range.replace("adhesion of finite range", "adhesion on a viscoelastic specimen"))
     cycle = Cycle.of(curve)
     _check(cycle)
-    settings = _with_base_line(cycle, settings)
+    # Free too, unless fixed, are the stress and, where there are free rows, the zeros
+    if not settings.ranged:
+        settings = replace(settings, adhesion=(*settings.adhesion, "stress"))
+    free = cycle.free.sum() >= BASE_FEWEST
+    zeros = [name for name in ZEROS if name not in settings.fixed and (name in settings.zeros or free)]
+    if "tilt" in zeros and "tilt" not in settings.zeros and np.ptp(cycle.z[cycle.free]) < 0.05 * np.ptp(cycle.z):
+        zeros.remove("tilt")
+    settings = replace(settings, zeros=tuple(zeros))
     depth = float(cycle.tip.max()) - min(cycle.touches)
     body = body.to_depth(DEEPER * depth)
     z, P = float(np.ptp(cycle.z)), float(np.ptp(cycle.P))
@@ -191,19 +198,6 @@ def _check(cycle: Cycle) -> None:
         raise InputError(
             f"{cycle.curve.where}: w: no adhesion shows, no load lies below that before contact; leave w out"
         )
-
-
-def _with_base_line(cycle: Cycle, settings: RelaxationSettings) -> RelaxationSettings:
-    """Free too, unless fixed, are the stress and, where there are free rows, the zeros."""
-    if not settings.ranged:
-        settings = replace(settings, adhesion=(*settings.adhesion, "stress"))
-    free = cycle.free.sum() >= BASE_FEWEST
-    zeros = [
-        name for name in ("delta0", "P0", "tilt") if name not in settings.fixed and (name in settings.zeros or free)
-    ]
-    if "tilt" in zeros and "tilt" not in settings.zeros and np.ptp(cycle.z[cycle.free]) < 0.05 * np.ptp(cycle.z):
-        zeros.remove("tilt")
-    return replace(settings, zeros=tuple(zeros))
 
 
 def _beside(fine: Adhering, like: RelaxationFit) -> Nearby | None:

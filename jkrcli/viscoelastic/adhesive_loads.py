@@ -98,7 +98,7 @@ class Adhering:
         """The loads that are read [N]."""
         values, cycle = self.unknowns.values(theta), self.cycle
         line = values["P0"] + values["tilt"] * (cycle.z - cycle.z[0])
-        return np.asarray(line + self.instant(theta) * marched.load(cycle.t) + self.correction)
+        return line + self.instant(theta) * marched.load(cycle.t) + self.correction
 
     def corrected(self, theta: Array, here: Marched) -> Adhering:
         """The same with what zones of no width, and shorter steps, change from the march ``here`` with ``theta``, by a

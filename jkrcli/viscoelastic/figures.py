@@ -53,7 +53,15 @@ def relaxation_fit_figure(fits: Sequence[RelaxationFit], speeds: Sequence[float]
     height, count = 5.0 * len(shown) + 2.5 * last, 4 * len(shown) + last
     with panelled(plots.WIDE, height, count, columns=2, legend=4 if last else 3) as (figure, axes):
         if last:
-            _work_over_speed(axes[-1], fits[0], speeds)
+            # G = w(v) with which the crack opens, with its band, a tenfold beyond the speeds
+            v = np.geomspace(min(speeds) / 10, 10 * max(speeds), 60)
+
+            def logs(p: Mapping[str, float]) -> Array:
+                law, w0 = law_of(str(fits[0].settings.rate), {**p, "w0": p["w"]})
+                return np.log(law.work(w0, v))
+
+            w, low, high = fits[0].intervals(logs).T
+            law_band(axes[-1], v, w, low, high, plots.BLACK, "w over the speed of the edge")
         for i, fit in enumerate(shown):
             over_time, over_depth, left, moduli = axes[4 * i : 4 * i + 4]
             record, (delta, P) = fit.record, _delta_and_P(fit.record.imposed, fit.record.response, fit)
@@ -82,18 +90,6 @@ def relaxation_fit_figure(fits: Sequence[RelaxationFit], speeds: Sequence[float]
 
 def _delta_and_P(imposed: Array, response: Array, fit: RelaxationFit) -> tuple[Array, Array]:
     return (response, imposed) if fit.record.loaded else (imposed, response)
-
-
-def _work_over_speed(axes: Axes, fit: RelaxationFit, speeds: Sequence[float]) -> None:
-    """The energy release rate G = w(v) with which the crack opens, with its band, a tenfold beyond the ``speeds``."""
-    v = np.geomspace(min(speeds) / 10, 10 * max(speeds), 60)
-
-    def logs(p: Mapping[str, float]) -> Array:
-        law, w0 = law_of(str(fit.settings.rate), {**p, "w0": p["w"]})
-        return np.log(law.work(w0, v))
-
-    w, low, high = fit.intervals(logs).T
-    law_band(axes, v, w, low, high, plots.BLACK, "w over the speed of the edge")
 
 
 def _relaxed_moduli(axes: Axes, fit: RelaxationFit) -> None:

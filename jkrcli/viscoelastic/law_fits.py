@@ -138,7 +138,11 @@ FIGURES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).figu
 
 
 def _fit(fit: RelaxationFit) -> dict[str, Any]:
-    record = fit.record
+    record, over_time = fit.record, list[dict[str, float]]()
+    if fit.settings.adheres:  # E*(t) after a step at some times within the contact, with its intervals
+        t = np.geomspace(OVER_TIME[0], OVER_TIME[-1], OVER_TIMES) * (record.lasting or float(np.ptp(record.t)))
+        names = ("t_s", "E_star_Pa", "low_Pa", "high_Pa")
+        over_time = [dict(zip(names, row, strict=True)) for row in np.column_stack([t, fit.modulus(t)]).tolist()]
     return {
         "curve": record.curve.where,
         "rows": record.t.size,
@@ -148,19 +152,12 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
         "free": list(fit.free),
         "estimates": {item.name: estimate_summary(item, fit.settings.level) for item in fit.estimates},
         "rheology": rheology.summary(fit),
-        **({"modulus_over_time": _over_time(fit)} if fit.settings.adheres else {}),
+        **({"modulus_over_time": over_time} if over_time else {}),
         "scatter": fit.scatter,
         "degrees_of_freedom": fit.dof,
         "status": DOUBTFUL if fit.doubts else FITTED,
         "warnings": list(fit.warnings),
     }
-
-
-def _over_time(fit: RelaxationFit) -> list[dict[str, float]]:
-    """E*(t) after a step at some times within the contact, with its intervals."""
-    t = np.geomspace(OVER_TIME[0], OVER_TIME[-1], OVER_TIMES) * (fit.record.lasting or float(np.ptp(fit.record.t)))
-    names = ("t_s", "E_star_Pa", "low_Pa", "high_Pa")
-    return [dict(zip(names, row, strict=True)) for row in np.column_stack([t, fit.modulus(t)]).tolist()]
 
 
 @WORDS.register(RelaxationFit)

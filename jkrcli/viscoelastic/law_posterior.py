@@ -135,18 +135,18 @@ class Nearby:
 
     def spectrum(self, law: Array) -> Array:
         """The weights of exp(-q_k t) - 1 in r(t)/r(0) - 1 of laws (n, parameters), (n, rates)."""
-        return np.asarray((self.relaxed(law) - 1) @ OMEGA)
+        return (self.relaxed(law) - 1) @ OMEGA
 
     @cached_property
     def own_spectrum(self) -> Array:
         """That of the ``modes``."""
         t = SPECTRUM_TIMES * self.model.cycle.lasting
-        return np.asarray(np.expm1(-np.multiply.outer(t, self.modes.rates)) @ self.modes.weights @ OMEGA)
+        return np.expm1(-np.multiply.outer(t, self.modes.rates)) @ self.modes.weights @ OMEGA
 
     def stiffer(self, law: Array) -> Array:
         """Log of r(0) of laws (n, parameters) over that of ``x``, (n,)."""
         zero = np.zeros(1)
-        return np.asarray(np.log(self.r(law, zero) / self.r(self.x[self.own][None], zero))[:, 0])
+        return np.log(self.r(law, zero) / self.r(self.x[self.own][None], zero))[:, 0]
 
     def moves(self, x: Array) -> float:
         """By how many standard errors of the rows the loads at ``x`` differ from those here, squared."""
@@ -273,7 +273,7 @@ class Posterior:
     def likeliest(self) -> Array:
         """The unknowns with the likeliest law."""
         law = self._settled(self._about(np.random.default_rng(SEED)))
-        return np.asarray(self._whole(law[:1])[0])
+        return self._whole(law[:1])[0]
 
     def _about(self, rng: np.random.Generator) -> Array:
         """Parameters of the law: its own, first, others near to it, and as many anywhere."""

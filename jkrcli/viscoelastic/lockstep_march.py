@@ -277,7 +277,7 @@ class March:
         y = np.clip(y, 0, logs.shape[2] - 1.001)
         i, side = y.astype(int), (v > 0).astype(int)
         low = logs[side, rows, i]
-        return np.asarray(low + (y - i) * (logs[side, rows, i + 1] - low))
+        return low + (y - i) * (logs[side, rows, i + 1] - low)
 
     # ------------------------------------------------------------------ one step
     def _some(self, rows: Array) -> Array | slice:

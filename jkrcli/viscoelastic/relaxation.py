@@ -82,7 +82,7 @@ class Steps:
         """The places of times ``t``, behind a jump."""
         k = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, self.t.size - 2)
         h, since = self.t[k + 1] - self.t[k], t - self.t[k]
-        return np.asarray(k + np.clip(np.divide(since, h, out=np.ones_like(since), where=h > 0), 0.0, 1.0))
+        return k + np.clip(np.divide(since, h, out=np.ones_like(since), where=h > 0), 0.0, 1.0)
 
     def times(self, places: Array) -> Array:
         """The times [s] of ``places`` (n,)."""
@@ -98,12 +98,12 @@ class Steps:
 
     def values(self, places: Array) -> Array:
         """q at ``places`` (n,)."""
-        return np.asarray(self.parts(places)[2].sum(axis=1))
+        return self.parts(places)[2].sum(axis=1)
 
     def rates(self, places: Array) -> Array:
         """Derivative of q by the place, at ``places`` (n,)."""
         k, powers = np.clip(places.astype(int), 0, self.t.size - 2), np.arange(1, self.p.shape[1])
-        return np.asarray(((places - k)[:, None] ** (powers - 1) * (powers * self.p[k, 1:])).sum(axis=1))
+        return ((places - k)[:, None] ** (powers - 1) * (powers * self.p[k, 1:])).sum(axis=1)
 
     def integrals_to_ends(self, now: Array) -> Array:
         """The ``integral`` up to all times ``t`` seen from the times ``now`` [s] behind them, (now, times)."""
@@ -144,7 +144,7 @@ class View(NamedTuple):
         for j, moment in enumerate(self.moments[: p.shape[1] - 1]):
             grown += (j + 1) * p[:, j + 1, None] * moment
         seen = np.sum(self.of_states * of.states[self.k] + self.weights * grown, axis=1)
-        return np.asarray(of.modes.relaxed * p.sum(axis=1) + seen)
+        return of.modes.relaxed * p.sum(axis=1) + seen
 
 
 # --------------------------------------------------------------------------------------------------
@@ -403,7 +403,7 @@ class Kernel:
     def gains(self) -> Array:
         """What is remembered at the end of each step of the values at its places, (n, m, 7)."""
         by_power = moments(np.multiply.outer(self.h, self.modes.rates), DEGREE)
-        return np.asarray(np.stack([0 * by_power[0], *((j + 1) * x for j, x in enumerate(by_power))], -1) @ POWERS.T)
+        return np.stack([0 * by_power[0], *((j + 1) * x for j, x in enumerate(by_power))], -1) @ POWERS.T
 
     def seen(self, memory: Array) -> Array:
         return np.exp(-np.multiply.outer(self.since, self.modes.rates)) @ (self.modes.weights * memory)
@@ -582,7 +582,7 @@ class Drive:
 
         def excess(log: Array) -> Array:
             depth = np.exp(log)
-            return np.asarray(position(depth, seen + stiff * self.depths.loads(depth), self.stiffness) - x)
+            return position(depth, seen + stiff * self.depths.loads(depth), self.stiffness) - x
 
         # log depths to begin with: of an elastic contact `stiff` times as stiff, loaded in one step
         low, high = (np.full(x.size, math.log(edge)) for edge in (self.depths.least, self.depths.most))
@@ -754,7 +754,7 @@ class RelaxingContact:
 
         def reached(places: Array) -> Array:
             loads = path.load.integral(places, path.load.times(places))
-            return np.asarray((loads if load is not None else path.depth.values(places)) - wanted)
+            return (loads if load is not None else path.depth.values(places)) - wanted
 
         places = np.linspace(0, path.last, numerics.LOOKED_AT)
         met = np.flatnonzero(reached(places) >= 0)[:1]

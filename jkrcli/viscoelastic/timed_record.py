@@ -353,7 +353,7 @@ def _prony(p: Mapping[str, Array], t: Array) -> Array:
 
 def _power(p: Mapping[str, Array], t: Array) -> Array:
     onset, time, exponent = (np.asarray(p[name])[..., None] for name in ("onset", "time", "exponent"))
-    return np.asarray(((t + onset) / time) ** -exponent)
+    return ((t + onset) / time) ** -exponent
 
 
 RELAXED = {"sls": _solid, "prony": _prony, "power": _power}  # r(t) of many parameters at once, (..., times)
@@ -463,7 +463,7 @@ class RelaxationFit(Answer):
 
         def logs(own: Values) -> Array:
             r = RELAXED[self.settings.law]({name: np.asarray(value) for name, value in own.items()}, t)
-            return np.asarray(np.log(nominal * own["modulus"] * np.maximum(r, TINY)))
+            return np.log(nominal * own["modulus"] * np.maximum(r, TINY))
 
         return self.intervals(logs)
 

@@ -245,9 +245,12 @@ def test_flat_ends_wider_than_the_search_takes_a_round_contact(loading: Loading,
     assert largest_radius(problem) == pytest.approx(reached, rel=rel)
 
 
-def test_a_contact_within_the_flat_end_is_refused() -> None:
+def test_a_contact_within_the_flat_end_or_a_load_beyond_the_profile_is_refused() -> None:
     with pytest.raises(InputError, match="flat end of the indenter"):
         at(bonded(0.4), RoundedFlat(2.0, 5.0), 1.0)
+    table, load = TableProfile((0.0, 1.0, 2.0), (0.0, 0.1, 0.4)), Loading("load", 1e3, spacing="depth")
+    with pytest.raises(InputError, match="give a larger profile"):
+        Layered()(Problem(table, bonded(0.4), load))
 
 
 # -- the method -----------------------------------------------------------------------------------------------------

@@ -345,9 +345,8 @@ FINITE_RANGE_APART = 32
 # largest step of arcosh sqrt(c/c0), of half of log c, or of asinh(a/l), l the scale of the body or c0 where that is
 # less; tuned on curves, by `make constants`: splines good to 1e-7 of the lowest load
 FINITE_RANGE_SPACING = 0.08
-FINITE_RANGE_DEGREE = (
-    5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
-)
+# of the splines through the points
+FINITE_RANGE_DEGREE = 5  # theory: errors fall with the power degree + 1 of the spacing
 FINITE_RANGE_HALVED = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
 FINITE_RANGE_ROUNDS = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
 # Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
@@ -436,8 +435,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         by_points = self.by_points.get(stiffness)
         if by_points is not None:
             here = here - [np.interp(place, self.places, values) for values in self.of_profile.values()]
-        halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
-                  for curve in self.halves]  # fmt: skip
+        halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"] for curve in self.halves]
         nearest = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
         unseen = 0.0 if stiffness in self.moved else float(here[1]) / max(abs(point.P), TINY)
         if len(nearest) < len(halves):

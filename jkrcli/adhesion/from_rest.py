@@ -73,9 +73,7 @@ class Rest:
     def state(self, relaxed: AdhesiveCurve) -> Equilibrium | Unknown:
         """The stable contact of the ``relaxed`` specimen."""
         held, value = self._held
-        stable = [
-            a for a in relaxed.radii_at(value, held) if position(*relaxed.rates(np.array(a)), held) > 0
-        ]  # fmt: skip
+        stable = [a for a in relaxed.radii_at(value, held) if position(*relaxed.rates(np.array(a)), held) > 0]
         if stable:
             state = relaxed.point(stable[-1])
             return replace(state, P=self.load) if self.depth is None else replace(state, delta=self.depth)

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import (
     Annotated,
     Any,
+    ClassVar,
     Literal,
     ParamSpec,
     TypeAlias,
@@ -221,6 +222,15 @@ def read_fields(thing: Any, where: str = "", sought: bool = False, **kinds: Any)
         taken = read(f"{where}{where and '.'}{name}", reader(kinds[name]) if name in kinds else by, value)
         if taken is not value:
             object.__setattr__(thing, name, taken)
+
+
+class Checked:
+    """Base of the frozen dataclasses whose fields are read by their annotations, messages beginning with ``where``."""
+
+    where: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        read_fields(self, self.where)
 
 
 def read(name: str, by: Read, value: Any) -> Any:

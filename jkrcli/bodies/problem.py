@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
 
 import numpy as np
 
-from ..base.arguments import read_fields
+from ..base.arguments import Checked, read_fields
 from ..base.errors import InputError, did_you_mean
 from ..base.numerics import ROUNDED, Array
 from ..base.registry import Key, Registry
@@ -60,15 +60,12 @@ class Law(ABC):
 
 
 @dataclass(frozen=True)
-class _Between(Law):
+class _Between(Checked, Law):
     """A smooth law from ``top`` to ``bottom`` [Pa] over ``depth`` [m]."""
 
     top: Modulus
     bottom: Modulus
     depth: Annotated[Length, Key("thickness")]
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def reach(self) -> float:
@@ -107,15 +104,12 @@ class Exponential(_Between):
 
 @law("power")
 @dataclass(frozen=True)
-class Power(Law):
+class Power(Checked, Law):
     """E = top (1 + z/length)^exponent; any real ``exponent``."""
 
     top: Modulus
     length: Length
     exponent: Annotated[float, Ranged("number")]
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def reach(self) -> float:
@@ -173,14 +167,11 @@ INCOMPRESSIBLE = 0.45  # choice: nu from which on a material is spoken of as rub
 
 
 @dataclass(frozen=True)
-class Elastic:
+class Elastic(Checked):
     """Isotropic linear elastic material: Young's modulus ``E`` [Pa] and Poisson's ratio ``nu`` in (-1, 1/2]."""
 
     E: Modulus
     nu: Poisson
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def E_star(self) -> float:
@@ -219,7 +210,7 @@ class Elastic:
 
 
 @dataclass(frozen=True)
-class Graded:
+class Graded(Checked):
     """Isotropic material of a layer whose Young's modulus follows ``law`` over the depth below the layer's own top.
 
     ``nu``: Poisson's ratio in (-1, 1/2], the same at every depth.
@@ -227,9 +218,6 @@ class Graded:
 
     law: Law
     nu: Poisson
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def laws(self) -> tuple[Law, ...]:
@@ -879,23 +867,19 @@ MOST_PIECES = 1000  # of E over depth, in all layers; choice: minutes, each is s
 
 
 @dataclass(frozen=True)
-class Rigid:
+class Rigid(Checked):
     """A rigid base, to which the lowest layer is bonded or on which it slides without friction."""
 
+    where: ClassVar[str] = "base"
     bonded: bool = True
-
-    def __post_init__(self) -> None:
-        read_fields(self, "base")
 
 
 @dataclass(frozen=True)
-class HalfSpace:
+class HalfSpace(Checked):
     """A homogeneous elastic half-space below the layers; with no layers it is the whole specimen."""
 
+    where: ClassVar[str] = "half_space"
     material: Elastic | TransverselyIsotropic
-
-    def __post_init__(self) -> None:
-        read_fields(self, "half_space")
 
 
 @dataclass(frozen=True)

@@ -152,9 +152,7 @@ class Verb(click.Command):
                     error.possibilities = [meant]  # type: ignore[misc]
                 raise
             for parameter in order:
-                takes_more = (
-                    parameter.multiple or getattr(parameter, "is_flag", False) or getattr(parameter, "count", False)
-                )
+                takes_more = any(getattr(parameter, kind, False) for kind in ("multiple", "is_flag", "count"))
                 if isinstance(parameter, click.Option) and not takes_more and (times := order.count(parameter)) > 1:
                     raise click.UsageError(
                         f"{max(parameter.opts, key=len)} is given {times} times: it takes one value", ctx

@@ -79,10 +79,8 @@ def say(text: str) -> None:
 def present(*results: Sequence[str], last: str = "", most: int = FIRST_LINES) -> None:
     """At most ``most`` lines of a result, its verdict first and the ``last`` among them, as the terminal folds them; of
     several results their verdicts. All of it with -v."""
-    lines, room = (
-        [line for lines in results for line in lines],
-        most - (folded(last).count("\n") + 1) * bool(last),
-    )
+    lines = [line for lines in results for line in lines]
+    room = most - (folded(last).count("\n") + 1) * bool(last)
     shown = lines if len(results) == 1 or _level() == VERBOSE else [lines[0] for lines in results]
     heights = list(accumulate(folded(printable(line)).count("\n") + 1 for line in shown))
     if _level() != VERBOSE and shown and (heights[-1] > room or shown != lines):

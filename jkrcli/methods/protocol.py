@@ -6,9 +6,9 @@ import importlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias, cast, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Protocol, TypeAlias, cast, runtime_checkable
 
-from ..base.arguments import read_fields
+from ..base.arguments import Checked, read_fields
 from ..base.errors import NOTICEABLE, InputError, Refusal, counted
 from ..base.process import SHARE, SILENCE, duration, free_memory, memory_words
 from ..base.units import Length, Ranged
@@ -138,14 +138,12 @@ Limit: TypeAlias = Annotated[float, Ranged("number", above=0, words=(("inf", mat
 
 
 @dataclass(frozen=True)
-class Limits:
+class Limits(Checked):
     """Limits of a solve that is begun: most ``memory`` [GiB] (None: ``SHARE`` of what is free) and CPU ``hours``."""
 
+    where: ClassVar[str] = "limits"
     memory: Limit | None = None
     hours: Limit = 1.0
-
-    def __post_init__(self) -> None:
-        read_fields(self, "limits")
 
 
 def check_cost(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> str | None:
@@ -322,23 +320,19 @@ def _why(chosen: Option, options: Sequence[Option]) -> str:
 
 
 @dataclass(frozen=True)
-class LayeredOptions:
+class LayeredOptions(Checked):
     """Options: ``tolerance``, the relative error of delta, P, S and S' at every radius."""
 
+    where: ClassVar[str] = "layered"
     tolerance: Annotated[float, Ranged("number", least=1e-12, most=1e-2)] = 1e-8
-
-    def __post_init__(self) -> None:
-        read_fields(self, "layered")
 
 
 @dataclass(frozen=True)
-class HybridOptions:
+class HybridOptions(Checked):
     """Options: ``tolerance``, the relative error of delta, P, S and S' at every radius."""
 
+    where: ClassVar[str] = "hybrid"
     tolerance: Annotated[float, Ranged("number", least=1e-8, most=1e-2)] = 1e-5
-
-    def __post_init__(self) -> None:
-        read_fields(self, "hybrid")
 
 
 Solver: TypeAlias = Literal["auto", "superlu", "cholmod"]

@@ -203,8 +203,10 @@ class Machine(Result):
 
     @classmethod
     def examined(cls) -> Machine:
-        """This machine."""
-        return cls(list(examine()))
+        """This machine: everything that is worth looking at, in the order of a report."""
+        python = Finding("Python", "ok", f"{platform.python_version()} on {platform.platform(terse=True)}")
+        optional = (_package(package, extra, f" ({use})") for package, (extra, use) in OPTIONAL.items())
+        return cls([python, *map(_package, REQUIRED), _mesher(), *optional])
 
     @property
     def is_sound(self) -> bool:
@@ -221,15 +223,6 @@ class Machine(Result):
             remedy = f"; type: {finding.remedy}" if finding.remedy else ""
             lines.append(f"  {MARKS[finding.state]}  {finding.part:<16} {finding.found}{remedy}")
         return lines
-
-
-def examine() -> Iterator[Finding]:
-    """Everything that is worth looking at, in the order of a report."""
-    yield Finding("Python", "ok", f"{platform.python_version()} on {platform.platform(terse=True)}")
-    yield from map(_package, REQUIRED)
-    yield _mesher()
-    for package, (extra, use) in OPTIONAL.items():
-        yield _package(package, extra, f" ({use})")
 
 
 def _package(package: str, extra: str = "", use: str = "") -> Finding:

@@ -185,7 +185,7 @@ class NaniteModel(Result):
         parts = nonadhesive.parts(a)
         return {"a_m": a, "delta_H_m": parts.delta_H, "P_H_N": parts.P_H, "S_N_per_m": parts.S, "dS_N_per_m2": parts.dS}
 
-    @cached_property
+    @property
     def parameters(self) -> dict[str, tuple[str, str, float | None]]:
         """Name, unit and value in the case of each parameter; the value None: no parameter of this body."""
         problem = self.result.problem
@@ -200,7 +200,7 @@ class NaniteModel(Result):
             "baseline": ("Force Baseline", "N", 0.0),
         }
 
-    @cached_property
+    @property
     def code(self) -> str:
         """The file: Python that needs NumPy, SciPy and, as nanite does, lmfit."""
         return self._code(f"{self.error:.0e}")

@@ -477,7 +477,7 @@ class Compared(Result):
     def agree(self) -> bool:
         return all(one.worst <= self.rtol for one in self.differences if one.column in self.counting)
 
-    @cached_property
+    @property
     def _rows(self) -> Mapping[str, Mapping[str, Any]]:
         return {
             one.column: {

@@ -294,9 +294,8 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
     touches = nodes.touches(mean_c)
     within = touches.rows.a > AHEAD_FIRST * touches.element
     spacing, sure = touches.element[within], touches.errors[within] / touches.element[within] / HALF_WIDTH
-    spline = cubic_spline(np.log(own.delta), np.log(own.a - own.a0))
     seen_x = np.log(touches.rows.delta[within]) + (offset + mean_s)
-    columns = np.stack([np.ones(spacing.size), np.exp(spline(seen_x)) * spline(seen_x, 1) / spacing]) / sure
+    columns = np.stack([np.ones(spacing.size), np.exp(beyond(seen_x)) * beyond(seen_x, 1) / spacing]) / sure
     normal = columns @ columns.T + np.diag([0.0, AHEAD_RADIUS**-2])
     of_scatter = math.sqrt(float(np.linalg.inv(normal)[0] @ (columns @ columns.T) @ np.linalg.inv(normal)[0]))
     left = math.hypot(HALF_WIDTH * math.sqrt(max(sd_c**2 - of_scatter**2, 0.0)), AHEAD_LEAST)
@@ -366,10 +365,8 @@ def _fitted(a: Array, e: Array, z: Array, errors: Array, powers: int) -> tuple[f
 def _stretch(own: Series, nodes: NodeRadii) -> float:
     """Log of the body's displacements over those of the series, about; 0 where they are the same."""
     a, delta, e = nodes.rows.a, nodes.rows.delta, nodes.element
-    inside = (a + e / 2 > own.a[0]) & (a <= own.a[-1])
+    there = (a + e / 2 > own.a[0]) & (a <= own.a[-1]) & (a >= np.median(a))
     log_delta = cubic_spline(np.log(own.a - own.a0), np.log(own.delta))
-    large = a >= np.median(a)
-    there = inside & large
     gap = log_delta(np.log(a[there] + e[there] / 2 - own.a0)) - np.log(delta[there])
     middle = float(np.median(gap)) if gap.size else 0.0
     coarse = float(np.median(e / a))  # a radius is not known better
@@ -474,7 +471,7 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
 
     The modulus is free: a constant in the gap of the load is no departure.
     """
-    from ..adhesion.slopes.integral import estimate, whitener
+    from ..adhesion.slopes.integral import decorrelated, estimate, whitener
 
     n = x.size
     t = np.linspace(-1, 1, n)
@@ -489,7 +486,7 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     rest = np.einsum("ijn,jn->in", whiten, gap - parabola)
     lag1 = float(np.sum(rest[:, 1:] * rest[:, :-1]) / max(np.sum(rest**2), 1e-300))
     rho = 0.0 if lag1 < 2 / np.sqrt(2 * n) else min(lag1 + (3 + 4 * lag1) / n, DEPARTURE_LONGEST)
-    target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
+    target, design = decorrelated(white, rho).ravel(), decorrelated(basis.reshape(-1, n), rho).reshape(6, -1)
     parabolas, line, modulus = slice(0, 6), slice(3, 5), slice(3, 4)  # rows of the design
     (both, full), (drift, straight), (_, none) = (_fit(design[rows], target) for rows in (parabolas, line, modulus))
     free = target.size - 6
@@ -508,10 +505,3 @@ def _fit(design: Array, target: Array) -> tuple[Array, float]:
     """Coefficients and least sum of squares of ``target`` (m,) by the rows of ``design``."""
     coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
     return coefficients, float(np.sum((target - coefficients @ design) ** 2))
-
-
-def _independent(rows: Array, rho: float) -> Array:
-    """Rows (..., n) with the correlation of neighbours taken out."""
-    out = rows.copy()
-    out[..., 1:] = (rows[..., 1:] - rho * rows[..., :-1]) / np.sqrt(1 - rho**2)
-    return out

@@ -332,9 +332,8 @@ class Solution:
 
     def __post_init__(self) -> None:
         series, loading = self.series, self.problem.loading
-        if (
-            rim := self.problem.indenter.rim
-        ) < math.inf:  # what is prescribed besides a radius is borne by the full end
+        rim = self.problem.indenter.rim
+        if rim < math.inf:  # what is prescribed besides a radius is borne by the full end
             pressed = {"depth": loading.maximum, "load": loading.maximum / float(series.stiffness[-1])}
             object.__setattr__(self, "series", replace(series, rim=rim, pressed=pressed.get(loading.to, 0.0)))
 

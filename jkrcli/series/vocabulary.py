@@ -74,17 +74,7 @@ class Vocabulary:
         """The values of a column in SI, by ``unit`` or that of its header: 100 um is exactly 1e-4 m."""
         if unit is None:
             table.refuse_contradicted(index)
-        values, power = table.numbers(index), self._power(table, key, index, unit)
-        beyond = np.abs(values) > LARGEST_SI
-        if beyond.any():
-            line, value = table.lines[beyond][0], values[beyond][0]
-            raise InputError(
-                f"{table.path}: line {line}: {self.meaning(key)} must be up to {LARGEST_SI:g}, got {value:g}"
-            )
-        return values * 10.0**power if power > 0 else values / 10.0**-power
-
-    def _power(self, table: TextTable, key: str, index: int, unit: str | None) -> int:
-        dimension = self.quantities[key].dimension
+        values, dimension = table.numbers(index), self.quantities[key].dimension
         unit = unit or split_name(table.names[index])[1]
         where = f"{table.path}: {table.titled(index)} ({self.meaning(key)})"
         example = EXAMPLES[dimension]
@@ -93,7 +83,14 @@ class Vocabulary:
         parsed = unit_power(unit)
         if parsed is None or parsed[0] != dimension:
             raise InputError(f'{where}: the unit must be one of {dimension}, such as {example}, got "{unit}"')
-        return parsed[1]
+        power = parsed[1]
+        beyond = np.abs(values) > LARGEST_SI
+        if beyond.any():
+            line, value = table.lines[beyond][0], values[beyond][0]
+            raise InputError(
+                f"{table.path}: line {line}: {self.meaning(key)} must be up to {LARGEST_SI:g}, got {value:g}"
+            )
+        return values * 10.0**power if power > 0 else values / 10.0**-power
 
 
 # The quantities of a kind of table, "measured" or "computed": those of a contact by more names, and others.

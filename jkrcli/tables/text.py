@@ -256,8 +256,8 @@ def read_table(
     rows = [(n, line) for n, line in lines_of_file if _ROW.match(line)]
     numbers, known = np.array([n for n, _ in rows]), {n for n, _ in lines_of_file}
     alone = {}
-    for place, beside, block in ((0, 1, numbers[1:]), (-1, -1, numbers[:-1])):
-        if block.size >= TEXT_BLOCK and (np.diff(block) == 1).all() and rows[place][0] + beside not in known:
+    for place, away, block in ((0, 1, numbers[1:]), (-1, -1, numbers[:-1])):
+        if block.size >= TEXT_BLOCK and (np.diff(block) == 1).all() and rows[place][0] + away not in known:
             alone[rows[place][0]] = rows[place][1]
     others = [item for item in lines_of_file if item[0] not in alone] if alone else lines_of_file
     dialect, sample = _dialect(path, others, separator, decimal, least, is_text)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from ... import formulas
-from ...base.arguments import checked, read_fields
+from ...base.arguments import Checked, checked
 from ...base.errors import InputError
 from ...base.numerics import Array
 from ...base.registry import Key
@@ -20,14 +20,11 @@ HalfAngle = Annotated[float, Ranged("angle", above=0, below=math.pi / 2)]
 
 
 @dataclass(frozen=True)
-class _Round(Indenter):
+class _Round(Checked, Indenter):
     """An indenter that is known by the radius ``R`` [m] of its tip."""
 
     R: Annotated[Length, Key("radius")]
     material: Solid | None = None
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def tip_radius(self) -> float:
@@ -107,16 +104,13 @@ def on_a_sphere(radius: Length, counter_radius: AnyLength | None = None, *, mate
 
 @shape("power")
 @dataclass(frozen=True)
-class PowerLaw(Indenter):
+class PowerLaw(Checked, Indenter):
     """f = B r^d with d >= 1 (d = 1: cone of slope B); ``B`` in m^(1-d). F = c_d B x^d (Galin 1946, Sneddon 1965)."""
 
     B: Annotated[float, Ranged("number", above=0), Key("coefficient")]
     d: Annotated[float, Ranged("number", least=1, most=20), Key("exponent")]
     material: Solid | None = None
     noun: ClassVar[str] = "power law"
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def tip_radius(self) -> float | None:
@@ -206,7 +200,7 @@ def flat_end(
 
 
 @dataclass(frozen=True)
-class RoundedFlat(Indenter):
+class RoundedFlat(Checked, Indenter):
     """Flat end of radius ``b`` with a parabolic edge of radius ``edge_radius``: f = (r - b)^2/(2 edge_radius) outside.
 
     Contact begins at once over the flat (a0 = b). F = (x sqrt(x^2 - b^2) - x b arccos(b/x))/edge_radius.
@@ -216,9 +210,6 @@ class RoundedFlat(Indenter):
     edge_radius: Length
     material: Solid | None = None
     noun: ClassVar[str] = "rounded flat end"
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def keys(self) -> dict[str, Any]:
@@ -272,7 +263,7 @@ SECTIONS = {3: 3 * math.sqrt(3), 4: 4.0}  # theory: area of the section of a pyr
 
 @shape("rounded-cone")
 @dataclass(frozen=True)
-class RoundedCone(Indenter):
+class RoundedCone(Checked, Indenter):
     """A cone of ``half_angle`` alpha [rad] between axis and surface, its end of radius ``R`` [m], without a bend.
 
     ``cap`` "sphere": the end is spherical up to b = R cos(alpha), as tips are described by their makers; "parabola": it
@@ -284,9 +275,6 @@ class RoundedCone(Indenter):
     material: Solid | None = None
     cap: Cap = "sphere"
     noun: ClassVar[str] = "rounded cone"
-
-    def __post_init__(self) -> None:
-        read_fields(self)
 
     @property
     def b(self) -> float:

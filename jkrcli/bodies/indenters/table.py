@@ -132,9 +132,8 @@ def smooth_convex(
     modes = list[tuple[Array, Array]]()
     for fit, weight in zip(fits, np.sqrt(weights / weights.sum()), strict=True):
         both = np.union1d(knots, fit.profile[0])
-        modes += (
-            [(both, weight * (cut_at(both, *fit.profile) - cut_at(both, knots, pieces)))] if fit is not best else []
-        )
+        if fit is not best:
+            modes.append((both, weight * (cut_at(both, *fit.profile) - cut_at(both, knots, pieces))))
         modes += [(places, weight * mode) for places, mode in fit.modes]
     return SmoothProfile(knots, pieces, tuple(modes), noise, rms, largest, float(r[worst]))
 

@@ -51,10 +51,8 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     if problem.sticks:
         error += FORECAST_STUCK * layout.law.reach * layout.unit / problem.top_thickness
     # Unknowns per element of large meshes: a triangle has half a vertex, and two displacements per node.
-    first_order = 1.0 if options.element == "triangle" else 2.0
-    per_cell = (
-        first_order * (1.0 if options.order == 1 else 4.2) * (1.1 if bool(mesh.mixed_layers(options, problem)) else 1.0)
-    )
+    per_cell = (1.0 if options.element == "triangle" else 2.0) * (1.0 if options.order == 1 else 4.2)
+    per_cell *= 1.1 if mesh.mixed_layers(options, problem) else 1.0
     cells = layout.expected_cells()
     seconds = _seconds(options, cells * per_cell)
     if elsewhere:  # the edge correction needs a mesh of its own
@@ -63,8 +61,7 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     rows = len(problem.loading.values)
     seconds += FORECAST_PER_ROW * rows
     memory = FORECAST_MIB + cells * per_cell * FORECAST_MIB_PER_UNKNOWN + FORECAST_MIB_PER_ROW * rows
-    note = f"about {float(f'{cells:.2g}'):.0f} elements"
-    return Forecast(seconds, memory, error, note)
+    return Forecast(seconds, memory, error, f"about {float(f'{cells:.2g}'):.0f} elements")
 
 
 def _seconds(options: FEMOptions, unknowns: float) -> float:

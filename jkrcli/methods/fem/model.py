@@ -561,8 +561,7 @@ class MeshLevel:
     def edge_at(self, vertices: Array) -> Array:
         """The radius of the contact that just touches the vertices at radii ``vertices`` (n,) [m], 0 where there is
         none."""
-        factors = np.interp(vertices, self.touches.a, self.events.a / self.touches.a)
-        return vertices * factors
+        return vertices * np.interp(vertices, self.touches.a, self.events.a / self.touches.a)
 
     def slopes(self, a: Array) -> tuple[Array, Array] | None:
         """S [N/m] and dS/da [N/m^2] at radii ``a`` [m]; None where the contact has too few nodes, or no correction.
@@ -974,8 +973,7 @@ def _radius(levels: Sequence[Events], a: Array, delta: Array, caution: float) ->
     fine = power_interpolated(events.delta, events.a, delta)
     samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
     radii = [power_interpolated(level.delta, level.a, samples) for level in levels]
-    changes = np.maximum(caution * _change(radii, BUDGET_PLAUSIBLE_RADII), BUDGET_ROUND_OFF)
-    changes = _envelope(changes, samples)
+    changes = _envelope(np.maximum(caution * _change(radii, BUDGET_PLAUSIBLE_RADII), BUDGET_ROUND_OFF), samples)
     at_first = power_interpolated(events.delta, events.a, np.array([first]))
     change = np.interp(delta, samples, changes) * np.maximum(at_first / fine, 1.0)
     return _envelope(change + np.abs(a / fine - 1), delta)

@@ -109,21 +109,21 @@ class Angles:
         plain, mirrored = far[0].T * w, far[1, ::-1].T * w
         # Distances, weights, rows and columns of the near (panels, n) among the panels between both; a panel that
         # holds the node is cut there
-        panel, row = np.nonzero(near)
-        theta, lo, hi = tau[row], both[panel], both[panel + 1]
+        panel, node = np.nonzero(near)
+        theta, lo, hi = tau[node], both[panel], both[panel + 1]
         inside = (lo < theta) & (theta < hi)
         start, end = np.clip(theta, lo, hi), np.where(theta >= hi, lo, hi)
         start, end = np.append(start, theta[inside]), np.append(end, lo[inside])
-        panel, row, lo, hi = (np.append(x, x[inside]) for x in (panel, row, lo, hi))
+        panel, node, lo, hi = (np.append(x, x[inside]) for x in (panel, node, lo, hi))
         u, v = crowded_rule(points, ANGLES_POWER)
         offset = (end - start)[:, None] * u
         local = (start[:, None] + offset - lo[:, None]) / (hi - lo)[:, None]
         panels = (both.size - 1) // 2
         beyond = panel >= panels
         local = np.where(beyond[:, None], 1 - local, local)
-        distance = _apart(tau[row][:, None], (tau[row] - start)[:, None] - offset)
+        distance = _apart(tau[node][:, None], (tau[node] - start)[:, None] - offset)
         weights = lagrange(order, local) * (np.abs(end - start)[:, None] * v)[..., None]
-        rest = distance, weights, row, np.where(beyond, 2 * panels - 1 - panel, panel)
+        rest = distance, weights, node, np.where(beyond, 2 * panels - 1 - panel, panel)
         # The row that takes psi at the nodes to psi(0): least squares on the first panels by what psi begins with.
         n = ANGLES_FIRST * order
         t, root = tau[:n] / edges[ANGLES_FIRST], np.sqrt(w[:n])

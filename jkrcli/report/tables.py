@@ -14,7 +14,7 @@ from ..adhesion import device_path
 from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, control
 from ..adhesion.device_path import Jump, Stability, TimedState, branch
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.validity import Strains, Validity, strain_size, strain_words
+from ..adhesion.validity import LIMITS, Strains, Validity, strain_size, strain_words
 from ..base import process
 from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, Unknown, accuracy, counted, known
 from ..base.files import read_bytes
@@ -217,8 +217,12 @@ def format_pull_off(
         for name, at in forces_at.items()
     )
     verdict = f"pull-off force {forces}" if there else "no pull-off in the solution"
-    R, loaded = result.problem.indenter.tip_radius, there.get("load control")
-    if R is not None and loaded is not None:
+    R, loaded, effect = result.problem.indenter.tip_radius, there.get("load control"), result.effect_of_range
+    if loaded is not None and not isinstance(effect, Unknown) and abs(effect) >= LIMITS.wrong:
+        z0 = result.solution.record.z0
+        ranged = show(-loaded[0].P * (1 + effect), "load", 3)
+        beside = f" by JKR; {ranged} (load) with a range of {show(z0, 'length')}"
+    elif R is not None and loaded is not None:
         classical = 1.5 * math.pi * result.w * R
         # The difference of the numbers that are printed, no finer than they are
         force, at_digits = -loaded[0].P, places["load"]

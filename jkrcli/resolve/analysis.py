@@ -156,7 +156,7 @@ class Analysis(Reported):
         judged = judge_solution(self.problem, self.curve.series, self.solution.facts, w=self.w, z0=z0,
                                 a_pull_off=widest, effect_of_range=effect)  # fmt: skip
         if self.law is not None:
-            judged = replace(judged, regime="its finite range is included")
+            judged = replace(judged, regime="its finite range is included, attraction from a to c")
         return with_large_strains(judged, worst)
 
     def large_strains(self, point: Equilibrium | Unknown) -> Strains:

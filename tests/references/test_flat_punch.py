@@ -303,3 +303,11 @@ def test_a_small_punch_on_something_stiff_says_what_a_range_changes(jkr: Callabl
     said = jkr("pull-off", "punch.toml", "--stiffness", "load")
     share = punch_of_range(1e-8, W, 70e9 / 0.96, 0.3e-9) / math.sqrt(8 * math.pi * W * 70e9 / 0.96 * 1e-24)
     assert f"attraction over the range z0 makes the pull-off force {100 * (1 - share):.3g} % smaller" in said.out
+
+
+def test_the_first_line_names_the_force_that_is_right(jkr: Callable) -> None:
+    """A tip of 10 nm: JKR's force and that of a range of 0.3 nm, which --range gives."""
+    where = ("--radius", "10 nm", "--E", "70 GPa", "--nu", "0.4", "--w", "50 mJ/m^2")
+    first = " ".join(jkr("pull-off", *where).out.split("(E = 70")[0].split())
+    assert "by JKR; 3.06 nN (load) with a range of 300 pm" in first
+    assert "pull-off force 3.06 nN (load)" in jkr("pull-off", *where, "--range", "0.3 nm").out

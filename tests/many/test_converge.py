@@ -127,8 +127,8 @@ def _cases(tmp_path: Path) -> Path:
 
 
 def test_study_converge_writes_table_and_summary(jkr, cases: Path, tmp_path: Path) -> None:
-    outcome = jkr("study", "converge", cases / "halfspace.toml", "--levels", 2, "-o", "out", "--no-plots", "--json")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = jkr("study", "converge", cases / "halfspace.toml", "--levels", 2, "-o", "out", "--no-plots", "--json").ok
+    assert outcome.err == ""
     assert sorted(path.suffix for path in (tmp_path / "out").iterdir()) == [".csv", ".json"]
     rows = list(csv.DictReader((tmp_path / "out" / "halfspace-convergence.csv").read_text().splitlines()))
     data = json.loads((tmp_path / "out" / "halfspace-convergence.json").read_text())
@@ -143,15 +143,15 @@ def test_study_converge_writes_table_and_summary(jkr, cases: Path, tmp_path: Pat
 def test_the_paper_s_gel_with_measured_points(study, cases: Path, tmp_path: Path) -> None:
     (tmp_path / "points.csv").write_text("displacement (nm), load (uN)\n-5,-0.6\n0,-0.5\n30,2\n")
     words = ("--cases", cases, "-o", "figures", "--only", "fig8")
-    outcome = study("paper", *words, "--measured", "points.csv", "--shift", "10 nm")
-    assert (outcome.code, outcome.err) == (0, "")
+    outcome = study("paper", *words, "--measured", "points.csv", "--shift", "10 nm").ok
+    assert outcome.err == ""
     assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == ["fig8.png", "fig8.svg"]
 
 
 def test_study_converge_prints_a_row_per_mesh_and_the_orders(jkr, cases: Path) -> None:
     outcome = jkr("study", "converge", cases / "gel.toml", "--levels", 2, "--contact", "incremental", "--w", "1 mJ/m^2",
-                  "--no-plots")  # fmt: skip
-    assert (outcome.code, outcome.err) == (0, "")
+                  "--no-plots").ok  # fmt: skip
+    assert outcome.err == ""
     lines = outcome.out.splitlines()
     assert lines[0].endswith(" of the exact solution")
     assert lines[2].endswith("w = 1 mJ/m^2")
@@ -162,8 +162,7 @@ def test_study_converge_prints_a_row_per_mesh_and_the_orders(jkr, cases: Path) -
 @pytest.mark.slow
 def test_the_paper_by_its_own_method(study, tmp_path: Path) -> None:
     """Pull-off of Secs. 4.1 to 4.3 by the paper's splines on its meshes, against the exact solution."""
-    outcome = study("paper", "--cases", Path(__file__).parents[2] / "cases" / "paper", "-o", "paper")
-    assert outcome.code == 0, outcome.err
+    outcome = study("paper", "--cases", Path(__file__).parents[2] / "cases" / "paper", "-o", "paper").ok
     drawn = {path.name for path in (tmp_path / "paper").iterdir()}
     assert drawn == {"paper.csv", *(f"fig{n}.{end}" for n in (5, 7, 8, 10) for end in ("png", "svg"))}
     rows = list(csv.DictReader((tmp_path / "paper" / "paper.csv").read_text().splitlines()))

@@ -153,8 +153,7 @@ def test_what_would_take_long_is_refused_before_any_body_is_solved(
 
 
 def test_the_verb_tells_the_value_and_where_it_looked(jkr, half_space: Path) -> None:
-    outcome = jkr("pull-off", half_space, "--load", "5 uN", "--find", "indenter.radius=10um..90um")
-    assert outcome.code == 0
+    outcome = jkr("pull-off", half_space, "--load", "5 uN", "--find", "indenter.radius=10um..90um").ok
     text = " ".join(outcome.out.split())
     assert text.startswith("indenter.radius = 35.3678 um")
     assert "25 values from 10 um to 90 um give 1.414 uN to 12.72 uN" in text

@@ -39,8 +39,7 @@ def test_the_table_holds_the_classical_formulae(jkr, tmp_path: Path) -> None:
         + AXIS
         + '[outputs]\nquantities = ["pull_off", "contact"]\nradii = "0.123 mm"\n'
     )
-    outcome = jkr("sweep", "s.toml", "-o", "r")
-    assert outcome.code == 0
+    outcome = jkr("sweep", "s.toml", "-o", "r").ok
     assert outcome.err == "jkr: 6 cases to compute by 3 solves\n"
     table = rows(tmp_path / "r" / "table.csv")
     assert [row["case"] for row in table] == list("012345")

@@ -122,8 +122,7 @@ def test_a_fit_names_what_the_files_settled(jkr: Callable, tmp_path: Path) -> No
     for i in range(6):
         File(1).write(tmp_path / f"day/{i}.txt", "height", i)  # which grows away from the specimen, by its name
     words = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", "--no-plots", "-o", "out")
-    done = jkr("fit", *words, "day")
-    assert done.code == 0, done.err
+    done = jkr("fit", *words, "day").ok
     assert "the specimen, as 6 files show: sign changed in all" in " ".join(done.err.split())
     rows: list[Mapping[str, str]] = list(csv.DictReader((tmp_path / "out/day-fit.csv").read_text().splitlines()))
     np.testing.assert_allclose([float(row["E_star_Pa"]) for row in rows], 2e5, rtol=0.05)

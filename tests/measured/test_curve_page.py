@@ -66,8 +66,7 @@ def test_look_leaves_a_page_of_all_curves(jkr: Callable, files: list[str]) -> No
 
 
 def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: list[str]) -> None:
-    done = jkr("fit", "--radius", "5 um", "--nu", "0.5", "one.txt", "none.csv", "-o", "out")
-    assert done.code == 0, done.err
+    assert jkr("fit", "--radius", "5 um", "--nu", "0.5", "one.txt", "none.csv", "-o", "out").ok
     (found,) = Path("out").glob("*-curves.html")
     fitted, failed = curves_of(found.read_text(encoding="utf-8"))
     assert (fitted["status"], failed["status"]) == ("fitted", UNUSABLE)
@@ -85,8 +84,7 @@ def test_a_folder_is_shown_whole_with_grades_and_reasons(jkr: Callable, files: l
         shutil.copy("one.txt", f"day/{i}.txt")
     for name in ("two.txt", "none.csv"):
         shutil.move(name, "day")
-    done = jkr("look", "day", "-o", "out")
-    assert done.code == 0, done.err
+    done = jkr("look", "day", "-o", "out").ok
     assert done.out.startswith("11 curves: 10 good, 1 not usable (1 no contact): day")
     text = Path("out/day-look.html").read_text(encoding="utf-8")
     assert 'if ("true") whole(true)' in text  # begins with all of them; of few with the first

@@ -39,8 +39,7 @@ def _folder(tmp_path: Path) -> Path:
 
 
 def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: Path) -> None:
-    outcome = jkr("fit", "sphere.toml", "probe.csv")
-    assert outcome.code == 0
+    outcome = jkr("fit", "sphere.toml", "probe.csv").ok
     lines = outcome.out.splitlines()
     assert re.match(r"E\* = 1\.000 ± 0\.003 .*MPa, w = 100 ± 0\.5 ± 23 mJ.*at 95 %$", lines[0])
     assert "  probe.csv: 200 rows of delta, P" in lines
@@ -118,8 +117,7 @@ def test_wrong_words_are_refused_in_one_line(jkr, folder: Path, words: tuple[str
 
 def test_one_bad_curve_among_many_is_told_and_skipped(jkr, folder: Path) -> None:
     write(folder / "few.csv", sphere(5))
-    outcome = jkr("fit", "sphere.toml", "probe.csv", "few.csv", "--no-plots")
-    assert outcome.code == 0
+    outcome = jkr("fit", "sphere.toml", "probe.csv", "few.csv", "--no-plots").ok
     assert "jkr: warning: skipped: few.csv: 5 rows to fit, at least 8 are needed\n" in outcome.err
     rows = list(csv.DictReader((folder / "sphere-fit.csv").open()))
     assert [row["status"] for row in rows] == ["fitted", "unusable"]
@@ -180,8 +178,7 @@ def test_the_modulus_under_probes_whose_load_is_known(jkr, shape: str) -> None:
     P = 1e5 * load(d) * (1 + 1e-3 * np.random.default_rng(4).standard_normal(d.size))
     write_table("probe.csv", "delta_m,P_N", d, P)
     words = ("fit", "--shape", shape, *flags, "--nu", "0.5", "--fix", "w=0", "probe.csv", "--no-plots", "-o", ".")
-    done = jkr(*words)
-    assert done.code == 0, done.err
+    done = jkr(*words).ok
     text = " ".join(done.out.split())
     told = {"rounded-cone": "spherical cap", "cone": ""}
     assert told.get(shape, "axis to face, as its cone of equal load") in text
@@ -217,8 +214,7 @@ def test_a_work_of_adhesion_ten_times_that_of_the_record_is_told_not_to_fit(jkr)
     misfit, and E* = 200 kPa stays inside what the model leaves open."""
     record = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
     words = ("fit", "--radius", "5 um", "--nu", "0.5", str(record), "--no-plots", "--force", "-o", "raw", "--fix")
-    outcome = jkr(*words, "w=10 mJ/m^2")
-    assert outcome.code == 0
+    outcome = jkr(*words, "w=10 mJ/m^2").ok
     assert "w = 10 mJ/m^2 (fixed), at 95 %: look at it (misfit" in " ".join(outcome.out.split())
     assert "misfit: the residuals are 3." in " ".join(outcome.err.split())
     (found,) = json.loads(Path("raw/raw-force-curve-fit.json").read_text())["curves"]
@@ -231,6 +227,5 @@ def test_a_work_of_adhesion_ten_times_that_of_the_record_is_told_not_to_fit(jkr)
 def test_a_work_of_adhesion_on_its_upper_bound_is_said_to_be(jkr: Callable[..., Outcome]) -> None:
     """Its interval begins at 0, which was taken for the bound."""
     probe = CASES / "measured" / "gel-probe.csv"
-    done = jkr("fit", CASES / "gel.toml", probe, "--bound", "w=..1 mJ/m^2", "--no-plots", "-o", "fitted")
-    assert done.code == 0, done.err
+    done = jkr("fit", CASES / "gel.toml", probe, "--bound", "w=..1 mJ/m^2", "--no-plots", "-o", "fitted").ok
     assert f"jkr: warning: {probe}: w ends on its bound 1 mJ/m^2\n" in done.err

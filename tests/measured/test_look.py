@@ -27,8 +27,7 @@ def table(tmp_path: Path) -> Path:
 
 
 def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> None:
-    done = jkr("look", str(table), "--stiffness", "0.05 N/m")
-    assert done.code == 0
+    done = jkr("look", str(table), "--stiffness", "0.05 N/m").ok
     assert done.out.startswith("adhesion force 2.37 nN, largest load 9.43 nN: ")
     assert done.out.splitlines()[1].startswith("  2100 rows of displacement, load, time; approach 100")
     assert ", dwell " in done.out
@@ -142,8 +141,7 @@ def test_what_cannot_be_read_is_one_line(jkr: Callable[..., Outcome], tmp_path: 
 
 def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path) -> None:
     body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5", "--stiffness", "0.05 N/m")
-    done = jkr("fit", *body, str(table), "--segment", "both", "--free", "drift", "--no-plots", "-v")
-    assert done.code == 0
+    done = jkr("fit", *body, str(table), "--segment", "both", "--free", "drift", "--no-plots", "-v").ok
     assert re.search(r"^  drift +-?[\d.]+ ± [\d.]+ .*[pn]m/s", done.out, re.MULTILINE)
     held = json.loads((table.parent / "probe-fit.json").read_text())["curves"][0]["estimates"]["drift"]
     assert abs(held["value"]) < 3 * held["standard_error"]

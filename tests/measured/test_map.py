@@ -65,8 +65,7 @@ def scan(path: Path, without: Sequence[str] = (), points: Sequence[tuple[int, in
 def test_a_map_without_positions_is_one_over_its_columns_and_rows(jkr, tmp_path: Path) -> None:
     backwards = [(0, 0), (0, 2), (3, 0), (3, 2)]  # as it was recorded; the table follows the grid
     scan(tmp_path / "scan.h5", POSITIONS, backwards)
-    outcome = jkr(*BY_FLAGS, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out")
-    assert outcome.code == 0, outcome.err
+    assert jkr(*BY_FLAGS, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out").ok
     rows = list(csv.DictReader((tmp_path / "out/scan-fit.csv").open()))
     assert [(int(row["map_column"]), int(row["map_row"])) for row in rows] == list(W)
     assert ([row["status"] for row in rows], rows[3]["flags"]) == (["fitted"] * 3 + ["unusable"], "no contact")
@@ -88,8 +87,7 @@ def test_a_folder_of_files_is_a_map(jkr, tmp_path: Path) -> None:
         write_table(folder / f"curve{number}.csv", "piezo (um),force (nN)", made["z"] * 1e6, made["P"] * 1e9)
     (folder / "curve3.csv").write_text("no table\n")
     (folder / "photo.png").write_bytes(b"no table")
-    outcome = jkr(*BY_FLAGS, "--stiffness", f"{K} N/m", folder, "--no-plots", "-o", tmp_path / "out")
-    assert outcome.code == 0, outcome.err
+    outcome = jkr(*BY_FLAGS, "--stiffness", f"{K} N/m", folder, "--no-plots", "-o", tmp_path / "out").ok
     rows = list(csv.DictReader((tmp_path / "out/site.A-fit.csv").open()))
     assert [row["curve"] for row in rows] == ["curve1", "curve2", "curve10", "curve3"]
     np.testing.assert_allclose([float(row["w_J_per_m2"]) for row in rows[:3]], [5e-5, 1e-4, 2e-4], rtol=0.05)
@@ -101,8 +99,9 @@ def test_a_folder_of_files_is_a_map(jkr, tmp_path: Path) -> None:
         assert json.loads(file["curves/summary"][3]) == told
     assert "3 of 4 curves fitted, 0 doubtful, 1 unusable (1 not read)" in " ".join(outcome.out.split())
     assert "curve3.csv" in outcome.err
-    one = jkr(*BY_FLAGS, "--stiffness", f"{K} N/m", folder, "--where", "curve=curve10", "--no-plots", "-o", tmp_path)
-    assert one.code == 0, one.err
+    assert jkr(
+        *BY_FLAGS, "--stiffness", f"{K} N/m", folder, "--where", "curve=curve10", "--no-plots", "-o", tmp_path
+    ).ok
     assert [row["curve"] for row in csv.DictReader((tmp_path / "site.A-fit.csv").open())] == ["curve10", "curve3"]
 
 
@@ -115,8 +114,7 @@ def test_a_map_is_named_after_its_file_not_after_the_case(jkr, tmp_path: Path) -
     case = tmp_path / "tip.toml"
     case.write_text(described_body.CASE.format(shape="paraboloid"))
     scan(tmp_path / "scan.h5", ("grid index x", *POSITIONS), [(0, 0), (3, 0)])
-    outcome = jkr("fit", case, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out")
-    assert outcome.code == 0, outcome.err
+    assert jkr("fit", case, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out").ok
     assert (tmp_path / "out/scan-fit.csv").exists()
 
 
@@ -242,8 +240,7 @@ def test_a_fit_says_which_places_it_took(jkr: Callable, tmp_path: Path) -> None:
     words = ("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", "-o", "out")
     for folder, said in (("scan", "the map (2 x 2, positions in headers) in out/scan-fit-map{.png,.svg}"),
                          ("row", "curves in their order in out/row-fit-curves{.png,.svg}")):  # fmt: skip
-        done = jkr(*words, folder)
-        assert done.code == 0, done.err
+        done = jkr(*words, folder).ok
         assert said in " ".join(done.out.split())
     rows = list(csv.DictReader((tmp_path / "out/scan-fit.csv").read_text().splitlines()))
     assert [(row["map_column"], row["map_row"]) for row in rows] == [("0", "0"), ("1", "0"), ("0", "1"), ("1", "1")]
@@ -269,8 +266,7 @@ def test_each_sample_with_places_is_a_map_of_its_own(jkr: Callable, tmp_path: Pa
     heads = [f"# x: {5 * (i % 2)} um\n# y: {3 * (i // 2)} um\n" for i in range(4)]
     for name in ("ctrl", "drug A"):
         write_grid(tmp_path / name, [f"f{i}.txt" for i in range(4)], heads)
-    done = jkr("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", "ctrl", "drug A", "-o", "out")
-    assert done.code == 0, done.err
+    done = jkr("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", "ctrl", "drug A", "-o", "out").ok
     assert "the map of drug A (2 x 2, positions in headers) in out/fit-map-drug-A{.png,.svg}" in " ".join(
         done.out.split()
     )

@@ -110,8 +110,7 @@ def test_bad_curves_and_bad_files_among_many(jkr: Run, measured: Path) -> None:
     rows = measured.read_text().splitlines()
     lines = ["curve," + rows[0], *("good," + row for row in rows[1:]), *(f"bad,{i},900,1,1" for i in range(4))]
     Path("map.csv").write_text("\n".join(lines) + "\n")
-    done = jkr("work", "gel.h5", "map.csv", "--no-plots")
-    assert done.code == 0
+    done = jkr("work", "gel.h5", "map.csv", "--no-plots").ok
     (skipped,) = json.loads(Path("map-work.json").read_text())["skipped"]
     assert skipped.startswith(
         'map.csv: curve "bad": none of its 4 rows gives a work of adhesion: 4 at contact radii above'

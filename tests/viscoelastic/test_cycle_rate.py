@@ -32,8 +32,7 @@ RATE = ("--rate", "v0=1,n=0.6")
 @pytest.fixture(name="series")
 def _series(jkr: Callable, tmp_path: Path) -> Path:
     (tmp_path / "unit.toml").write_text(CASE)
-    done = jkr("run", "unit.toml", "-q")
-    assert done.code == 0, done.err
+    assert jkr("run", "unit.toml", "-q").ok
     return tmp_path / "unit.h5"
 
 
@@ -55,8 +54,7 @@ def test_the_pull_off_force_at_speed(jkr: Callable, series: Path) -> None:
 @pytest.mark.slow
 def test_the_trace_holds_every_moment(jkr: Callable, series: Path) -> None:
     done = jkr("cycle", series, *RATE, "--speed", "0.1", "--to-load", "0.5", "--hold", "2 s", "--stiffness", "2 N/m",
-               "--w-retract", "1.5", "--points", 50)  # fmt: skip
-    assert done.code == 0, done.err
+               "--w-retract", "1.5", "--points", 50).ok  # fmt: skip
     (table,) = series.parent.glob("unit-cycle-w-retract1.5-stiffness2-rate-power-1-0.6-to-load0.5-speed0.1-hold2.csv")
     rows = list(csv.DictReader(table.read_text().splitlines()))
     t, delta, P, x = (np.array([float(row[name]) for row in rows]) for name in ("t_s", "delta_m", "P_N", "device_m"))
@@ -125,8 +123,7 @@ def test_runs_of_cycle_that_differ_in_an_option_have_files_of_their_own(jkr: Cal
         ("--w-retract", "1.5"), ("--stiffness", "2 N/m"), ("--modulus-factor", "2"),
     ]  # fmt: skip
     for words in runs:
-        done = jkr("cycle", series, *words, "--no-plots", "--points", 20)
-        assert done.code == 0, done.err
+        assert jkr("cycle", series, *words, "--no-plots", "--points", 20).ok
     names = sorted(path.name for path in series.parent.glob("*-cycle*"))
     assert len(names) == len(runs)
     assert {"unit-cycle.csv", "unit-cycle-to-depth0.2.csv", "unit-cycle-rate-power-1-0.6-speed0.1.csv"} <= set(names)

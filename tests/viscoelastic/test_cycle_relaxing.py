@@ -41,8 +41,7 @@ spacing = "log"
 @pytest.fixture(name="series")
 def _series(jkr: Callable, tmp_path: Path) -> Path:
     (tmp_path / "gel.toml").write_text(CASE)
-    done = jkr("run", "gel.toml", "-q")
-    assert done.code == 0, done.err
+    assert jkr("run", "gel.toml", "-q").ok
     return tmp_path / "gel.h5"
 
 
@@ -54,8 +53,7 @@ def answer(jkr: Callable, *words: object) -> dict:
 
 def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
     """The published triangle: depth 1 at t = 1 and back, in words, files, and from Python."""
-    done = jkr("cycle", series, "--speed", "1 m/s", "--points", 101)
-    assert done.code == 0, done.err
+    done = jkr("cycle", series, "--speed", "1 m/s", "--points", 101).ok
     assert "no adhesion; standard linear solid, ratio = 0.25, time = 1 s" in done.out
     assert "contact is lost at t = 1.624 s; it shrinks from t = 1 s on" in done.out
     with (series.parent / "gel-cycle-speed1.csv").open() as file:
@@ -99,8 +97,7 @@ def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
     """Once "the contact comes 2.6 um beyond the largest depth of the series", without anything said of the turn."""
     assert jkr("run", CASES / "relaxing-gel.toml", "-o", tmp_path / "gel.h5", "-q").code == 0
     speed = "1 mN/s" if stiffness == "load" else "1 um/s"
-    done = jkr("cycle", "gel.h5", "--speed", speed, "--stiffness", stiffness, "--hold", f"{hold} s", "--no-plots")
-    assert done.code == 0, done.err
+    done = jkr("cycle", "gel.h5", "--speed", speed, "--stiffness", stiffness, "--hold", f"{hold} s", "--no-plots").ok
     assert ", at the end of the solution; energy lost" in done.out
     (table,) = Path().glob("gel-cycle-*.csv")
     deepest = float(np.max(np.genfromtxt(table, delimiter=",", names=True, dtype=None)["delta_m"]))
@@ -111,8 +108,7 @@ def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
 def test_verbs_of_constant_moduli_say_so(jkr: Callable, series: Path, words: tuple[object, ...]) -> None:
     """What ``transform`` warns of, ``run`` and the others do: these are the moduli at t = 0. Once only it did."""
     verb, *options = words
-    done = jkr(verb, series, *options)
-    assert done.code == 0, done.err
+    done = jkr(verb, series, *options).ok
     (warning,) = (text for text in jkr_.transform(series, 1.0).warnings if "relaxes" in text)
     assert f"{series}: {warning}" in " ".join(done.err.split())
     assert warning in " ".join(jkr("run", "gel.toml", "-o", "again.h5").err.split())
@@ -311,8 +307,7 @@ def test_adhesion_over_time(jkr: Callable, series: Path) -> None:
 @pytest.mark.slow
 def test_adhesion_over_time_turns_at_a_load_in_a_spring(jkr: Callable, series: Path) -> None:
     words = (*ADHERES, "--stress", "0.15 Pa", "--to-load", "0.02 N", "--stiffness", "2 N/m")
-    done = jkr("cycle", series, *words, "--no-plots")
-    assert done.code == 0, done.err
+    done = jkr("cycle", series, *words, "--no-plots").ok
     assert "in the body" in done.out
     found = answer(jkr, series, *words)
     assert found["largest_load"]["P_N"] == pytest.approx(0.02, rel=1e-2)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError, Unknown
@@ -21,6 +21,7 @@ HERTZ = Problem(Paraboloid(100.0), Specimen((), HalfSpace(MATERIAL)), Loading("r
 W = 1e-5  # pull-off at a = 0.68
 
 
+@settings(deadline=None)
 @given(order=st.floats(0.5, 4.0), limit=st.floats(-10, 10), factor=st.sampled_from([-1.0, 0.3, 2.0]))
 def test_richardson_finds_order_and_limit_of_a_power(order: float, limit: float, factor: float) -> None:
     values = [limit + factor * h**order for h in (1.0, 0.5, 0.25, 0.125)]

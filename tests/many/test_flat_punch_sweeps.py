@@ -1,12 +1,12 @@
 """Sweeps over the radius of a sharp-edged flat punch, and the radius that gives a pull-off force (Kendall 1971)."""
 
-import csv
 import json
 import math
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from sweep_files import axis, rows
 
 HALF_SPACE = 'half_space = { E = "1 MPa", nu = 0.5 }'
 CASE = """
@@ -15,14 +15,7 @@ specimen = { half_space = { E = "1 MPa", nu = 0.5 } }
 loading = { radius = "1 mm" }
 adhesion = { w = 0.1 }
 """
-SWEEP = """
-base = "punch.toml"
-[[axes]]
-key = "indenter.radius"
-values = ["0.5 mm", 1e-3, "2 mm"]
-[outputs]
-quantities = ["pull_off"]
-"""
+SWEEP = 'base = "punch.toml"\n' + axis("indenter.radius", 'values = ["0.5 mm", 1e-3, "2 mm"]')
 
 
 def kendall(R: float) -> float:
@@ -33,9 +26,7 @@ def test_contact_goes_to_the_rim_of_each_punch_of_a_sweep(jkr: Callable) -> None
     Path("punch.toml").write_text(CASE)
     Path("sweep.toml").write_text(SWEEP)
     jkr("sweep", "sweep.toml", "--no-plots")
-    rows = list(csv.DictReader(Path("sweep-results/table.csv").read_text().splitlines()))
-    assert len(rows) == 3
-    for row, R in zip(rows, (0.5e-3, 1e-3, 2e-3), strict=True):
+    for row, R in zip(rows(Path("sweep-results/table.csv")), (0.5e-3, 1e-3, 2e-3), strict=True):
         for name in ("load", "displacement"):
             assert float(row[f"pull_off.{name}.a_m"]) == R
             assert float(row[f"pull_off.{name}.P_N"]) == pytest.approx(-kendall(R), rel=1e-9)

@@ -12,32 +12,19 @@ from jkrcli.base.errors import InputError
 from jkrcli.many import inverse
 
 HALF_SPACE = """
-[indenter]
-shape = "paraboloid"
-radius = "20 um"
-[specimen.half_space]
-E = "1 MPa"
-nu = 0.4
-[loading]
-radius = "1 um"
-[adhesion]
-w = "30 mJ/m^2"
+indenter = { shape = "paraboloid", radius = "20 um" }
+specimen.half_space = { E = "1 MPa", nu = 0.4 }
+loading.radius = "1 um"
+adhesion.w = "30 mJ/m^2"
 """
 SKIN = """
-[indenter]
-shape = "paraboloid"
-radius = "{R}"
-[[specimen.layers]]
-thickness = "{h}"
-E = "{E}"
-nu = {nu}
+indenter = {{ shape = "paraboloid", radius = "{R}" }}
+specimen.layers = [{{ thickness = "{h}", E = "{E}", nu = {nu} }}]
 {base}
-[loading]
-radius = "1 um"
-[adhesion]
-w = "{w}"
+loading.radius = "1 um"
+adhesion.w = "{w}"
 """
-SOFT = '[specimen.half_space]\nE = "1.5 MPa"\nnu = 0.49\n'
+SOFT = 'specimen.half_space = { E = "1.5 MPa", nu = 0.49 }'
 
 
 @pytest.fixture(name="half_space")
@@ -78,7 +65,7 @@ def drawn(i: int) -> tuple[str, str, float]:
     rng = np.random.default_rng([5, i])
     R, h = 10 ** rng.uniform(-6, -4), 10 ** rng.uniform(-7, -5)
     E, nu, w = 10 ** rng.uniform(4, 7), rng.uniform(0.2, 0.49), 10 ** rng.uniform(-3, -1)
-    base = "" if i % 2 else f"[specimen.half_space]\nE = {E * 10 ** rng.uniform(-1, 1)!r}\nnu = 0.4\n"
+    base = "" if i % 2 else f"specimen.half_space = {{ E = {E * 10 ** rng.uniform(-1, 1)!r}, nu = 0.4 }}"
     key = ("indenter.radius", "specimen.layers[0].thickness", "specimen.layers[0].E", "adhesion.w")[i // 2 % 4]
     value = {"indenter.radius": R, "specimen.layers[0].thickness": h, "specimen.layers[0].E": E, "adhesion.w": w}[key]
     text = SKIN.format(R=f"{R!r} m", h=f"{h!r} m", E=f"{E!r} Pa", nu=nu, w=f"{w!r} J/m^2", base=base)
@@ -123,9 +110,7 @@ def test_refusals(jkr, half_space: Path, words: list[str], message: str) -> None
 
 def test_numbers_of_a_case_have_the_short_names_of_fits(tmp_path: Path) -> None:
     text = SKIN.format(R="50 um", h="1 um", E="20 MPa", nu=0.4, w="50 mJ/m^2", base=SOFT)
-    (path := tmp_path / "case.toml").write_text(
-        text.replace("[[specimen.layers]]", '[[specimen.layers]]\nname = "skin"')
-    )
+    (path := tmp_path / "case.toml").write_text(text.replace("{ thickness", '{ name = "skin", thickness'))
     names = inverse.short_names(python.load_case(path).model)
     assert names["h:skin"] == "specimen.layers[0].thickness"
     assert names["E:base"] == "specimen.half_space.E"

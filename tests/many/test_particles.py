@@ -32,17 +32,10 @@ shape = "paraboloid"
 radius = "{R}"
 E = "70 GPa"
 nu = 0.2
-[[indenter.layers]]
-thickness = "0.5 um"
-E = "20 MPa"
-nu = 0.45
-[specimen.half_space]
-E = "2 GPa"
-nu = 0.3
-[[specimen.layers]]
-thickness = "1 um"
-E = "75 MPa"
-nu = 0.49
+layers = [{{ thickness = "0.5 um", E = "20 MPa", nu = 0.45 }}]
+[specimen]
+half_space = {{ E = "2 GPa", nu = 0.3 }}
+layers = [{{ thickness = "1 um", E = "75 MPa", nu = 0.49 }}]
 """
 E_STAR, W = 1e8, 0.05
 ROOT = Path(__file__).parents[2]
@@ -53,6 +46,12 @@ def exported(jkr, case: str, sizes: str, *words: str) -> dict[str, Any]:
     Path("x.toml").write_text(case)
     done = jkr("export", "x.toml", "--dem", "--sizes", sizes, "--json", *words).ok
     return json.loads(done.out)
+
+
+def program(body: str, *laws: str) -> str:
+    """A program in C with the headers of some ``laws``, of x alone by default."""
+    headers = "".join(f'#include "{law}-dem.h"\n' for law in laws or ("x",))
+    return f"#include <stdio.h>\n{headers}int main(void)\n{{\n{body}    return 0;\n}}\n"
 
 
 def printed(source: str, *words: str, compiler: str = "cc", name: str = "two.c") -> list[list[float]]:
@@ -69,10 +68,6 @@ def printed(source: str, *words: str, compiler: str = "cc", name: str = "two.c")
 
 
 SIX_SIZES = """
-#include <stdio.h>
-#include "x-dem.h"
-int main(void)
-{
     const double radius[6][3] = { /* R1, R2 or a wall, w */
         { 4e-6, 4e-6, 0.05 }, { 8e-6, 80e-6, 0.05 }, { 30e-6, INFINITY, 0.05 }, { 60e-6, 20e-6, 0.08 },
         { 5e-6, INFINITY, 0.03 }, { 90e-6, 90e-6, 0.05 } };
@@ -84,8 +79,6 @@ int main(void)
         printf("%.17g %.17g %.12e %.12e %.12e %.12e %d\\n", R, radius[i][2], p.force_load, p.force_tear, p.delta_tear,
                p.energy_lost, found);
     }
-    return 0;
-}
 """
 
 
@@ -101,7 +94,7 @@ def test_six_sizes_of_a_coated_pair_pull_off_as_each_solved_for_itself(
     """Coatings on both sides, particle on particle and on a wall, another w: w R^2/(E* h^3) is all that counts."""
     monkeypatch.chdir(tmp_path)
     Path("x-dem.h").write_text(ExportedSizes(pair, Path("x.h5"), "jkr_x").code)
-    for R, w, load, tear, delta, lost, found in printed(SIX_SIZES):
+    for R, w, load, tear, delta, lost, found in printed(program(SIX_SIZES)):
         case = python.parse_case(PAIR.format(R=f"{R!r} m") + LOADING.replace("3 um", f"{0.3 * R!r} m"))
         controls = {one["control"]: one for one in python.pull_off(python.solve(case), w).summary()["controls"]}
         assert found == 1
@@ -164,10 +157,6 @@ def test_tension_and_no_slip_have_a_law_of_sizes(case: str) -> None:
 
 
 COLLISION = """
-#include <stdio.h>
-#include "x-dem.h"
-int main(void)
-{
     const double R1 = 10e-6, R2 = 30e-6, density = 2500, R = R1 * R2 / (R1 + R2), dt = 1e-11;
     const double m1 = density * 4 / 3 * JKR_X_PI * R1 * R1 * R1, m2 = m1 * pow(R2 / R1, 3);
     double x1 = 0, x2 = 1.0001 * (R1 + R2), v1 = 0.2, v2 = 0, force = 0, radius, before = m1 * v1 * v1 / 2, deepest = 0;
@@ -184,14 +173,12 @@ int main(void)
     }
     printf("%.12e %.12e %.6e %d\\n", before - m1 * v1 * v1 / 2 - m2 * v2 * v2 / 2, points.energy_lost, deepest,
            touching);
-    return 0;
-}
 """
 
 
 def test_two_particles_lose_in_a_collision_what_cycle_says(jkr, pair: SizesLaw) -> None:
     Path("x-dem.h").write_text(ExportedSizes(pair, Path("x.h5"), "jkr_x").code)
-    ((lost, of_header, deepest, touching),) = printed(COLLISION)
+    ((lost, of_header, deepest, touching),) = printed(program(COLLISION))
     Path("one.toml").write_text(PAIR.format(R="7.5 um") + LOADING.replace("3 um", "2.2 um"))
     done = jkr("cycle", "one.toml", "--no-plots", "--json")
     cycle = json.loads(done.out)["energy_lost_J"]
@@ -202,12 +189,6 @@ def test_two_particles_lose_in_a_collision_what_cycle_says(jkr, pair: SizesLaw) 
 
 
 TWO_LAWS = """
-#include <stdio.h>
-#include "x-dem.h"
-#include "film-2-dem.h"
-#include "x-dem.h"
-int main(void)
-{
     double force, radius;
     printf("%d ", jkr_x_contact(1e-5, 0.05, 2e-8, 1, &force, &radius));
     printf("%.12e ", force);
@@ -216,8 +197,6 @@ int main(void)
     printf("%d %d %d %d\\n", jkr_x_contact(1e-5, 0.05, 1e-4, 1, &force, &radius), /* too deep, too small, apart */
            jkr_x_contact(1e-7, 0.05, 1e-9, 1, &force, &radius), jkr_x_contact(1e-5, 0.05, -1e-9, 0, &force, &radius),
            jkr_x_contact(1e-5, 0.05, -1e-6, 1, &force, &radius));
-    return 0;
-}
 """
 
 
@@ -225,7 +204,7 @@ int main(void)
 def test_two_laws_in_one_program(jkr, compiler: str, name: str) -> None:
     exported(jkr, LAYER + LOADING, "5 um..20 um", "--name", "film-2")
     exported(jkr, HALF_SPACE + LOADING, "5 um..20 um")
-    (found, force, other, of_film), codes = printed(TWO_LAWS, compiler=compiler, name=name)
+    (found, force, other, of_film), codes = printed(program(TWO_LAWS, "x", "film-2", "x"), compiler=compiler, name=name)
     assert (found, other) == (1, 1)
     assert of_film != pytest.approx(force, rel=0.05)
     for at, law in ((force, "x"), (of_film, "film-2")):
@@ -237,10 +216,6 @@ def test_two_laws_in_one_program(jkr, compiler: str, name: str) -> None:
 
 
 NO_NUMBERS = """
-#include <stdio.h>
-#include "x-dem.h"
-int main(void)
-{
     const double R[6] = { 1e-5, 0, -1e-5, NAN, 1e-3, INFINITY };
     double force, radius;
     jkr_x_points p;
@@ -252,15 +227,13 @@ int main(void)
     }
     found = jkr_x_contact(1e-5, 0.05, NAN, 1, &force, &radius);
     printf("%d %d %g\\n", found, jkr_x_contact(1e-5, 0.05, NAN, 0, &force, &radius), force);
-    return 0;
-}
 """
 
 
 def test_what_is_no_number_or_no_radius_is_no_contact(jkr) -> None:
     """No force then; above the sizes that of the nearest stands in."""
     exported(jkr, HALF_SPACE + LOADING, "5 um..20 um")
-    *radii, overlap = printed(NO_NUMBERS)
+    *radii, overlap = printed(program(NO_NUMBERS))
     assert radii == [[1, 1, 1], *[[-2, -2, 1]] * 5]
     assert overlap == [0, 0, 0]
 

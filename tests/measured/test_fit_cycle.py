@@ -73,7 +73,6 @@ def test_a_hold_at_the_turn_is_of_neither_direction(jkr, tmp_path: Path) -> None
         rows = "".join(f"{h:.6g},{P:.6g}\n" for h, P in zip(depth, load, strict=True))
         (tmp_path / "table.csv").write_text(f"h (nm),P (mN)\n{rows}")
         words = orient(Curve("held", delta=depth, P=load)).segment
-        assert words is not None
         assert abs(int(np.count_nonzero(words == "dwell")) - held) < 8
         done = jkr("fit", "table.csv", "--radius", "20 um", "--nu", "0.3", "--shape", "paraboloid", "--no-plots",
                    "--json", "--force")  # fmt: skip
@@ -99,7 +98,6 @@ def cycles(count: int, noise: float) -> tuple[Curve, np.ndarray]:
 def test_the_order_of_rows_tells_the_branches_of_several_cycles(count: int, noise: float) -> None:
     curve, words = cycles(count, noise)
     told = orient(curve)
-    assert told.segment is not None
     assert np.count_nonzero(told.segment != words) <= count - 1  # rows where contact is lost and made anew
     assert [line.split(" by ")[0] for line in told.flags] == [f"{2 * count} branches"] * (count > 1)
 

@@ -20,15 +20,9 @@ from jkrcli.measured.verbs import fit
 from jkrcli.resolve.analysis import nonadhesive
 
 CASE = """
-[indenter]
-shape = "paraboloid"
-radius = "1 mm"
-[specimen]
-half_space = { E = "1 MPa", nu = 0.3 }
-[loading]
-radius = "0.1 mm"
-points = 40
-spacing = "log"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.3 }
+loading = { radius = "0.1 mm", points = 40, spacing = "log" }
 """
 KINDS: dict[str, tuple[str, ...]] = {
     "raw": ("raw.csv", "--radius", "5 um", "--nu", "0.5", "--stiffness", "0.3 N/m"),

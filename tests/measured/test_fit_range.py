@@ -247,16 +247,10 @@ def test_what_does_not_go_together_is_one_line() -> None:
 
 
 CASE = f"""
-[indenter]
-shape = "paraboloid"
-radius = "20 nm"
-[specimen.half_space]
-E = "{1.5 * E_STAR * 0.91} Pa"
-nu = 0.3
-[loading]
-radius = "10 nm"
-[adhesion]
-w = "40 mJ/m^2"
+indenter = {{ shape = "paraboloid", radius = "20 nm" }}
+specimen.half_space = {{ E = "{1.5 * E_STAR * 0.91} Pa", nu = 0.3 }}
+loading.radius = "10 nm"
+adhesion.w = "40 mJ/m^2"
 """
 
 
@@ -266,7 +260,7 @@ def written(curve: Curve) -> None:
 
 @pytest.mark.slow
 def test_a_case_with_a_range_is_fitted_with_it(jkr) -> None:
-    Path("afm.toml").write_text(CASE + f'range = "{truth(0.3)["range"]!r} m"\n')
+    Path("afm.toml").write_text(CASE + f'adhesion.range = "{truth(0.3)["range"]!r} m"\n')
     written(record(0.3, 1e-3, points=120))
     estimates = jkr("fit", "afm.toml", "tip.csv", "--no-plots", "--json").told["curves"][0]["estimates"]
     assert estimates["range"]["free"] is False

@@ -168,8 +168,8 @@ def test_nothing_is_said_where_w_is_not_told(body: FittedBody) -> None:
 
 
 def test_a_layer_is_asked_for_in_other_thicknesses() -> None:
-    layer = '[[specimen.layers]]\nname = "film"\nthickness = "5 um"\nE = "100 kPa"\nnu = 0.5\n[specimen.half_space]'
-    film = body_of(python.parse_case(CASE.replace("[specimen.half_space]", layer)))
+    layer = 'specimen.layers = [{ name = "film", thickness = "5 um", E = "100 kPa", nu = 0.5 }]\n'
+    film = body_of(python.parse_case(layer + CASE))
     a, s, rng = np.linspace(0.35e-6, 1.2e-6, 60), 2.0, np.random.default_rng(1)
     D, T, H, V = film.family.at(np.log(a))[0]
     delta, P = D - math.sqrt(W / s) * T, s * H - math.sqrt(W * s) * V

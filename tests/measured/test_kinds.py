@@ -12,7 +12,7 @@ from raw_records import BODY
 from jkrcli.measured import priors
 from jkrcli.measured.free_rows import DECAY, LAWS, LEVEL, RELAXED, VIRTUAL, WAVE
 from jkrcli.measured.hypotheses import ALTERNATIVES
-from jkrcli.measured.settings import Settings, settings_of
+from jkrcli.measured.settings import settings_of
 from studies.kinds import CLEAN, THIRD, Answer, Told, answer, drawn, line, moved, remarks, totals, write
 from studies.kinds_records import KINDS, identities
 
@@ -117,7 +117,6 @@ def test_widths_are_scaled_together(monkeypatch: pytest.MonkeyPatch) -> None:
     assert settings_of(BODY).longest_range == 10e-9
     monkeypatch.setattr(priors, "WIDTHS", 2.0)
     assert [one.width for one in priors.PRIORS.values()] == [2 * one for one in before]
-    assert isinstance(told, Settings)
     assert (settings_of(BODY).longest_range, told.longest_range) == (20e-9, 3e-9)
 
 

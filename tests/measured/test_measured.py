@@ -66,7 +66,6 @@ def test_one_curve_in_many_guises(tmp_path: Path, guise: str) -> None:
     path.write_text(text, encoding="utf-8")
     (curve,) = measured.read(path, reading)
     assert (curve.name, curve.where, curve.measured) == ("m", str(path), ("a", "delta", "P", "t"))
-    assert curve.segment is not None
     assert tuple(curve.segment) == WORDS
     for name, expected in (("a", A), ("delta", DELTA), ("P", P), ("t", T)):
         # Zero points of 1 mN under loads of 1 uN cost three digits.

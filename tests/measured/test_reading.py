@@ -405,8 +405,6 @@ def test_an_archive_holds_a_curve_per_table(tmp_path: Path) -> None:
         "__MACOSX/one.txt": b"\0", "run/picture.png": b"\x89PNG",
     })  # fmt: skip
     first, second, third = measured.each(path)
-    assert isinstance(first, Curve)
-    assert isinstance(third, Curve)
     assert [first.where, third.where] == [f'{path}: curve "one"', f'{path}: curve "three"']
     np.testing.assert_allclose(first.P, third.P, rtol=1e-12)
     assert str(second).startswith(f"{path}/two: holds no row of at least 2 numbers")

@@ -21,7 +21,6 @@ def cycle(seed: int) -> Curve:
 
 
 def numbers(found: Fit | Failure) -> list[object]:
-    assert isinstance(found, Fit)
     return [(item.name, item.value, item.error, item.low, item.high) for item in found.estimates]
 
 

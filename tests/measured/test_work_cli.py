@@ -5,6 +5,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import described_body
 import numpy as np
 import pytest
 from conftest import Outcome, write_table
@@ -15,16 +16,9 @@ from jkrcli.base.files import is_ours
 from jkrcli.case import store
 
 CASE = """
-[indenter]
-shape = "sphere"
-radius = "1 mm"
-[[specimen.layers]]
-thickness = "50 um"
-E = "1 MPa"
-nu = 0.499
-[loading]
-radius = "0.2 mm"
-points = 40
+indenter = { shape = "sphere", radius = "1 mm" }
+specimen.layers = [{ thickness = "50 um", E = "1 MPa", nu = 0.499 }]
+loading = { radius = "0.2 mm", points = 40 }
 """
 W = 0.05
 Run = Callable[..., Outcome]
@@ -141,10 +135,7 @@ RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
 
 def test_a_raw_record_is_zeroed_by_its_fit(jkr: Run) -> None:
     """Read as it stands, the record says 102 J/m^2; w is 1 mJ/m^2 on its way out and 0.2 mJ/m^2 on its way in."""
-    Path("gel.toml").write_text(
-        '[indenter]\nshape = "sphere"\nradius = "5 um"\n[specimen.half_space]\nE = "150 kPa"\nnu = 0.5\n'
-        '[loading]\nradius = "2 um"\npoints = 100\nspacing = "log"\n'
-    )
+    Path("gel.toml").write_text(described_body.CASE.format(shape="sphere").replace("1 um", "2 um"))
     assert jkr("run", "gel.toml").code == 0
     for segment, w, other in (("retract", 1e-3, "advancing"), ("approach", 0.2e-3, "receding")):
         (found,) = jkr("work", "gel.h5", str(RAW), "--segment", segment, "--json", "--no-plots", "-o", segment).told[

@@ -13,18 +13,10 @@ import pytest
 import jkrcli as jkr_
 
 CASE = """
-[indenter]
-shape = "paraboloid"
-radius = 1.0
-[specimen.half_space]
-E = 0.75
-nu = 0.5
-[loading]
-radius = 5.0
-points = 60
-spacing = "log"
-[adhesion]
-w = 1.0
+indenter = { shape = "paraboloid", radius = 1.0 }
+specimen.half_space = { E = 0.75, nu = 0.5 }
+loading = { radius = 5.0, points = 60, spacing = "log" }
+adhesion.w = 1.0
 """
 RATE = ("--rate", "v0=1,n=0.6")
 
@@ -37,9 +29,7 @@ def _series(jkr: Callable, tmp_path: Path) -> Path:
 
 
 def answer(jkr: Callable, *words: object) -> dict:
-    found = jkr("cycle", *words, "--json", "--no-plots").told
-    assert isinstance(found, dict)
-    return found
+    return jkr("cycle", *words, "--json", "--no-plots").told
 
 
 def test_the_pull_off_force_at_speed(jkr: Callable, series: Path) -> None:

@@ -11,7 +11,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
-from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive
 from jkrcli.adhesion.device_path import Program, cycle, there_and_back
@@ -277,13 +276,6 @@ def test_a_law_and_its_inverse(law: PowerRate | LogRate) -> None:
     for v in (1e-9, 1e-6, 1e-4):
         assert law.speed(0.05, float(law.work(0.05, v)) - 0.05) == pytest.approx(v, rel=1e-7)
     assert float(law.work(0.05, 0.0)) == 0.05
-
-
-def test_a_trace_of_ten_thousand_rows_is_quick() -> None:
-    pulled(0.5, 0.6)
-    with takes_less_than(0.3):  # measured 0.1
-        table = pulled(1.0, 0.6).table(10_000)
-    assert table["t_s"].size == 10_000
 
 
 @pytest.mark.parametrize(("make", "words"), [

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from maugis import Maugis
 
 R = 5e-6  # tip radius [m]
 
@@ -31,16 +32,9 @@ def states(E: float, w: float, sigma: float) -> tuple[np.ndarray, np.ndarray]:
     apart = -before[0] - 2 * sigma * c / E > 0
     end = int(np.argmin(apart)) if not apart.all() else c.size
 
-    K = 4 * E / 3
-    lam, length = 2 * sigma * (R / (math.pi * w * K**2)) ** (1 / 3), (math.pi * w * R**2 / K) ** (1 / 3)
-    m = 1 + np.geomspace(1e5, 1e-9, 20000)
-    root = np.sqrt((m - 1) * (m + 1))
-    arc = np.arctan(root)
-    square, linear = lam / 2 * (root + (m**2 - 2) * arc), 4 / 3 * lam**2 * (root * arc - m + 1)
-    a = 2 / (linear + np.sqrt(linear**2 + 4 * square))
-    delta = (a**2 - 4 / 3 * lam * a * root) * length**2 / R
-    P = (a**3 - lam * a**2 * (root + m**2 * arc)) * math.pi * w * R
-    return np.append(before[0][:end], delta), np.append(before[1][:end], P)
+    lam = 2 * sigma * (R / (math.pi * w * (4 * E / 3) ** 2)) ** (1 / 3)
+    held = Maugis(R, E, w, lam, 1 + np.geomspace(1e5, 1e-9, 20000))
+    return np.append(before[0][:end], held.delta), np.append(before[1][:end], held.P)
 
 
 def drawn(seed: tuple[int, ...], tabor: float | None = None) -> Ranged:

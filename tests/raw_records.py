@@ -1,5 +1,7 @@
 """Raw force curves of force_curves.py as they are read, and the half-spaces that they are fitted as."""
 
+from pathlib import Path
+
 import numpy as np
 
 from jkrcli.adhesion.slopes import slopes
@@ -32,6 +34,16 @@ def read(columns: dict[str, np.ndarray], k: float, *told: str, P: np.ndarray | N
     """The readings of a device of stiffness ``k`` [N/m]; ``told``: columns beside delta and P; other loads ``P``."""
     P = columns["P"] if P is None else P
     return Curve("made", delta=columns["z"] - P / k, P=P, stiffness=k, **{name: columns[name] for name in told})
+
+
+def export(
+    path: Path, made: dict[str, np.ndarray], head: str = "# springConstant: 0.3", signal: str = "force (nN)"
+) -> Path:
+    """Write a record below the lines of its ``head``; a ``signal`` of loads [nN], or of what stands for them."""
+    rows = zip(made["z"] * 1e6, made["P"] * 1e9, made["segment"], strict=True)
+    text = "".join(f"{z:.7g},{P:.7g},{word}\n" for z, P, word in rows)
+    path.write_text(f"{head}\npiezo (um),{signal},segment\n{text}")
+    return path
 
 
 def inside(found: Fit, name: str, true: float) -> bool:

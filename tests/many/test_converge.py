@@ -92,38 +92,24 @@ def test_coarser_doubles_every_element_and_knows_its_limit() -> None:
 
 # ---------------------------------------------------------------------- command line
 CASE = """
-[indenter]
-shape = "{shape}"
-radius = "100 um"
-[specimen{table}]
-E = "5 MPa"
-nu = 0.4
-{more}
-[loading]
-depth = "{depth}"
-points = 30
-[adhesion]
-w = {w}
-[mesh]
-element_size = "{size}"
-layout = "zones"
-growth = 0.4
+indenter = {{ shape = "sphere", radius = "100 um" }}
+specimen = {{ {specimen} }}
+loading = {{ depth = "{depth}", points = 30 }}
+adhesion.w = {w}
+mesh = {{ element_size = "{size}", layout = "zones", growth = 0.4 }}
 """
 
 
 @pytest.fixture(name="cases")
 def _cases(tmp_path: Path) -> Path:
     """The three cases that the figures need, with coarse meshes."""
-    folder = tmp_path / "cases"
-    folder.mkdir()
-    half = {"shape": "sphere", "table": ".half_space", "more": "", "depth": "3 um", "w": "0.05", "size": "1 um"}
-    thin = half | {"table": "", "depth": "0.1 um", "w": "0.002", "size": "0.4 um"}
-    body = 'base = "bonded"\n[[specimen.layers]]\nthickness = "1 um"\nE = "5 MPa"\nnu = {}\n'
-    (folder / "halfspace.toml").write_text(CASE.format(**half))
-    (folder / "half-space.toml").write_text(CASE.format(**half))
+    (folder := tmp_path / "cases").mkdir()
+    half = CASE.format(specimen='half_space = { E = "5 MPa", nu = 0.4 }', depth="3 um", w=0.05, size="1 um")
+    for name in ("halfspace", "half-space"):
+        (folder / f"{name}.toml").write_text(half)
     for name, nu, w in (("thin-layer", 0.4, "0.002"), ("gel", 0.499, '["2 mJ/m^2", "3 mJ/m^2"]')):
-        text = CASE.format(**thin | {"w": w}).replace('E = "5 MPa"\nnu = 0.4\n', body.format(nu))
-        (folder / f"{name}.toml").write_text(text)
+        layer = f'base = "bonded", layers = [{{ thickness = "1 um", E = "5 MPa", nu = {nu} }}]'
+        (folder / f"{name}.toml").write_text(CASE.format(specimen=layer, depth="0.1 um", w=w, size="0.4 um"))
     return folder
 
 
@@ -182,7 +168,7 @@ def test_the_paper_by_its_own_method(study, tmp_path: Path) -> None:
 
 def test_wrong_input_to_the_studies(jkr, study, cases: Path, tmp_path: Path) -> None:
     half = cases / "halfspace.toml"
-    (cases / "dry.toml").write_text(half.read_text().replace("[adhesion]\nw = 0.05\n", ""))
+    (cases / "dry.toml").write_text(half.read_text().replace("adhesion.w = 0.05\n", ""))
     (tmp_path / "points.csv").write_text("displacement, load (uN)\n-5,-0.6\n0,-0.5\n")
     jkr("study", "converge", "cases/dry.toml").refused("cases/dry.toml: names no work of adhesion > 0: give --w")
     jkr("study", "converge", "cases/halfspac.toml").refused('did you mean "cases/halfspace.toml"?')

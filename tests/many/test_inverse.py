@@ -122,9 +122,7 @@ def test_numbers_of_a_case_have_the_short_names_of_fits(tmp_path: Path) -> None:
 PUNCH = SKIN.replace('"paraboloid"', '"flat"').replace('"1 um"', '"{R}"')
 
 
-def test_what_would_take_long_is_refused_before_any_body_is_solved(
-    jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_would_take_long_is_refused_at_once(jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A flat punch is solved to its rim: 30 mm on 50 um take far longer than 33 um, from where values begin."""
     solves = list[Any]()
     monkeypatch.setattr(inverse, "solved_for", lambda *args: solves.append(args))

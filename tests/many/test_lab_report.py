@@ -9,18 +9,16 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from conftest import MEDIA, shown_at
 from force_curves import Instrument, record
+from raw_records import export
 from test_samples import SPECIMEN, K, R, read, write
 
 from jkrcli.base.files import is_ours
 from jkrcli.cli import call
 from jkrcli.measured.grade import kind_of
-
-FREE = "".join(
-    f"{i / 100},{(37 * i) % 11},{'retract' if i > 99 else 'approach'}\n" for i in (*range(100), *range(99, 0, -1))
-)
 
 
 @pytest.fixture(name="fitted", scope="module")
@@ -31,13 +29,10 @@ def _fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / name).mkdir()
         for i in range(2):
             write(folder / name / f"c{i}.txt", (1 + number) * 1e-3 * (1 + 0.1 * i), i)
-    (folder / "drug<B>/free.txt").write_text(f"# springConstant: 0.3\npiezo (um),force (pN),segment\n{FREE}")
-    both = {word: record(E_star, R, 4e-4, 2e-3, Instrument(K, 250, 1.5e-6, 94e-9, 2e-10), 1)
-            for word, E_star in (("approach", 2e5), ("retract", 1.4e5))}  # fmt: skip
-    lines = [f"{z * 1e6:.7g},{P * 1e9:.7g},{word}\n" for word, made in both.items()
-             for z, P, own in zip(made["z"], made["P"], made["segment"], strict=True) if own == word]  # fmt: skip
-    head = "# springConstant: 0.3\npiezo (um),force (nN),segment\n"
-    (folder / "drug A/two.txt").write_text(head + "".join(lines))
+    i, words = np.arange(-99, 99), np.repeat(["approach", "retract"], 99)
+    export(folder / "drug<B>/free.txt", {"z": 1e-8 * np.abs(i), "P": 1e-9 * np.sin(37 * i) / 9, "segment": words})
+    one, other = (record(E_star, R, 4e-4, 2e-3, Instrument(K, 250, 1.5e-6, 94e-9, 2e-10), 1) for E_star in (2e5, 1.4e5))
+    export(folder / "drug A/two.txt", {name: np.append(one[name][:250], other[name][250:]) for name in one})
     (folder / "drug<B>/notes.txt").write_text("measured on Monday\n")
     words = ("fit", *SPECIMEN, "ctrl", "drug A", "drug<B>", "-o", "out", "--uncertain", "stiffness=10%", "--report")
     said = io.StringIO()

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from force_curves import Instrument, record
+from raw_records import export
 from scipy import stats
 
 from jkrcli.base.files import is_ours
@@ -23,14 +24,7 @@ WORKS = {"ctrl": 1e-3, "drug": 2e-3}
 def write(path: Path, w: float, seed: int, radius: float = R, far: float = 1.5e-6) -> None:
     force = 1.5 * math.pi * w * radius
     made = record(2e5, radius, 0.2 * w, w, Instrument(K, 250, far, 2 * force, 0.005 * force), seed)
-    written(path, "force (nN)", made, made["P"] * 1e9)
-
-
-def written(path: Path, name: str, made: dict[str, np.ndarray], values: np.ndarray) -> None:
-    """A record whose signal has a ``name`` and ``values``."""
-    rows = zip(made["z"] * 1e6, values, made["segment"], strict=True)
-    text = "".join(f"{z:.7g},{value:.7g},{word}\n" for z, value, word in rows)
-    path.write_text(f"# springConstant: {K}\npiezo (um),{name},segment\n{text}")
+    export(path, made)
 
 
 @pytest.fixture(name="folders")
@@ -40,8 +34,8 @@ def _folders(tmp_path: Path) -> list[str]:
         for i in range(3):
             write(tmp_path / name / f"c{i}.txt", w * (1 + 0.05 * i), i)
     i = np.arange(-99, 99)
-    free = {"z": 1e-8 * np.abs(i), "segment": np.where(i > 0, "retract", "approach")}
-    written(tmp_path / "drug/free.txt", "force (nN)", free, np.sin(37 * i) / 9)
+    words = np.where(i > 0, "retract", "approach")
+    export(tmp_path / "drug/free.txt", {"z": 1e-8 * np.abs(i), "P": 1e-9 * np.sin(37 * i) / 9, "segment": words})
     return [*WORKS]
 
 
@@ -138,7 +132,7 @@ def test_an_error_of_the_sensitivity_moves_a_ratio_of_unlike_specimens_as_it_say
         (tmp_path / name).mkdir()
         for i in range(2):
             made = record(E_star, R, 2e-4, 1e-3, Instrument(K, 250, 1.5e-6, 60e-9, 1e-10), i)
-            written(tmp_path / name / f"{i}.txt", "deflection (V)", made, made["P"] / K / 40e-9)
+            export(tmp_path / name / f"{i}.txt", made | {"P": 1e-9 * made["P"] / K / 40e-9}, signal="deflection (V)")
 
     def ratios(sensitivity: float) -> dict[str, float]:
         assert jkr("fit", *SPECIMEN, "soft", "stiff", "--sensitivity", f"{sensitivity} nm/V", "--no-plots", "--force",

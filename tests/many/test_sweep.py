@@ -144,9 +144,7 @@ def test_every_quantity_is_told_or_its_absence_explained(jkr, tmp_path: Path) ->
         ("specimen.surface", '["sliding", "sticking"]', "specimen.surface"),
     ],
 )
-def test_cases_that_differ_in_what_words_of_a_body_leave_out_are_solved_each(
-    jkr, tmp_path: Path, key: str, values: str, column: str
-) -> None:
+def test_each_tension_and_surface_is_solved(jkr, tmp_path: Path, key: str, values: str, column: str) -> None:
     base = """[base]
 indenter = { shape = "paraboloid", radius = "5 um" }
 specimen = { half_space = { E = "5 kPa", nu = 0.3 } }

@@ -13,7 +13,6 @@ from force_curves import Instrument, record
 from jkrcli.base.errors import InputError
 from jkrcli.measured.batch import read_batch
 from jkrcli.measured.curve import Reading
-from jkrcli.measured.files import usable
 from jkrcli.measured.segmentation import segment_force_curve
 
 K, R = 0.3, 5e-6
@@ -80,19 +79,6 @@ def test_a_folder_of_mixed_files_is_read_right_or_refused_as_a_whole(number: int
         assert ("wrong way" in segment_force_curve(curve).flags) == (file.sign != most)  # which no fit takes
     lacking = [i for i, file in enumerate(files) if not file.stiffness]
     assert any(f"taken for {len(lacking)} file" in note for note in batch.notes) == bool(lacking)
-
-
-def test_one_file_alone_would_have_been_read_with_the_sign_of_its_noise(tmp_path: Path) -> None:
-    signs = set[float]()
-    for i in range(12):
-        File(1, "noise").write(tmp_path / f"{i:02}.txt", "piezo", i)
-        ((alone,), _) = usable([tmp_path / f"{i:02}.txt"], Reading())
-        signs.add(float(np.sign(np.ptp(alone.device[:200]) * (alone.device[199] - alone.device[0]))))
-    assert signs == {1.0, -1.0}
-    for i in range(6):
-        File(1).write(tmp_path / f"in{i}.txt", "piezo", i)
-    [(curves, _)] = read_batch([tmp_path], Reading()).read
-    assert {float(np.sign(one.device[199] - one.device[0])) for one in curves} == {1.0}
 
 
 def test_a_way_of_a_thousandth_of_the_others_is_named_where_nothing_bends(tmp_path: Path) -> None:

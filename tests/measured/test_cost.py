@@ -49,9 +49,7 @@ def relaxed(curve: Curve) -> Curve:
 
 
 @pytest.mark.parametrize(("dirty", "most"), [(bent, 6), (relaxed, 3)])
-def test_starts_that_lead_to_one_curve_are_searched_once(
-    dirty: Callable[[Curve], Curve], most: float, evaluations: list[int]
-) -> None:
+def test_starts_that_lead_to_one_curve_are_searched_once(dirty: Callable, most: float, evaluations: list[int]) -> None:
     """One after the other, and from all starts anew, these took 15 to 19 and 6 to 8 times as many evaluations as the
     record without."""
     fit(BODY, pressed(1), usual())
@@ -94,9 +92,7 @@ def test_the_time_of_a_folder_is_forecast_from_its_first_curves(jkr, monkeypatch
     assert sum(spent) / 2 < told[-1] < 2 * sum(spent)
 
 
-def test_a_forecast_that_was_too_low_is_mended(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_forecast_that_was_too_low_is_mended(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
     clock, mends = [0.0], {2: [(50, 35)], 3: [(75, 22)]}
     monkeypatch.setattr(time, "monotonic", lambda: clock[0])
     with fits.mended("fitting", 100, 20.0) as step:

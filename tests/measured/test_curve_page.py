@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import shown_at
+from conftest import shown_at, write_table
 
 from jkrcli.base.files import is_ours
 from jkrcli.measured import files as measured
@@ -36,10 +36,8 @@ def _files(jkr: Callable) -> list[str]:
     """Two records and one whose load never leaves its base line."""
     for name in ("one.txt", "two.txt"):
         shutil.copy(RAW, name)
-    z, rng = np.linspace(0, 1, 300), np.random.default_rng(1)
-    z = np.concatenate([z, z[::-1]])
-    table = np.column_stack([z, 1e-3 * rng.standard_normal(z.size)])
-    np.savetxt("none.csv", table, delimiter=",", header="delta_um,P_nN", comments="")
+    z = np.concatenate([way := np.linspace(0, 1, 300), way[::-1]])
+    write_table("none.csv", "delta_um,P_nN", z, 1e-3 * np.random.default_rng(1).standard_normal(z.size))
     return ["one.txt", "two.txt", "none.csv"]
 
 
@@ -51,7 +49,7 @@ def test_look_leaves_a_page_of_all_curves(jkr: Callable, files: list[str]) -> No
     assert is_ours(Path("curves-look.html"))
     assert "://" not in re.sub(r'<script id="curves".*?</script>', "", text, flags=re.S)  # nothing is fetched
     assert (one["name"], one["status"], none["status"]) == ("one", "no remark", "no contact")
-    curve = next(iter(measured.each(Path("one.txt"), measured.Reading())))
+    (curve,) = measured.read(Path("one.txt"))
     load = np.concatenate([column(line["y"]) for line in one["lines"]])
     assert [load.min(), load.max()] == pytest.approx([curve.P.min(), curve.P.max()], abs=2e-5 * np.ptp(curve.P))
     told = jkr("look", "one.txt", "--json", "--no-plots").told["files"][0]
@@ -108,11 +106,6 @@ def test_one_curve_and_no_plots_leave_no_page(jkr: Callable, files: list[str]) -
     assert Path("curves-look.html").read_text() == "of someone else"
 
 
-def many(count: int) -> str:
-    record = segment_force_curve(next(iter(measured.each(RAW, measured.Reading()))))
-    return page([record] * count, "many")
-
-
 class Many(list):
     """One curve that says to be of 4,000, which is thinned as all of them are."""
 
@@ -121,7 +114,7 @@ class Many(list):
 
 
 def test_four_thousand_curves_make_a_small_page() -> None:
-    record = segment_force_curve(next(iter(measured.each(RAW, measured.Reading()))))
+    record = segment_force_curve(measured.read(RAW)[0])
     text = page(Many([record]), "many <curves>")
     assert "many &lt;curves&gt;" in text
     (one,), (alone,) = curves_of(text), curves_of(page([record], ""))
@@ -132,7 +125,8 @@ def test_four_thousand_curves_make_a_small_page() -> None:
 
 @pytest.mark.slow
 def test_four_thousand_curves_in_a_browser(tmp_path: Path, browser: Any) -> None:
-    (tmp_path / "page.html").write_text(many(4000), encoding="utf-8")
+    text = page([segment_force_curve(measured.read(RAW)[0])] * 4000, "many")
+    (tmp_path / "page.html").write_text(text, encoding="utf-8")
     shown_at(browser, 1280)
     began = time.monotonic()
     browser.get((tmp_path / "page.html").as_uri())

@@ -34,7 +34,6 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.case.models import parse_case
 from jkrcli.measured import forward_model, rows
-from jkrcli.measured.choices import ConfidenceName
 from jkrcli.measured.curve import NOT_SUBTRACTED, Curve
 from jkrcli.measured.forward_model import body_of as body_of_case
 from jkrcli.measured.parameters import Parameter
@@ -86,9 +85,7 @@ def test_half_space_without_noise_from_random_starts(seed: int) -> None:
 
 
 @pytest.mark.parametrize("confidence", ["covariance", "profile", "bootstrap"])
-def test_a_search_that_is_given_up_tells_no_interval(
-    tuned: Callable[[str, object], None], confidence: ConfidenceName
-) -> None:
+def test_a_search_that_is_given_up_tells_no_interval(tuned: Callable, confidence: str) -> None:
     """Where it would have ended is a matter of round-off, on records that do not determine what is sought."""
     tuned("jkrcli.measured.rows.SEARCH_EVALUATIONS", 2)
     found = fit(half_space(), sphere(noise=0.01), usual(confidence=confidence, samples=20))

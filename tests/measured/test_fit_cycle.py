@@ -12,7 +12,6 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.measured.curve import Curve
-from jkrcli.measured.files import read
 from jkrcli.measured.forward_model import FittedBody
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.result import Fit
@@ -109,17 +108,6 @@ def test_rows_in_no_order_and_single_branches_are_no_cycles() -> None:
         assert orient(curve.rows(rows)).segment is None
     noisy = np.linspace(0, 1, 100) + 0.1 * rng.normal(size=100)
     assert orient(Curve("c", a=noisy + 1, P=noisy)).flags == ()
-
-
-@pytest.mark.parametrize(
-    ("title", "words"),
-    [("branch", ("loading", "unloading")), ("Ast", ("Belastung", "Entlastung")), ("branche", ("charge", "décharge")),
-     ("phase", ("load", "unload"))],
-)  # fmt: skip
-def test_words_for_branches_in_three_languages(title: str, words: tuple[str, str], tmp_path: Path) -> None:
-    path = tmp_path / "lens.csv"
-    path.write_text(f"a_m,P_N,{title}\n" + "".join(f"{i}e-5,{i}e-3,{words[i > 4]}\n" for i in range(1, 9)))
-    assert list(read(path)[0].segments()) == list(WORDS)
 
 
 @pytest.mark.slow

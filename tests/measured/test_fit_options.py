@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
+from fit_data import adhesive
 from force_curves import Instrument
 from force_curves import record as cycle
 from rate_records import retraction
@@ -75,8 +76,7 @@ def _pulled(path: Path, R: float, rng: np.random.Generator) -> None:
     E_star, w = 1e6 / 0.91, 0.05
     least = (9 * math.pi * w * R**2 / (8 * E_star)) ** (1 / 3)
     a = least * np.concatenate([np.linspace(1.1, 1.6, 20), np.linspace(1.6, 1.02, 50)])
-    t = np.sqrt(2 * math.pi * a * w / E_star)
-    delta, P = a**2 / R - t, 4 * E_star * a**3 / (3 * R) - 2 * E_star * a * t
+    delta, P = adhesive(a, E_star, w, R)
     segment = np.repeat(["approach", "retract"], [20, 50])
     _write(path, "t_s,a_um,delta_um,P_uN,segment", np.arange(70.0), a * 1e6, delta * 1e6 + rng.normal(0, 0.01, 70),
            P * 1e6 + rng.normal(0, 3, 70), segment)  # fmt: skip

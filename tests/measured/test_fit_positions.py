@@ -48,9 +48,7 @@ def made(error: Callable[[np.ndarray], np.ndarray], seed: int = 1, noise: float 
 
 @pytest.mark.parametrize(("name", "error"), [("hysteresis", bowed), ("creep", crept)])
 @pytest.mark.parametrize("amount", [0.0, -0.003])
-def test_an_error_of_positions_is_fitted_where_it_is_asked_for(
-    name: str, error: Callable[[float], Callable[[np.ndarray], np.ndarray]], amount: float
-) -> None:
+def test_an_error_of_positions_is_fitted_where_it_is_asked_for(name: str, error: Callable, amount: float) -> None:
     """1 % of the travel moves E* by 6 to 8 %, a hundred of its standard errors."""
     curve = made(error(amount))
     found, plain = (fit(BODY, curve, usual(free=free)) for free in ([name], []))
@@ -102,9 +100,7 @@ def test_hysteresis_needs_no_time() -> None:
 
 @pytest.mark.parametrize(("name", "error"), [("hysteresis", bowed), ("creep", crept)])
 @pytest.mark.parametrize("amount", [0.01, 0.0])
-def test_a_profile_holds_it(
-    name: str, error: Callable[[float], Callable[[np.ndarray], np.ndarray]], amount: float
-) -> None:
+def test_a_profile_holds_it(name: str, error: Callable, amount: float) -> None:
     """Through 0 and below it too; the level leaves no room for one noise in twenty."""
     curve = made(error(amount))
     item = fit(BODY, curve, usual(free=[name], confidence="profile", level=0.999)).estimate(name)
@@ -133,9 +129,7 @@ def test_records_of_one_device_share_it() -> None:
         ("creep", {}, {"branch": "compressive"}, "is fitted to whole force curves only, without compliance, .*"),
     ],
 )
-def test_what_does_not_tell_an_error_of_positions_is_refused(
-    name: str, change: dict[str, object], options: dict[str, object], reason: str
-) -> None:
+def test_what_does_not_tell_it_is_refused(name: str, change: dict, options: dict[str, object], reason: str) -> None:
     with pytest.raises(InputError, match=f"^made: {name} {reason}$"):
         fit(BODY, replace(made(bowed(0.0)), **change), usual(**{"free": [name], **options}))
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import described_body
 import numpy as np
 import pytest
+from conftest import write_table
+from fit_data import adhesive
 from force_curves import Instrument, record
 from raw_records import read
 
@@ -40,9 +42,7 @@ def table(R: float, seed: int) -> Curve:
     """A retraction down to pull-off under load, 1 % noise in both columns, the zero at 100 nm."""
     rng = np.random.default_rng(seed)
     a = np.linspace(1.0, 3.0, 60) * (9 * math.pi * W * R**2 / (8 * E_STAR)) ** (1 / 3)
-    delta = a**2 / R - np.sqrt(2 * math.pi * W * a / E_STAR)
-    P = 4 * E_STAR * a**3 / (3 * R) - np.sqrt(8 * math.pi * W * E_STAR * a**3)
-    delta, P = (column + 0.01 * np.ptp(column) * rng.normal(size=60) for column in (delta, P))
+    delta, P = (c + 0.01 * np.ptp(c) * rng.normal(size=60) for c in adhesive(a, E_STAR, W, R))
     return Curve(f"table of {R * 1e6:g}um", delta=delta + 1e-7, P=P)
 
 
@@ -100,9 +100,7 @@ def test_records_of_two_specimens_do_not_share(body: FittedBody) -> None:
 
 
 def written(curve: Curve, path: str) -> str:
-    columns = np.column_stack([curve.device * 1e6, curve.P * 1e9])
-    np.savetxt(path, columns, "%.9g", ",", header="delta (um),P (nN)", comments="")
-    return path
+    return str(write_table(path, "delta (um),P (nN)", curve.device * 1e6, curve.P * 1e9))
 
 
 def test_the_command_and_python_say_the_same(jkr: Callable) -> None:

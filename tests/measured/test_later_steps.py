@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fit_data import adhesive
 from force_curves import Instrument, record
 from raw_records import R, body, read
 
@@ -43,8 +44,7 @@ BODY = body(1e5)
 COLUMNS = record(E_STAR, R, W / 2, W, Instrument(K, 250, 4e-7, 8e-8, noise=2e-11, offset=1e-9), 3)
 RAW = read(COLUMNS, K)
 A = np.linspace(5e-7, 1.4e-6, 40)
-SHIFT = np.sqrt(2 * np.pi * W * A / E_STAR)
-ROWS = Curve("rows", a=A, P=E_STAR * (4 * A**3 / (3 * R) - 2 * A * SHIFT))
+ROWS = Curve("rows", a=A, P=adhesive(A, E_STAR, W, R)[1])
 
 
 def breaks(error: Exception) -> Callable:

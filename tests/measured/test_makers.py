@@ -89,10 +89,9 @@ WRONG = {
 def test_what_is_wrong_with_a_nanoscope_file_is_said_in_one_line(tmp_path: Path, mistake: str) -> None:
     changed, how, words = WRONG[mistake]
     path = vendors.nanoscope(tmp_path / "x.000", **changed)
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(InputError, match=re.escape(words)) as caught:
         measured.read(path, Reading(**how))
     assert len(caught.value.lines) == 1
-    assert words in str(caught.value)
 
 
 # ---------------------------------------------------------------------- Nanosurf, and JPK's HDF5
@@ -149,9 +148,7 @@ LACKS = {
 
 
 @pytest.mark.parametrize("mistake", LACKS)
-def test_what_a_nanosurf_file_lacks_is_said_in_one_line(
-    jkr: Callable[..., Outcome], tmp_path: Path, mistake: str
-) -> None:
+def test_what_a_nanosurf_file_lacks_is_said_in_one_line(jkr: Callable, tmp_path: Path, mistake: str) -> None:
     changed, words = LACKS[mistake]
     assert_refused(jkr, vendors.nanosurf(tmp_path / "x.nhf", **changed), words)
 
@@ -171,9 +168,7 @@ HEADS = [b"group_type", b"segment_name", b"signal_name", b"dataset_block_size_so
 
 @pytest.mark.parametrize("name", HEADS, ids=bytes.decode)
 @pytest.mark.parametrize("bits", [0x07, 0x80, 0xD6])
-def test_a_flip_in_an_attribute_of_a_nanosurf_file_leads_the_library_nowhere(
-    tmp_path: Path, name: bytes, bits: int
-) -> None:
+def test_a_flip_in_an_attribute_leads_the_library_nowhere(tmp_path: Path, name: bytes, bits: int) -> None:
     """Type, size and shape of an attribute stand behind its name and are without checksum: read as they are, some lead
     the C library out of its memory. What is left to read is read."""
     path = vendors.nanosurf(tmp_path / "x.nhf")
@@ -207,35 +202,10 @@ def test_jpk_files_in_hdf5_are_refused_with_the_remedy(jkr: Callable[..., Outcom
 def assert_refused(jkr: Callable[..., Outcome], path: Path, *words: str) -> None:
     """By both verbs; without its constants a file may be looked at."""
     for verb in [("look",), BODY][1 if "give --" in words[0] else 0 :]:
-        done = jkr(*verb, path)
-        assert done.code == 2
-        (line,) = done.err.strip().splitlines()
-        assert all(word in line for word in (str(path), *words))
+        jkr(*verb, path).refused(str(path), *words)
 
 
 BODY = ("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
-
-
-def test_modulus_and_adhesion_come_back_from_a_nanosurf_file(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
-    """JKR by its closed form: P = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3), d = a^2/R - sqrt(2 pi a w/E*)."""
-    R, E_star, w, k = 5e-6, 2e5, 5e-4, K
-    a = np.linspace(4e-7, 1.2e-6, 150)
-    P = 4 * E_star * a**3 / (3 * R) - np.sqrt(8 * np.pi * w * E_star * a**3)
-    d = a**2 / R - np.sqrt(2 * np.pi * a * w / E_star)
-    kept = np.gradient(d + P / k, a) > 0
-    force, way = P[kept], (d + P / k)[kept]
-    free = np.linspace(way[0] - 1e-6, way[0], 60, endpoint=False)
-    force, way = np.concatenate([0 * free, force]), np.concatenate([free, way])
-    rng = np.random.default_rng(3)
-    both = np.concatenate([force, force[::-1]]) + rng.normal(0, 2e-11, 2 * force.size)
-    height = 1e-5 - np.concatenate([way, way[::-1]])
-    path = vendors.nanosurf(tmp_path / "gel.nhf", record=(height, both, np.linspace(0, 2, both.size)))
-    looked = jkr("look", path).ok
-    assert "not tried on a real file" in looked.out
-    done = jkr(*BODY, path, "--no-plots", "-o", tmp_path).ok
-    told, *_ = re.findall(r"E\* = ([\d.]+) .*kPa, w = ([\d.]+) .*uJ/m", done.out)
-    assert float(told[0]) == pytest.approx(1e-3 * E_star, rel=0.01)
-    assert float(told[1]) == pytest.approx(1e6 * w, rel=0.01)
 
 
 # ---------------------------------------------------------------------- exports in text
@@ -249,19 +219,11 @@ def test_the_record_comes_back_from_each_export(tmp_path: Path, maker: str) -> N
     np.testing.assert_allclose(moved(curve.delta), moved(-HEIGHT - FORCE / K), atol=2e-15)  # of 2 um, nine digits
 
 
-SPELLED = {
-    "English": ("Branch", "Loading", "Unloading"),
-    "English, in short": ("segment", "load", "UNLOAD"),
-    "German": ("Ast", "Belasten", "Entlasten"),
-    "German, of motion": ("Richtung", "hin", "zurück"),
-    "French": ("Phase", "charge", "décharge"),
-    "French, of motion": ("Branche", "approche", "retrait"),
-}
-
-
-@pytest.mark.parametrize("tongue", SPELLED)
-def test_segments_are_spelled_in_three_languages(tmp_path: Path, tongue: str) -> None:
-    title, in_, out = SPELLED[tongue]
+@pytest.mark.parametrize(("title", "in_", "out"), [
+    ("segment", "load", "UNLOAD"), ("Ast", "Belasten", "Entlasten"), ("Richtung", "hin", "zurück"),
+    ("Phase", "charge", "décharge"), ("Branche", "approche", "retrait"),
+])  # fmt: skip
+def test_segments_are_spelled_in_three_languages(tmp_path: Path, title: str, in_: str, out: str) -> None:
     rows = [f"{z},{z},{in_ if z < 4 else out}" for z in (1, 2, 3, 4, 5, 6)]
     (tmp_path / "x.csv").write_text("\n".join([f"delta_nm,P_nN,{title}", *rows]), encoding="utf-8")
     curve = read_one(tmp_path / "x.csv")
@@ -270,11 +232,8 @@ def test_segments_are_spelled_in_three_languages(tmp_path: Path, tongue: str) ->
 
 
 def test_rows_are_selected_by_number_by_segment_and_by_column(tmp_path: Path) -> None:
-    text = "step,delta_nm,P_nN,Ast\n" + "".join(
-        f"{1 + i // 6},{i},{i},{'Belasten' if i % 6 < 3 else 'Entlasten'}\n" for i in range(12)
-    )
-    path = tmp_path / "x.csv"
-    path.write_text(text)
+    rows = [f"{1 + i // 6},{i},{i},{'Belasten' if i % 6 < 3 else 'Entlasten'}" for i in range(12)]
+    (path := tmp_path / "x.csv").write_text("\n".join(["step,delta_nm,P_nN,Ast", *rows]))
 
     def loads(**how: object) -> list[float]:
         return [round(1e9 * P) for P in read_one(path, **how).P]
@@ -289,9 +248,8 @@ def test_rows_are_selected_by_number_by_segment_and_by_column(tmp_path: Path) ->
         ({"where": {"curve": "y"}}, 'holds no curve "y" (x)'),
         ({"where": {"segment": "hold"}}, 'has no rows of segment "hold" (segments: approach, retract)'),
     ):
-        with pytest.raises(InputError) as caught:
+        with pytest.raises(InputError, match=re.escape(words)):
             read_one(path, **how)
-        assert words in str(caught.value)
 
 
 def test_a_wave_marks_its_dwells_which_its_motion_does_not_tell(tmp_path: Path) -> None:

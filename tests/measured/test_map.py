@@ -13,6 +13,7 @@ import pytest
 from conftest import write_table
 from force_curves import Instrument, record
 from matplotlib.collections import QuadMesh
+from raw_records import export
 
 from jkrcli.base.errors import InputError
 from jkrcli.base.executors import executor
@@ -216,11 +217,8 @@ def test_numbers_that_fill_no_grid_are_no_places(names: list[str]) -> None:
 
 def write_grid(folder: Path, names: Sequence[str], heads: Sequence[str] = ()) -> None:
     folder.mkdir()
-    rows = "".join(f"{z * 1e6:.7g},{P * 1e9:.7g},{word}\n"
-                   for z, P, word in zip(MADE["z"], MADE["P"], MADE["segment"], strict=True))  # fmt: skip
     for i, name in enumerate(names):
-        head = heads[i] if heads else ""
-        (folder / name).write_text(f"# springConstant: 0.3\n{head}piezo (um),force (nN),segment\n{rows}")
+        export(folder / name, MADE, "# springConstant: 0.3" + (f"\n{heads[i].rstrip()}" if heads else ""))
 
 
 def test_a_specified_grid_counts_files_that_cannot_be_read(tmp_path: Path) -> None:

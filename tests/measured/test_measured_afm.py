@@ -159,9 +159,7 @@ JUNK = {
 
 
 @pytest.mark.parametrize("ending", JUNK)
-def test_what_is_no_such_file_is_refused_quietly(
-    tmp_path: Path, ending: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_no_such_file_is_refused_quietly(tmp_path: Path, ending: str, capfd) -> None:
     pytest.importorskip("afmformats")
     path = tmp_path / f"junk{ending}"
     path.write_bytes(b"\x89HDF\r\n\x1a\n no file of force curves \x00\x01")
@@ -189,9 +187,7 @@ def test_a_table_of_names_is_not_taken_for_three_columns_without(tmp_path: Path)
         measured.read(path)
 
 
-def test_records_of_creep_and_relaxation_are_read_by_their_motion(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_creep_and_relaxation_are_read_by_their_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """JPK numbers their waits as a segment between the directions: 1 was a retraction, and they were refused."""
     afmformats = pytest.importorskip("afmformats")
     z = np.concatenate([np.linspace(1e-6, 0.0, 30), np.full(40, 0.0), np.linspace(0.0, 1e-6, 30)])

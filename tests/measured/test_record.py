@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cycle_records import drawn
 from dirty_records import KINDS
+from fit_data import adhesive
 from force_curves import Instrument, equilibrium, record
 
 from jkrcli.base.errors import InputError, Unknown
@@ -136,8 +137,7 @@ def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
 def test_the_curved_end_of_a_prepared_retraction_is_no_base_line(noise: float, stiffness: float) -> None:
     """From the largest depth to pull-off without a free row: a fifth of the rows used to be taken for a base line."""
     a = np.linspace(0.05, 3.0, 20_000) * (9 * np.pi * W * R**2 / (8 * E_STAR)) ** (1 / 3)
-    depth = a**2 / R - np.sqrt(2 * np.pi * a * W / E_STAR)
-    load = 4 * E_STAR * a**3 / (3 * R) - np.sqrt(8 * np.pi * W * E_STAR * a**3)
+    depth, load = adhesive(a, E_STAR, W, R)
     fold = int(np.argmin(depth + load / stiffness))
     delta = np.linspace(depth[-1], depth[fold], 300)
     P = np.interp(delta, depth[fold:], load[fold:])

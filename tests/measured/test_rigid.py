@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from force_curves import Instrument, record
+from raw_records import export
 
 from jkrcli.base.errors import InputError
 from jkrcli.measured.functions import look
@@ -28,11 +29,7 @@ def glass(path: Path, seed: int, drag: float = 0.0) -> Path:
 
 
 def gel(path: Path, head: str) -> Path:
-    made = record(2e5, 5e-6, 2e-4, 1e-3, Instrument(K, 200, 1.5e-6, 40e-9, 1e-10), 1)
-    rows = "".join(f"{z * 1e6:.7g},{P * 1e9:.7g},{word}\n"
-                   for z, P, word in zip(made["z"], made["P"], made["segment"], strict=True))  # fmt: skip
-    path.write_text(f"{head}\npiezo (um),force (nN),segment\n{rows}")
-    return path
+    return export(path, record(2e5, 5e-6, 2e-4, 1e-3, Instrument(K, 200, 1.5e-6, 40e-9, 1e-10), 1), head)
 
 
 def test_the_slope_on_glass_is_the_sensitivity_whatever_was_assumed(tmp_path: Path) -> None:

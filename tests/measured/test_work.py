@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fit_data import adhesive
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stated_errors import in_units
@@ -74,8 +75,8 @@ def test_pull_off_of_the_classical_theory() -> None:
     """P = -1.5 pi w R at a^3 = 9 pi w R^2/(8 E*) (Johnson, Kendall and Roberts 1971) means w, wherever it is looked."""
     E_star = 1e6 / (1 - 0.4**2)
     a = (9 * np.pi * W * R**2 / (8 * E_star)) ** (1 / 3)
-    delta = a**2 / R - np.sqrt(2 * np.pi * W * a / E_star)
-    curve = Curve("c", a=np.array([a]), delta=np.array([delta]), P=np.array([-1.5 * np.pi * W * R]))
+    delta, _ = adhesive(np.array([a]), E_star, W, R)
+    curve = Curve("c", a=np.array([a]), delta=delta, P=np.array([-1.5 * np.pi * W * R]))
     for use in PAIRS:
         found = work_along(body("half-space"), curve, use)
         # (delta, P): round-off of P_H - P - S (delta_H - delta), of three terms that nearly cancel

@@ -1,8 +1,6 @@
 """Fits of whole force curves that adhere on bodies that relax, to records of other equations
 (``adhesive_curves.py``)."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Callable

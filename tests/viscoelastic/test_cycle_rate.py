@@ -1,7 +1,5 @@
 """``jkr cycle --rate``: the files, the figures for machines, and one clear line for what is wrong."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Callable

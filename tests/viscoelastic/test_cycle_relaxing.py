@@ -1,7 +1,5 @@
 """``jkr cycle`` of a specimen that relaxes: over time without adhesion, in its limits with it."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math
@@ -81,9 +79,7 @@ def test_the_end_of_the_series_is_where_it_turns(jkr: Callable, tmp_path: Path, 
 @pytest.mark.parametrize(
     ("stiffness", "hold"), [("1 N/m", 0), ("10 N/m", 20), pytest.param("load", 20, marks=pytest.mark.slow)]
 )
-def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
-    jkr: Callable, tmp_path: Path, stiffness: str, hold: float
-) -> None:
+def test_creep_after_a_turn_stays_within_the_series(jkr: Callable, tmp_path: Path, stiffness: str, hold: float) -> None:
     """Once "the contact comes 2.6 um beyond the largest depth of the series", without anything said of the turn."""
     assert jkr("run", CASES / "relaxing-gel.toml", "-o", tmp_path / "gel.h5", "-q").code == 0
     speed = "1 mN/s" if stiffness == "load" else "1 um/s"
@@ -145,9 +141,7 @@ def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
     (("explore", "gel.toml", "-o", "."), ".: is a folder, cannot be written as a file"),
     (("profile", "gel.toml", "--a", "0.5", "-o", "gel.toml/in"), "cannot be made a folder (Not a directory)"),
 ])  # fmt: skip
-def test_what_is_wrong_is_refused_before_a_case_is_solved(
-    jkr: Callable, tmp_path: Path, words: tuple[str, ...], line: str
-) -> None:
+def test_what_is_wrong_is_refused_before_a_solve(jkr: Callable, tmp_path: Path, words: tuple, line: str) -> None:
     (tmp_path / "gel.toml").write_text(CASE)
     jkr(*words).refused(line)
     assert [path.name for path in tmp_path.iterdir()] == ["gel.toml"]

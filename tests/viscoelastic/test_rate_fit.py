@@ -1,7 +1,5 @@
 """w0, v0, n from records of retraction at several speeds, made by an integrator of their own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """``jkr cycle --rate`` and ``jkr fit --law`` on series of every origin: layered, hybrid, finite elements, imported."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Contact of bodies that relax: published values, closed forms, identities, and the unilateral problem stepped."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

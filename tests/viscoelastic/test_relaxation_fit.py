@@ -1,7 +1,5 @@
 """Fits of relaxation to records of another generator: rings stepped through time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Adhesion by a cohesive stress while the body relaxes: reference values, limits, energies, rings."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache

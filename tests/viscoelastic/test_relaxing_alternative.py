@@ -1,8 +1,6 @@
 """A viscoelastic specimen that adheres among the alternatives of a raw record: records of other equations
 (``adhesive_curves.py``) with their free rows, read as anyone reads them, without a word on relaxation."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 from functools import cache

@@ -1,8 +1,6 @@
 """Force curves at several speeds fitted together, w over the speed of the edge among the unknowns, to records of other
 equations (``adhesive_curves.py``); names of spring and dashpot models."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Callable

@@ -135,7 +135,9 @@ RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
 
 def test_a_raw_record_is_zeroed_by_its_fit(jkr: Run) -> None:
     """Read as it stands, the record says 102 J/m^2; w is 1 mJ/m^2 on its way out and 0.2 mJ/m^2 on its way in."""
-    Path("gel.toml").write_text(described_body.CASE.format(shape="sphere").replace("1 um", "2 um"))
+    Path("gel.toml").write_text(
+        described_body.CASE.format(shape="sphere").replace("1 um", "2 um").replace("100 kPa", "150 kPa")
+    )
     assert jkr("run", "gel.toml").code == 0
     for segment, w, other in (("retract", 1e-3, "advancing"), ("approach", 0.2e-3, "receding")):
         (found,) = jkr("work", "gel.h5", str(RAW), "--segment", segment, "--json", "--no-plots", "-o", segment).told[

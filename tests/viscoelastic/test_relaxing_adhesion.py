@@ -17,6 +17,7 @@ from jkrcli.adhesion.finite_range import FiniteRangeBody, Range
 from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import PowerRelaxation, Prony, Relaxation, StandardSolid
+from jkrcli.series import Solution
 from jkrcli.viscoelastic.relaxing_adhesion import Course, CrackRate, Memory, Now, RelaxingAdhesion, creep
 
 W, A0 = 0.05, 0.05 ** (1 / 3)  # work of adhesion, and (w R^2/Einf)^(1/3): R = Einf* = 1, E0* = 10
@@ -24,7 +25,7 @@ SOLID = StandardSolid(0.1, 1.0)
 
 
 @cache
-def solved(E_star: float, layered: bool = False, R: float = 1.0) -> jkr.Solution:
+def solved(E_star: float, layered: bool = False, R: float = 1.0) -> Solution:
     specimen = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(E_star, 0.0)))
     if layered:
         specimen = jkr.Specimen((jkr.Layer(jkr.Elastic(E_star * (1 - 0.3**2), 0.3), 1.0),), jkr.Rigid(True))

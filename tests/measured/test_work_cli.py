@@ -61,6 +61,15 @@ def test_a_table_comes_back_with_w_and_speed(jkr: Run, measured: Path, use: str)
     assert not Path("m-work.png").exists()
 
 
+def test_of_named_segments_the_asked_one_is_evaluated(jkr: Run, measured: Path) -> None:
+    header, *rows = measured.read_text().splitlines()
+    told = [f"{row},{'approach' if i < 10 else 'retract'}" for i, row in enumerate(rows)]
+    measured.write_text("\n".join([header + ",segment", *told]) + "\n")
+    done = jkr("work", "gel.h5", measured, "--segment", "retract", "--no-plots").ok
+    assert "30 of 30 rows" in done.out
+    assert set(table("m-work.csv")["segment"]) == {"retract"}
+
+
 @pytest.mark.slow
 def test_plots_are_written_and_everything_is_ours_to_replace(jkr: Run, measured: Path) -> None:
     assert jkr("work", "gel.h5", measured).code == 0

@@ -181,7 +181,7 @@ def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading
 
     The header names the columns (a, CAREA, delta, U2, P, RF2, ...) and their units, "P (mN)"; otherwise give --column
     a=NAME and --unit P=mN. jkr compares loads and radii with the exact solution of the specimen. CalculiX prints the
-    force on a wedge of 2 degrees: give --factor P=180. The written solution is for jkr transform.
+    force on a wedge of 2 degrees: give --factor P=180. jkr transform reads the written solution.
 
     \b
     jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN

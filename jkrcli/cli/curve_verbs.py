@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 @options.curve_options
 @options.roughness_options
 @options.into_folder()
-@click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
+@click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]),
+              help="Also without dimensions, by Eq. 15 or 19.")  # fmt: skip
 @click.option("--scale", "own", multiple=True, type=options.SCALE,
               help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.')  # fmt: skip
 @click.option("--together", "in_one", is_flag=True,
@@ -152,12 +153,12 @@ def pull_off(
     flags: inputs.Flags, as_json: bool,
     force: float | None = None, uncertain: tuple[tuple[str, str], ...] = (), sought: str | None = None,
 ) -> None:  # fmt: skip
-    """Print pull-off and jump-in of each FILE, a case or a solution, or of a specimen from options, under load control,
-    displacement control and each --stiffness, with the energy lost in a cycle; on rough surfaces with --roughness.
+    """Print pull-off and jump-in of each FILE (a case or a solution), or of a specimen described by options.
 
-    With --load, the pull-off force is given and jkr computes the work of adhesion; with --find it computes any other
-    number of the case. A viscoelastic specimen has several pull-off forces: very slow, very fast, and pulled at once
-    after slow loading.
+    They are printed for load control, displacement control and each --stiffness, with the energy lost in a cycle. From
+    a measured pull-off force, --load, the verb computes the work of adhesion; with --load and --find KEY it computes
+    the value of KEY, such as indenter.radius, that gives this force. --roughness is for rough surfaces. A viscoelastic
+    specimen has several pull-off forces: very slow, very fast, and pulled at once after slow loading.
 
     \b
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
@@ -243,9 +244,10 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
     """Compute the contact pressure, the surface displacement and the gap over the radius at one state of FILE, a case
     or a solution.
 
-    The state is always solved on the exact body of the case. On a cylinder the surface is shown to half-way to its
-    side. A specimen without slip is solved by finite elements, and a column holds the shear stress. With --stress or
-    --range, adhesive tension acts outside the contact, too. The results are <stem>-profile.csv, .png and .svg.
+    The state is always solved on the exact body of the case. On a cylinder the output ends half-way between the contact
+    edge and the side, or at r = 3 a if that is nearer. A specimen without slip is solved by finite elements, and a
+    column holds the shear stress. With --stress or --range, adhesive tension acts outside the contact, too. The results
+    are <stem>-profile.csv, .png and .svg.
 
     \b
     jkr profile data.h5 --a "5 um"

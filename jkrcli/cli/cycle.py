@@ -169,7 +169,8 @@ def cycle(
     The cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da = 0. With
     --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). For a viscoelastic specimen
     with adhesion, jkr computes three limits: very fast, very slow, and pulled instantly from rest. The results are
-    <stem>-cycle.csv, .png and .svg; given options add their SI values, as in <stem>-cycle-w-retract0.045.csv.
+    <stem>-cycle.csv, .png and .svg; the options given add their values in SI units, as in
+    <stem>-cycle-w-retract0.045.csv.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"

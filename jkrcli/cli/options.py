@@ -435,7 +435,7 @@ def begin(what: str, cost: Forecast, limits: Limits = ANY, less: str = LESS) -> 
 
 
 slopes_option = click.option("--slopes", type=click.Choice(["auto", *RULES]), default="auto", show_default=True,
-                             help="How S and S' are found.")  # fmt: skip
+                             help="Rule for the stiffness S = dP/ddelta and its derivative S'.")  # fmt: skip
 modulus_factor_option = click.option(
     "--modulus-factor", type=FACTOR, default="1", show_default=True,
     help="Multiply all moduli, and a surface tension, by this factor; no new solution is needed.",

@@ -194,6 +194,7 @@ class Panel:
 
     ``logs``: logarithmic axes, "", "x", "y" or "xy"; ``at_points``: a logarithmic x axis has its ticks at the first
     line's points, else where people write numbers.
+    ``xlim``, ``ylim``: ends of the axes, where they are given.
     ``right``: a line of another quantity, and the label of its own axis.
     """
 
@@ -203,6 +204,8 @@ class Panel:
     title: str = ""
     logs: str = ""
     at_points: bool = True
+    xlim: tuple[float | None, float | None] | None = None
+    ylim: tuple[float | None, float | None] | None = None
     right: tuple[str, Line] | None = None
 
 
@@ -262,7 +265,7 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         if 100 <= high / low < WRITTEN:  # 0.02, 0.05, 0.1, not powers of ten
             axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < WRITTEN / 10 else (1,)))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
 
 
 def _line(axes: Axes, line: Line) -> None:

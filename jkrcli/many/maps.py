@@ -466,7 +466,7 @@ def _rate_figure(columns: Columns) -> Figure:
 
 RATE_MAP = Map(
     "rate",
-    """Map pull-off force and energy lost over the device's speed, its stiffness and the body.
+    """Map pull-off force and lost energy as functions of the speed and stiffness of the device, for several bodies.
 
     A paraboloid with E* = R = w0 = v0 = 1 retracts from equilibrium at zero load, from a half-space and from bonded
     layers of the given thickness (in R). The results are rate-map.csv, .png and .svg.
@@ -550,8 +550,8 @@ STICKING_MAP = Map(
     """Map the ratio of contact without slip to frictionless contact under a paraboloid on a layer that is bonded to a
     rigid substrate, over a/h.
 
-    The map shows the ratio of S at equal contact radius, and the ratio of loads at equal depth. The results are
-    sticking-map.csv, .png and .svg.
+    The map shows two ratios of no slip to frictionless contact: of the stiffness S = dP/ddelta at equal contact radius,
+    and of the load at equal depth. The results are sticking-map.csv, .png and .svg.
 
     \b
     jkr study sticking-map -o map
@@ -629,8 +629,8 @@ TRANSITION_MAP = Map(
     "transition",
     """Map the pull-off force of a paraboloid on a layer on a rigid substrate, in pi w R, over the range of adhesion.
 
-    mu is the Tabor number of the range. The limits are the force of JKR on the same layer and 2 pi w R of a long
-    range. The results are transition-map.csv, .png and .svg, filled for at least four values of both axes, else lines.
+    mu is the Tabor number of the range. The limits are the force of JKR on the same layer and 2 pi w R of a long range.
+    The results are transition-map.csv, .png and .svg, filled for at least four values of both axes, else lines.
 
     \b
     jkr study transition-map --nu 0.3 --q 1 --mu 0.3 --mu 3 -o map

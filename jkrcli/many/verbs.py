@@ -153,9 +153,9 @@ def sweep(
     """Solve all cases that SWEEP (TOML) makes of a base case, and write a table with a row per case (CSV, HDF5,
     Parquet).
 
-    The picture table.png, .svg shows forces (else the first results) over the longest axis, with a line per value of
-    the next axis. After an interruption the same command goes on where it stopped. Cases that differ only in w share
-    one solution.
+    The picture (table.png, table.svg) plots forces, or the first results if there are no forces, over the swept key
+    with the most values, and has a line per value of the next one. After an interruption the same command goes on where
+    it stopped. Cases that differ only in w share one solution.
 
     \b
     jkr sweep cases/sweeps/gel.toml -o results

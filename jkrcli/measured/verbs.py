@@ -103,13 +103,12 @@ def work(
     series: Path, measured: tuple[Path, ...], modulus_factor: float, slopes: str, reading: Reading, workers: int,
     output: Output, **chosen: Any,
 ) -> None:  # fmt: skip
-    """Compute the work of adhesion along each MEASURED file, on the body of the SERIES file.
+    """Compute the work of adhesion at every point of each MEASURED curve, for the specimen of the solution SERIES.
 
-    At each measured point jkr computes the energy release rate of the contact edge,
-    w = S' (delta_H - delta)^2/(4 pi a), from a and P (independent of the zero of displacement), a and delta, or delta
-    and P. On raw force curves it first
-    fits base line and contact point, and then uses the points at which the edge moves. A time column also gives the
-    speed da/dt of the edge and the law w0 (1 + (v/v0)^n) of opening contact. Tables name their columns and units,
+    At each measured point jkr computes the energy release rate of the contact edge, w = S' (delta_H - delta)^2/(4 pi
+    a), from a and P (independent of the zero of displacement), a and delta, or delta and P. On raw force curves it
+    first fits base line and contact point, and then uses the points at which the edge moves. A time column also gives
+    the speed da/dt of the edge and the law w0 (1 + (v/v0)^n) of opening contact. Tables name their columns and units,
     "a_um, P_mN, t_s". The optional package afmformats reads files of force microscopes (.jpk-force, .jpk-force-map,
     .ibw, .h5, .tab). The results are <stem>-work.csv, .json, .png and .svg.
 
@@ -194,8 +193,8 @@ ASKED = options.as_one(
     "asked",
     _asked,
     click.option("--free", multiple=True, type=NamesType(),
-                 help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
-                 "hysteresis, creep (of the piezo), surface_tension."),
+                 help="Further parameters to fit: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of "
+                 "adhesion), drift, hysteresis, creep (of the piezo), surface_tension."),
     click.option("--fix", multiple=True, type=options.NAMED,
                  help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
     click.option("--start", multiple=True, type=options.NAMED,
@@ -232,9 +231,10 @@ ASKED = options.as_one(
     click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
                  help="Tip radius of each file or folder, or of all [default: BODY's]."),
     click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
-                 help="Of the body, instead of its own; both: under either, and what the data favour."),
+                 help="Instead of the case's; both: fit with each and state which one the data favour."),
     click.option("--uncertain", multiple=True, type=options.NAMED,
-                 help="Standard deviation of an input, carried on: radius=3%, stiffness=10%; longest: range=1nm."),
+                 help="Standard deviation of an input: radius=3%, stiffness=10%; but range=1nm is the longest range of "
+                 "adhesion."),
     click.option("--grid", type=GridType(), help="Columns and rows of a map whose files lie row by row, 6x5 [default: "
                  "positions in headers, or names]."),
     *OF_SAMPLES,
@@ -262,10 +262,11 @@ def fit(
     """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
 
     BODY is a case or a solution file. If options give the specimen (--radius, --nu, --thickness ...), every file is
-    measured. A measured file is a force curve or a table with two or three of a, delta and P; a folder is a map.
-    --free adds unknowns, such as E:LAYER and h:LAYER. The results are <BODY>-fit.csv, .json, .h5 and pictures; without
-    a case <FILE>-fit.csv, or fit.csv for several files, with one row per curve. Several curves also give a page to
-    click through them. Several folders are samples, which samples.csv and samples.png compare.
+    measured. A measured file is a force curve, or a table with at least two of the columns a, delta and P. --free adds
+    unknowns, such as E:LAYER and h:LAYER. The results are <BODY>-fit.csv, .json, .h5 and pictures; if options give the
+    specimen, they are named <FILE>-fit, or fit for several files. The CSV has one row per curve. Several curves also
+    give a page to click through them. One folder is read as a map; several folders are compared as samples, in
+    samples.csv and samples.png.
 
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5

@@ -212,8 +212,8 @@ def cycle(
     0. With --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). With --rate and
     --speed, w depends on the speed of the contact line, and --stress is the cohesive stress of the dissipating zone. A
     viscoelastic specimen needs --speed, and with adhesion --stress or --range. Without --speed, jkr computes its
-    limits: very fast, very slow, and pulled instantly from rest. The results are <stem>-cycle.csv, .png and .svg; given
-    options add their SI values to the name, as in <stem>-cycle-w-retract0.045.csv.
+    limits: very fast, very slow, and pulled instantly from rest. The results are <stem>-cycle.csv, .png and .svg; the
+    options given add their values in SI units to the names, as in <stem>-cycle-w-retract0.045.csv.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"

@@ -180,8 +180,8 @@ def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading
     """Read P, delta and a (or the contact area) that another program computed from TABLE, and write a solution file.
 
     The header names the columns (a, CAREA, delta, U2, P, RF2, ...) and their units, "P (mN)"; otherwise give --column
-    a=NAME and --unit P=mN. jkr compares loads and radii with the exact solution of the specimen. CalculiX prints the
-    force on a wedge of 2 degrees: give --factor P=180. jkr transform reads the written solution.
+    a=NAME and --unit P=mN. The program compares loads and radii with the exact solution of the specimen. CalculiX
+    prints the force on a wedge of 2 degrees: give --factor P=180. The verb transform reads the written solution.
 
     \b
     jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN

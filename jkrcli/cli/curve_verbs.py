@@ -156,9 +156,9 @@ def pull_off(
     """Print pull-off and jump-in of each FILE (a case or a solution), or of a specimen described by options.
 
     They are printed for load control, displacement control and each --stiffness, with the energy lost in a cycle. From
-    a measured pull-off force, --load, the verb computes the work of adhesion; with --load and --find KEY it computes
-    the value of KEY, such as indenter.radius, that gives this force. --roughness is for rough surfaces. A viscoelastic
-    specimen has several pull-off forces: very slow, very fast, and pulled at once after slow loading.
+    a measured pull-off force (--load) the verb computes the work of adhesion; with --load and --find KEY it computes
+    the value of KEY, such as indenter.radius, that gives this force. The option --roughness describes rough surfaces. A
+    viscoelastic specimen has several pull-off forces: very slow, very fast, and pulled at once after slow loading.
 
     \b
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"

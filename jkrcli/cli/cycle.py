@@ -166,7 +166,7 @@ def cycle(
     """Compute the cycle of approach and retraction on FILE, a case or a solution file: load, displacement and contact
     radius, jumps, energy lost.
 
-    The cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da = 0. With
+    The cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da is zero. With
     --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). For a viscoelastic specimen
     with adhesion, jkr computes three limits: very fast, very slow, and pulled instantly from rest. The results are
     <stem>-cycle.csv, .png and .svg; the options given add their values in SI units, as in

@@ -630,7 +630,8 @@ TRANSITION_MAP = Map(
     """Map the pull-off force of a paraboloid on a layer on a rigid substrate, in pi w R, over the range of adhesion.
 
     mu is the Tabor number of the range. The limits are the force of JKR on the same layer and 2 pi w R of a long range.
-    The results are transition-map.csv, .png and .svg, filled for at least four values of both axes, else lines.
+    The results are transition-map.csv, .png and .svg. The picture is filled if both axes have at least four values;
+    otherwise it shows lines.
 
     \b
     jkr study transition-map --nu 0.3 --q 1 --mu 0.3 --mu 3 -o map
@@ -692,8 +693,8 @@ ROUGHNESS_MAP = Map(
     "roughness",
     """Map the work of adhesion that full conformal contact leaves between rough surfaces, over rms height and modulus.
 
-    The specimen is a half-space or a bonded layer. The true area is taken as the nominal one (r = 1), so that E and rms
-    act by E rms^2 alone. The results are roughness-map.csv, .png and .svg.
+    The specimen is a half-space or a bonded layer. The true area is taken as the nominal one (r = 1), so that only the
+    product E rms^2 matters. The results are roughness-map.csv, .png and .svg.
 
     \b
     jkr study roughness-map --thickness "1 um" --w "50 mJ/m^2" -o map

@@ -101,7 +101,7 @@ def _option(name: str, axis: Axis) -> Any:
 def study_converge(
     case: Path, levels: int, contact: str | None, work: float | None, parallel: options.Parallel, output: Output
 ) -> None:
-    """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
+    """Solve CASE by finite elements on a sequence of meshes, each with elements half as large as before (Appendix C).
 
     For each mesh jkr prints contact radius and load at the common depth, pull-off force, points kept and time; then
     the observed order and the extrapolated value. The results are <case>-convergence.csv, .json, .png and .svg.
@@ -153,9 +153,9 @@ def sweep(
     """Solve all cases that SWEEP (TOML) makes of a base case, and write a table with a row per case (CSV, HDF5,
     Parquet).
 
-    The picture (table.png, table.svg) plots forces, or the first results if there are no forces, over the swept key
-    with the most values, and has a line per value of the next one. After an interruption the same command goes on where
-    it stopped. Cases that differ only in w share one solution.
+    The picture (table.png, table.svg) plots the forces, or the first results if the table has no forces, over the swept
+    key with the most values. Each value of the next key gives a line. After an interruption the same command goes on
+    where it stopped. Cases that differ only in w share one solution.
 
     \b
     jkr sweep cases/sweeps/gel.toml -o results
@@ -240,7 +240,7 @@ def explore(
 
     The page works from disk without a network. Its sliders and number fields set the work of adhesion, a factor to all
     moduli, the stiffness of the machine and the contact point of the data. It shows stable and unstable branches,
-    pull-off, and the commands that give the same numbers, and saves the curve as CSV.
+    pull-off, and the commands that give the same numbers. It saves the curve as CSV.
 
     \b
     jkr explore data.h5

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @options.into_folder()
 @options.output_options(plots="Draw nothing.", json="Print everything as JSON.")
 def look(files: tuple[Path, ...], flags: inputs.Flags, reading: Reading, output: Output, rigid: bool) -> None:
-    """Show what measured FILES hold: the first thing to do with a force curve; no specimen is needed.
+    """Show what measured FILES hold, before any fit and without a specimen.
 
     The output says how columns and units were read. For each curve it states segments, base line, noise, contact point,
     jumps, adhesion force, and defects; with --radius also a rough E* and w. The pictures are <stem>-look.png and .svg.
@@ -105,12 +105,12 @@ def work(
 ) -> None:  # fmt: skip
     """Compute the work of adhesion at every point of each MEASURED curve, for the specimen of the solution SERIES.
 
-    At each measured point jkr computes the energy release rate of the contact edge, w = S' (delta_H - delta)^2/(4 pi
-    a), from a and P (independent of the zero of displacement), a and delta, or delta and P. On raw force curves it
+    At each measured point it is the energy release rate w = S' (delta_H - delta)^2/(4 pi a) of the contact edge. The
+    verb uses a and P (independent of the zero of displacement), a and delta, or delta and P. On raw force curves it
     first fits base line and contact point, and then uses the points at which the edge moves. A time column also gives
-    the speed da/dt of the edge and the law w0 (1 + (v/v0)^n) of opening contact. Tables name their columns and units,
-    "a_um, P_mN, t_s". The optional package afmformats reads files of force microscopes (.jpk-force, .jpk-force-map,
-    .ibw, .h5, .tab). The results are <stem>-work.csv, .json, .png and .svg.
+    the speed da/dt of the edge, and the law w0 (1 + (v/v0)^n) is fitted where contact opens. Tables name their columns
+    and units, "a_um, P_mN, t_s". The optional package afmformats reads files of force microscopes (.jpk-force,
+    .jpk-force-map, .ibw, .h5, .tab). The results are <stem>-work.csv, .json, .png and .svg.
 
     \b
     jkr work gel.h5 microscope.csv --noise a="2 um" --noise P="5 uN"
@@ -261,12 +261,12 @@ def fit(
 ) -> None:  # fmt: skip
     """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
 
-    BODY is a case or a solution file. If options give the specimen (--radius, --nu, --thickness ...), every file is
-    measured. A measured file is a force curve, or a table with at least two of the columns a, delta and P. --free adds
-    unknowns, such as E:LAYER and h:LAYER. The results are <BODY>-fit.csv, .json, .h5 and pictures; if options give the
-    specimen, they are named <FILE>-fit, or fit for several files. The CSV has one row per curve. Several curves also
-    give a page to click through them. One folder is read as a map; several folders are compared as samples, in
-    samples.csv and samples.png.
+    BODY is a case or a solution file. If options give the specimen (--radius, --nu, --thickness ...), every given file
+    is a measured one. A measured file is a force curve, or a table with at least two of the columns a, delta and P. The
+    option --free adds unknowns, such as E:LAYER and h:LAYER. The results are <BODY>-fit.csv, .json, .h5 and pictures;
+    if options give the specimen, they are named <FILE>-fit, or fit for several files. The CSV has one row per curve.
+    Several curves also give a page to click through them. One folder is read as a map; several folders are compared as
+    samples, in samples.csv and samples.png.
 
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5

@@ -208,10 +208,10 @@ def cycle(
     """Compute the cycle of approach and retraction on FILE, a case or a solution file: load, displacement and contact
     radius, jumps, energy lost.
 
-    Without --speed the cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da =
-    0. With --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). With --rate and
+    Without --speed the cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da
+    is zero. With --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). With --rate and
     --speed, w depends on the speed of the contact line, and --stress is the cohesive stress of the dissipating zone. A
-    viscoelastic specimen needs --speed, and with adhesion --stress or --range. Without --speed, jkr computes its
+    viscoelastic specimen needs --speed, and with adhesion --stress or --range. Without --speed, jkr computes three
     limits: very fast, very slow, and pulled instantly from rest. The results are <stem>-cycle.csv, .png and .svg; the
     options given add their values in SI units to the names, as in <stem>-cycle-w-retract0.045.csv.
 

@@ -91,7 +91,7 @@ def _example(name: str) -> Path:
 @click.option("--example", metavar="NAME", help="A shipped case or force curve [default file: its name here].")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 def new(file: Path | None, example: str | None, force: bool) -> None:
-    """Write a commented case to FILE, ready to edit and run, or a shipped example.
+    """Write a commented case, ready to edit and run, to FILE; with --example a shipped case or force curve.
 
     \b
     jkr new my.toml && jkr check my.toml && jkr transform my.toml

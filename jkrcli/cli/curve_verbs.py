@@ -343,10 +343,10 @@ def export(
     """Write the adhesive contact of FILE, a case or a solution, as a law that another program can use.
 
     With --dem, jkr writes force and contact radius over the overlap of two particles, the state after first touch, and
-    the overlap at which contact is lost. The files are <name>-dem.h, a C99 and C++ header with a function and its test,
-    and <name>-dem.csv. One program can include several laws. With --sizes, one law serves particles of all sizes and
-    gives the energy lost in a collision. With --nanite, jkr writes model_jkr_<name>.py, in which nanite or PyJibe fits
-    E, w (starting from --w) and the contact point. You may use and distribute the written files under any terms.
+    the overlap at which contact is lost. The files are <name>-dem.h, a C99 and C++ header with a function and a test of
+    it, and <name>-dem.csv. One program can include several laws. With --sizes, one law serves particles of all sizes
+    and gives the energy lost in a collision. With --nanite, jkr writes model_jkr_<name>.py, in which nanite or PyJibe
+    fits E, w (starting from --w) and the contact point. You may use and distribute the written files under any terms.
 
     \b
     jkr export coating.h5 --dem --sizes "1 um..100 um"

@@ -108,8 +108,8 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
 def doctor(as_json: bool) -> int:
     """Check versions, the system libraries of the mesher, and optional packages.
 
-    The exit code is 0 if everything required works and 1 if something is missing. The line of a missing part ends with
-    the command that installs it.
+    The exit code is 0 if everything required works and 1 if something is missing. If a part is missing, its line ends
+    with the command that installs it.
 
     \b
     jkr doctor

@@ -103,8 +103,9 @@ def study_converge(
 ) -> None:
     """Solve CASE by finite elements on a sequence of meshes, each with elements half as large as before (Appendix C).
 
-    For each mesh jkr prints contact radius and load at the common depth, pull-off force, points kept and time; then
-    the observed order and the extrapolated value. The results are <case>-convergence.csv, .json, .png and .svg.
+    For each mesh jkr prints contact radius and load at the common depth, pull-off force, points kept and time; then the
+    observed order of convergence and the extrapolated value. The results are <case>-convergence.csv, .json, .png and
+    .svg.
 
     \b
     jkr study converge cases/thin-layer.toml --levels 5
@@ -154,8 +155,8 @@ def sweep(
     Parquet).
 
     The picture (table.png, table.svg) plots the forces, or the first results if the table has no forces, over the swept
-    key with the most values. Each value of the next key gives a line. After an interruption the same command goes on
-    where it stopped. Cases that differ only in w share one solution.
+    key with the most values. A curve stands for each value of the key with the second most values. After an
+    interruption the same command goes on where it stopped. Cases that differ only in w share one solution.
 
     \b
     jkr sweep cases/sweeps/gel.toml -o results

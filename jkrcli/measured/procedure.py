@@ -516,7 +516,7 @@ def with_other_profile(
         return fitted
     others = [two for _, two in reversed(pairs)]
     values = ", ".join(f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension)}" for item in others)
-    words = f"a {name} of the same radius would give {values} (a/R up to {largest / R:.2g}): choose --shape"
+    words = f"the {name} of the same radius would give {values} (a/R up to {largest / R:.2g}): choose --shape"
     return replace(fitted, tip="; ".join(filter(None, (fitted.tip, words))))
 
 

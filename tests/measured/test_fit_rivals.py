@@ -240,7 +240,7 @@ def test_both_profiles_are_told_where_they_differ_by_more_than_the_error() -> No
     body = half_space(extensible=True)
     exact = body.under(Sphere(R), A_END)
     found = fit(exact, data, usual())
-    assert "a paraboloid of the same radius would give E* = " in found.tip
+    assert "the paraboloid of the same radius would give E* = " in found.tip
     by_words = float(found.tip.split("w = ")[1].split(" mJ")[0]) * 1e-3
     assert by_words == pytest.approx(fit(body, data, usual()).value("w"), rel=1e-3)
     assert abs(found.value("w") - by_words) > 2 * (found.estimate("w").error or 0.0)

@@ -65,6 +65,7 @@ EXCESS = {
 }
 NO_EXCESS = Unknown("large strains are known of spheres on half-spaces and layers as thick, up to a/R = 0.8")
 NOT_SOLVED = Unknown("the pull-off force at the range z0 was not computed")
+FROM_RIM = Unknown("attraction over the range z0 reaches far in from the rim, its effect is known on half-spaces only")
 NO_LAYER = Unknown("no layer: the specimen is a half-space")
 NEGLECTED = (
     "the bulk is taken as elastic: all that is lost is lost at the edge; a bulk that relaxes as slowly as the contact "
@@ -104,6 +105,8 @@ class Validity:
     @property
     def verdict(self) -> str:
         """Whether JKR holds, by the Tabor number or, where the tip has none, by what a range changes; "" if unknown."""
+        if self.effect_of_range is FROM_RIM:
+            return f"whether JKR holds is unknown: {FROM_RIM}"
         if isinstance(self.tabor, Unknown):
             return "" if isinstance(self.effect_of_range, Unknown) else self.regime
         return f"Tabor number {self.tabor:.3g}: {self.regime}"

@@ -14,12 +14,13 @@ from ..adhesion.contact_shape import ContactShape
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, EquilibriumCurve, Nonadhesive, transform
 from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
 from ..adhesion.slopes import Slopes
+from ..adhesion.validity import FROM_RIM
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
 from ..base.numerics import ROUNDED, Array, zeros_between
 from ..base.process import PATIENCE, duration
 from ..base.units import show
 from ..bodies.indenters import Sphere
-from ..bodies.problem import PUNCH_WITHOUT_RANGE, Loading, Problem, without_side_walls
+from ..bodies.problem import Loading, Problem, without_side_walls
 from ..formulas import adhesive_half_space, punch_of_range, shift
 from ..methods.layered import contact as stack
 from ..methods.layered import no_slip, solver
@@ -387,7 +388,7 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
         return 0.0
     if (R := problem.indenter.rim) < math.inf:
         if not problem.is_half_space or point.a < R:
-            return Unknown(PUNCH_WITHOUT_RANGE)
+            return FROM_RIM
         return punch_of_range(R, w, problem.E_star, z0) / -point.P - 1
     try:
         pull_off = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)

@@ -303,6 +303,12 @@ def test_a_small_punch_on_something_stiff_says_what_a_range_changes(jkr: Callabl
     said = jkr("pull-off", "punch.toml", "--stiffness", "load")
     share = punch_of_range(1e-8, W, 70e9 / 0.96, 0.3e-9) / math.sqrt(8 * math.pi * W * 70e9 / 0.96 * 1e-24)
     assert f"attraction over the range z0 makes the pull-off force {100 * (1 - share):.3g} % smaller" in said.out
+    layer = "layers = [{ E = 70e9, nu = 0.2, thickness = 2e-8 }]"
+    Path("punch.toml").write_text(CASE.format(R=1e-8, specimen=layer, loading="load = 1e-9"))
+    for verb in ("pull-off", "check"):
+        assert "whether JKR holds is unknown: attraction over the range z0" in " ".join(
+            jkr(verb, "punch.toml").out.split()
+        )
 
 
 def test_the_first_line_names_the_force_that_is_right(jkr: Callable) -> None:

@@ -27,13 +27,6 @@ def pictures(notebook: dict[str, Any]) -> list[bytes]:
     return [base64.b64decode(output["data"][PNG]) for output in outputs if "data" in output]
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_has_one_title_and_sections_below_it(path: Path) -> None:
-    texts = ["".join(cell["source"]) for cell in read(path)["cells"] if cell["cell_type"] == "markdown"]
-    levels = [len(line.partition(" ")[0]) for text in texts for line in text.splitlines() if line.startswith("#")]
-    assert (texts[0][:2], levels) == ("# ", [1] + [2] * (len(levels) - 1))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs_and_prints_what_is_kept_in_it(path: Path) -> None:

@@ -244,13 +244,6 @@ def test_a_profile_is_that_of_the_command(jkr: Callable, gel: str) -> None:
         python.profile(gel)
 
 
-def test_what_pull_off_cannot_answer_is_said(gel: str) -> None:
-    with pytest.raises(python.InputError, match="pull_off: give exactly one of w and load"):
-        python.pull_off(gel)
-    with pytest.raises(python.InputError, match=r'^load: must be a force, got "1 m"'):
-        python.pull_off(gel, load="1 m")
-
-
 def test_columns_of_any_result_are_a_data_frame() -> None:
     pytest.importorskip("pandas")
     result = python.study_map("pull-off", q=[0.1, 1.0], nu=[0.3])

@@ -126,9 +126,9 @@ def test_pages_for_users_stay_short() -> None:
     assert sum(len(prose(page).split()) for page in pages) <= 14_500
 
 
-@pytest.mark.parametrize("verb", [*VERBS, *(f"study {name}" for name in STUDIES)])
-def test_every_verb_is_used_on_a_page(verb: str) -> None:
-    assert any(f"jkr {verb}" in page.read_text(encoding="utf-8") for page in PAGES)
+def test_every_verb_is_used_on_a_page() -> None:
+    text = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
+    assert [verb for verb in (*VERBS, *(f"study {name}" for name in STUDIES)) if f"jkr {verb}" not in text] == []
 
 
 def test_every_option_in_a_line_of_text_is_one_of_its_verb() -> None:

@@ -15,13 +15,11 @@ from jkrcli.formulas import (
     hertz,
     jkr,
     rounded_flat,
-    scales_half_space,
     sneddon_sphere,
 )
 from jkrcli.series import Series
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
-PULL_OFF = math.pi * W * R
 
 
 def half_space(points: int, largest: float = 1.73e-5, errors: dict | None = None) -> Series:
@@ -78,18 +76,6 @@ def test_several_or_no_critical_points_are_reported_as_such() -> None:
     assert kinds.count("minimum") >= 3
     assert all(first != second for first, second in itertools.pairwise(kinds))
     assert wavy.pull_off(0.0) == min(points, key=lambda point: point.P)
-
-
-def test_radii_of_a_load_or_a_displacement() -> None:
-    ours = curve(half_space(100))
-    a = ours.radii(P=-1.2 * PULL_OFF)  # between pull-off and nothing: one unstable, one stable radius
-    assert len(a) == 2
-    assert ours.at(np.array(a))[1] == pytest.approx(-1.2 * PULL_OFF, rel=1e-10)
-    assert ours.radii(P=-1.6 * PULL_OFF) == ()
-    (at_rest,) = ours.radii(delta=0.0)
-    assert (at_rest / scales_half_space(R, E_STAR, W)[2]) ** 3 == pytest.approx(8 / 3, rel=1e-9)  # Eq. 18: a^3 = 24/9
-    with pytest.raises(InputError, match="give either P or delta"):
-        ours.radii()
 
 
 def test_errors_propagate_to_first_order() -> None:

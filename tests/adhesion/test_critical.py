@@ -171,10 +171,3 @@ def test_smoothing_splines_are_measured_against_the_other_slopes(monkeypatch: py
     spring = ours.pull_off(2.0)
     assert isinstance(spring, CriticalPoint)
     assert pull_off_error(ours, spring, 2.0)["P"] > 0
-
-
-def test_no_adhesion_has_no_such_error(exact: Series) -> None:
-    nothing = transform(exact, slopes(exact, "integral"), 0.0)
-    assert pull_off_error(nothing, CriticalPoint(1.0, 0.1, 0.1), 0.0) == Unknown(
-        "unknown: there is no adhesion at w = 0"
-    )

@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from jkrcli.report.export import DemLaw, interpolated
-
 CASE = """
 indenter = {{ shape = "paraboloid", radius = "10 um" }}
 specimen{specimen}
@@ -51,12 +49,6 @@ def test_the_table_is_the_curve_where_it_is_stable(jkr) -> None:
     assert found["error"] < 1e-6
     assert found["tear_off"]["delta_m"] < found["load_control"]["delta_m"]
     assert found["half_space"]["load"]["P_N"] != pytest.approx(found["load_control"]["P_N"], rel=0.05)  # 8 % apart
-
-
-def test_cubics_are_met_exactly() -> None:
-    x = np.linspace(0, 1, 9)
-    between = np.array([0.0, 0.01, 0.4, 0.77, 1.0])
-    np.testing.assert_allclose(interpolated(x**3 - x, between), between**3 - between, atol=1e-15)
 
 
 def compiled(name: str, *words: str) -> str:
@@ -146,12 +138,3 @@ def test_what_is_no_law_is_refused_in_one_line(jkr, why: str) -> None:
     assert jkr("run", "x.toml").code == 0
     jkr("export", "x.h5", *words).refused(said)
     assert not Path("x-dem.h").exists()
-
-
-def test_python_has_the_same_law() -> None:
-    import jkrcli as jkr
-
-    problem = jkr.Problem(jkr.Paraboloid(R), jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(7.5e7, 0.5))),
-                          jkr.Loading("radius", 3e-6, 100))  # fmt: skip
-    law = DemLaw.of(jkr.transform(jkr.solve(problem), W).curve)
-    assert law.tear_off.P == pytest.approx(-5 / 6 * math.pi * W * R, rel=1e-9)

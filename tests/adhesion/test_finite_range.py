@@ -12,7 +12,7 @@ from uncontacted import Uncontacted
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import CriticalPoint, Equilibrium, position
-from jkrcli.adhesion.device_path import Jump, branch, cycle, stability_under
+from jkrcli.adhesion.device_path import Jump, cycle, stability_under
 from jkrcli.adhesion.finite_range import AttractedBody, FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.base.units import show
 from jkrcli.methods.integral.finite_range import AttractedSurface, Rims, attracted_surface
@@ -90,20 +90,6 @@ def test_pull_off_of_bonded_layers(nu: float, q: float, mu: float, pulled: float
     assert point.a == pytest.approx(a, abs=6e-4)
     assert point.c == pytest.approx(c, abs=6e-5)
     assert curve.doubts == ()
-
-
-@pytest.mark.slow
-def test_curve_begins_where_the_attracted_annulus_grows_with_the_contact() -> None:
-    """On the ridge of thin incompressible layers three radii c belong to one contact: what pull-off does not need is
-    said to be left out, and the force goes on from that of ranges beside it."""
-    forces = []
-    for mu in (3.4, 3.5, 3.6):
-        curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, mu)
-        forces.append(force(curve, 1000.0))
-        if mu == 3.5:
-            assert not curve.complete
-            assert "and the curve begins there" in curve.doubts[0]
-    assert abs(forces[1] - (forces[0] + forces[2]) / 2) < 3e-4, forces
 
 
 def attracted(curve: FiniteRangeCurve, nu: float, R: float) -> Uncontacted:
@@ -339,20 +325,6 @@ def test_change_of_units() -> None:
     assert np.allclose(far.P, near.P * load, rtol=1e-7, atol=1e-10 * load)
 
 
-def test_bodies_jump_together_before_they_touch() -> None:
-    """At delta = -range; a compliant body is drawn into contact, a stiff one into an attraction without touch."""
-    near, far = (stability_under(curve_of(layer(0.3), 1000.0, 5.0, 1e-6, mu), DISPLACEMENT).jump_in for mu in (10, 0.3))
-    assert near.a > 0
-    assert far.a == 0
-    assert far.c > 0
-    assert far.delta == pytest.approx(-1e-6 / (0.3 * 1e-9 ** (1 / 3)), rel=1e-14)
-
-
-def test_branches_begin_unstable_and_end_stable() -> None:
-    words = branch(curve_of(layer(0.3), 1000.0, 5.0, 1e-6, 1.0))
-    assert (words[1], words[-1]) == ("unstable", "stable")
-
-
 def test_interpolation_between_the_points_stays_within_what_is_stated() -> None:
     R, w = 1000.0, 1e-6
     coarse, fine = (curve_of(layer(0.3), R, 5.0, w, 1.0, points) for points in (30, 240))
@@ -371,12 +343,6 @@ def test_one_of_stress_and_range_is_given_and_positive() -> None:
     with pytest.raises(jkr.InputError, match=r"^stress: must be > 0 Pa, got -1e\+06$"):
         Range.of(0.1, stress=-1e6)
     assert Range.of(0.1, length=1e-9).stress == pytest.approx(1e8)
-
-
-def test_finite_elements_have_no_kernel() -> None:
-    problem = jkr.Problem(jkr.Paraboloid(1.0), HALF_SPACE, jkr.Loading("radius", 0.1, 10))
-    with pytest.raises(jkr.Refusal, match="the method fem does not have: solve the case with the method layered"):
-        FiniteRangeBody.of(jkr.solve(problem, "fem"))
 
 
 @pytest.mark.parametrize("length", [1e-7, 1e-6])
@@ -453,28 +419,17 @@ def test_pull_off_without_contact_is_that_of_a_constant_tension(
     mu: float, q: float, nu: float, stiffness: float
 ) -> None:
     """Tabor numbers mu, q = w R^2/(E* h^3): read between rows that do not see the layer P was up to 3 % off, with 4e-9
-    stated. Against an explicit formula; 40 random bodies are the slow test below."""
-    R = 100.0
-    assert _without_contact(mu, q, nu, R, (stiffness,)) == 1
-
-
-def _without_contact(mu: float, q: float, nu: float, R: float, devices: tuple[float, ...]) -> int:
-    """How many of the ``devices`` lose contact at a = 0, checked against the explicit formula; first touch, too."""
-    w = q / R**2
+    stated. Against an explicit formula; first touch, too."""
+    R, w = 100.0, q / 100.0**2
     length = (R * w**2 / mu**3) ** (1 / 3)
     exact = Uncontacted(nu, R, w / length, length)
-    curve = FiniteRangeBody.of(solved(layer(nu), R, 2.0, 60)).curve(Range.of(w, length=length), *devices)
+    curve = FiniteRangeBody.of(solved(layer(nu), R, 2.0, 60)).curve(Range.of(w, length=length), stiffness)
     assert curve.touching.c[0] == pytest.approx(exact.touch, rel=1e-10)
-    found = 0
-    for stiffness in devices:
-        point, true = curve.pull_off(stiffness), exact.lost(stiffness)
-        if isinstance(point, CriticalPoint) and point.a == 0:
-            assert true is not None
-            found += 1
-            stated, (_, delta, P) = curve.point_error(point, stiffness), true
-            assert abs(point.P - P) <= stated["P"] < 1e-7 * abs(P)
-            assert abs(point.delta - delta) <= stated["delta"] < 1e-7 * abs(delta)
-    return found
+    point, (_, delta, P) = curve.pull_off(stiffness), exact.lost(stiffness)
+    assert point.a == 0
+    stated = curve.point_error(point, stiffness)
+    assert abs(point.P - P) <= stated["P"] < 1e-7 * abs(P)
+    assert abs(point.delta - delta) <= stated["delta"] < 1e-7 * abs(delta)
 
 
 def test_a_jump_to_no_contact_is_pull_off_although_the_surfaces_then_part_smoothly() -> None:

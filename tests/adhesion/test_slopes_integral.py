@@ -199,24 +199,13 @@ def test_change_of_units(length: float, force: float) -> None:
     np.testing.assert_allclose(scaled.dS_err * length**2 / force, plain.dS_err, rtol=1e-4)
 
 
-def node_based(
-    a_max: float, E_star: float, R: float, nodes: int, increments: int, spacing: str, offset: float
-) -> RawSeries:
-    """Exact depths and loads [m, N] at increments even in "depth" or "radius", the radius being that of a mesh node.
-
-    ``nodes`` of them lie in [0, ``a_max``], shifted by the fraction ``offset`` of their spacing.
-    """
-    even = np.linspace(0, 1, increments + 1)[1:]
-    a = a_max * (np.sqrt(even) if spacing == "depth" else even)
-    step = a_max / nodes
-    radii = (np.floor(a / step - offset) + offset) * step
-    delta, P = hertz(a, E_star, R)
-    return RawSeries(radii[radii > 0], delta[radii > 0], P[radii > 0])
-
-
 def quantised(offset: float) -> RawSeries:
-    """Increments of depth, with the radius of the outermost node in contact: exact but for that."""
-    return node_based(1.73e-5, E_STAR, R, nodes=20, increments=100, spacing="depth", offset=offset)
+    """100 increments even in depth with the radius of the outermost node in contact, of 20 that are shifted by a
+    fraction of their spacing: exact but for that."""
+    a, step = 1.73e-5 * np.sqrt(np.linspace(0, 1, 101)[1:]), 1.73e-5 / 20
+    radii = (np.floor(a / step - offset) + offset) * step
+    delta, P = hertz(a, E_STAR, R)
+    return RawSeries(radii[radii > 0], delta[radii > 0], P[radii > 0])
 
 
 def test_touch_events_lie_between_their_increments() -> None:

@@ -6,13 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from conftest import refused_by
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
 from stated_errors import in_units
 
-from jkrcli.adhesion.curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, control, position, transform
+from jkrcli.adhesion.curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Nonadhesive, position, transform
 from jkrcli.adhesion.device_path import (
     GRIPPED,
     STABLE,
@@ -27,10 +28,11 @@ from jkrcli.adhesion.device_path import (
     shrink,
     stability_under,
 )
+from jkrcli.adhesion.from_rest import work_from_pull_off
 from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import Unknown
-from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Specimen
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz, scales_half_space, thin_incompressible_layer, thin_layer
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
@@ -345,14 +347,6 @@ def test_branches_in_words() -> None:
     assert set(branch(curve(half_space(), 0.0))) == {STABLE}
 
 
-def test_stable_under_load_control_is_stable_under_any() -> None:
-    """dP/da = S d(delta)/da - S' t: the order of the three words."""
-    ours = stiff_coating(1.8e-4)
-    ddelta, dP = ours.rates(ours.a)
-    assert not np.any((dP > 0) & (ddelta <= 0))
-    assert {STABLE, GRIPPED, UNSTABLE} == set(branch(ours))
-
-
 def test_no_adhesion() -> None:
     found = stability_under(curve(half_space(), 0.0), RIGID)
     nothing = NO_ADHESION
@@ -378,6 +372,93 @@ def test_change_of_units(w: float | None, length: float, force: float) -> None:
             assert two == (one if isinstance(one, Unknown) else pytest.approx(one * force * length, rel=1e-8))
 
 
-def test_controls_in_words() -> None:
-    words = ["load control", "instrument stiffness 200 mN/m", "displacement control"]
-    assert [control(k) for k in (0.0, 0.2, RIGID)] == words
+# ---------------------------------------------------------------------- w behind a measured pull-off force
+@cache
+def gel() -> Series:
+    """nu = 0.499, R/h = 1000, a/h up to 15."""
+    specimen = Specimen((Layer(Elastic(1e4, 0.499), 1e-6),), Rigid())
+    loading = Loading.given("radius", tuple(np.geomspace(2e-7, 1.5e-5, 80)))
+    return Layered(1e-7)(Problem(Paraboloid(1e-3), specimen, loading)).series
+
+
+def work_behind(series: Series, load: float, stiffness: float = 0.0, R: float | None = None):
+    return work_from_pull_off(Nonadhesive(series, slopes(series)), load, stiffness, R)
+
+
+def test_on_a_half_space_it_is_the_classical_answer() -> None:
+    answer = work_behind(half_space(), 0.02, R=R)
+    assert answer.half_space == pytest.approx(0.02 / (1.5 * math.pi * R), rel=1e-15)
+    assert answer.w == pytest.approx(answer.half_space, rel=1e-9)  # round-off of the minimum
+    assert answer.point.P == pytest.approx(-0.02, rel=1e-9)
+    grip = work_behind(half_space(), 0.02, math.inf)
+    assert grip.w == pytest.approx(0.02 / (5 / 6 * math.pi * R), rel=1e-9)
+    assert grip.half_space is None
+
+
+def test_on_a_layer_the_half_space_misleads_by_the_map() -> None:
+    """nu = 0.499, w R^2/(E* h^3) = 1e4: the map gives 2.6134."""
+    E_star = 1e4 / (1 - 0.499**2)
+    w = 1e4 * E_star * 1e-18 / 1e-6
+    answer = work_behind(gel(), 2.6134 * math.pi * w * 1e-3, R=1e-3)
+    assert answer.w == pytest.approx(w, rel=4e-5)  # five digits of the map
+    assert answer.half_space / answer.w == pytest.approx(2.6134 / 1.5, rel=4e-5)
+
+
+def test_where_the_pull_off_radius_hardly_moves_w_is_still_found() -> None:
+    """On this gel the neck is highest at a/h = 0.46: under displacement control every strong w lets go just there."""
+    series = gel()
+    w = 1e-2
+    point = transform(series, slopes(series), w).pull_off(math.inf)
+    weak = transform(series, slopes(series), w / 100).pull_off(math.inf)
+    assert point.a == pytest.approx(weak.a, rel=0.05)
+    assert work_behind(series, -point.P, math.inf).w == pytest.approx(w, rel=1e-7)
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.floats(-6.5, -3.5), st.sampled_from([0.0, 1.0, 10.0, math.inf]))
+def test_forward_and_inverse_are_a_pair(log_w: float, stiffness: float) -> None:
+    series = gel()
+    point = transform(series, slopes(series), 10**log_w).pull_off(stiffness)
+    assert work_behind(series, -point.P, stiffness).w == pytest.approx(
+        10**log_w, rel=1e-7
+    )  # a minimum: root of round-off
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 0.1])
+def test_change_of_units_of_w(stiffness: float) -> None:
+    length, force = 1e6, 1e-3
+    stiff, plain = force / length, gel()
+    here = work_behind(plain, 1e-7, stiffness, 1e-3)
+    there = work_behind(in_units(plain, length, force), 1e-7 * force, stiffness * stiff, 1e-3 * length)
+    assert there.w == pytest.approx(here.w * stiff, rel=1e-8)
+    assert there.half_space == pytest.approx(here.half_space * stiff, rel=1e-13)
+
+
+def test_a_force_outside_the_series_is_refused_with_the_range() -> None:
+    """The ends: a^3 = 1.5 (3 pi w R^2/(4 E*)) at the first and last radius, times 1.5 pi w R: 2 E* a^3/(... R)."""
+    least, greatest = (4 * E_STAR * a**3 / (3 * R) for a in (half_space().a[0], half_space().a[-1]))
+    assert (least, greatest) == pytest.approx((1.9024e-6, 0.41092), rel=1e-4)
+    for force, remedy in ((1.0, "increase [loading] radius"), (1e-7, "begin the solution at a smaller radius")):
+        (said,) = refused_by(work_behind, half_space(), force)
+        assert said.endswith(f"outside the solution, which covers forces from 1.902 uN to 410.9 mN: {remedy}")
+
+
+def test_a_force_that_the_last_stable_branch_jumps_past_is_refused() -> None:
+    """Under displacement control this coating lets go at 0.26 uN or at more than 0.38 uN, by no w in between."""
+    (answer,) = refused_by(work_behind, stiff_coating(1.8e-4).series, 3.1e-7, math.inf)
+    assert answer.startswith("load: no work of adhesion gives a pull-off force of 310 nN: where the last stable branch")
+    assert "the force jumps past it" in answer
+
+
+def test_a_cone_has_no_half_space_answer() -> None:
+    specimen = Specimen((), HalfSpace(Elastic(1e6, 0.3)))
+    problem = Problem(PowerLaw(0.3, 1.0), specimen, Loading("radius", 1e-5, 40))
+    answer = work_behind(Layered()(problem).series, 1e-6)
+    assert answer.half_space is None
+    assert answer.point.P == pytest.approx(-1e-6, rel=1e-9)
+
+
+@pytest.mark.parametrize("load", [0.0, -1.0, math.nan])
+def test_impossible_forces_are_refused(load: float) -> None:
+    said = f"load: the measured pull-off force must be > 0 N, got {load:g}"
+    assert refused_by(work_behind, half_space(), load) == (said,)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import builtins
 import contextlib
+import csv
 import io
 import itertools
 import json
+import math
 import os
 import re
 import subprocess
@@ -16,11 +18,13 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from conftest import Outcome
 
 from jkrcli.base import files
 from jkrcli.base.errors import InputError, JkrError
+from jkrcli.base.files import write_csv
 
 OURS = '{"format": "jkr-test", "made": "%s"}'
 NAMES = ("a.json", "b.json", "c.json", "d.json")
@@ -173,12 +177,6 @@ def test_every_fault_of_three_works_is_told_as_it_is(
     every_fault(three, jkr, where, error)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("where", ["write", "fsync", "replace"])
-def test_every_fault_with_pictures_is_told_as_it_is(where: str, three: list[Path], jkr: Callable[..., Outcome]) -> None:
-    every_fault(three, jkr, where, NO_SPACE)
-
-
 def test_a_file_that_cannot_be_removed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path, NAMES[:2], OURS % "old")
 
@@ -304,3 +302,25 @@ def test_what_a_killed_process_left_goes_a_day_later(tmp_path: Path) -> None:
     files.check_target(tmp_path / "x")
     files.write_text(tmp_path / "x", "whole")
     assert {path.name for path in tmp_path.iterdir()} == {".jkr-young", ".jkr-folder", ".jkr-pipe", "x"}
+
+
+# ---------------------------------------------------------------------- tables
+def test_numbers_keep_every_bit_and_words_their_commas(tmp_path: Path) -> None:
+    numbers, words = np.array([0.1 + 0.2, 1e-300, -5e22]), ["plain", "with, comma", 'with "quotes", ü and µ']
+    write_csv(tmp_path / "t.csv", {"x_m": numbers, "words, all": words, "n": (1, 2, 3)})
+    with (tmp_path / "t.csv").open(newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header == ["x_m", "words, all", "n"]
+    assert [float(row[0]) for row in rows] == numbers.tolist()
+    assert [row[1] for row in rows] == words
+    assert [row[2] for row in rows] == ["1", "2", "3"]
+
+
+def test_cells_without_a_value_are_empty(tmp_path: Path) -> None:
+    write_csv(tmp_path / "t.csv", {"a": [None, math.nan, math.inf, 0.0], "b": ["x", "", None, "y"]})
+    assert (tmp_path / "t.csv").read_text() == "a,b\n,x\n,\n,\n0.0,y\n"
+
+
+def test_a_table_without_rows_is_its_header(tmp_path: Path) -> None:
+    write_csv(tmp_path / "t.csv", {"a": [], "b": []})
+    assert (tmp_path / "t.csv").read_text() == "a,b\n"

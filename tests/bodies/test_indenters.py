@@ -151,9 +151,6 @@ def test_any_convex_table_keeps_its_points_and_stays_convex(growth: list[float],
 @pytest.mark.parametrize(
     ("build", "line"),
     [
-        (lambda: Sphere(-1.0), "R: must be > 0, got -1.0 m"),
-        (lambda: PowerLaw(1.0, 0.5), "d: must be >= 1 and <= 20, got 0.5"),
-        (lambda: RoundedFlat(1.0, 0.0), "edge_radius: must be > 0, got 0.0 m"),
         (lambda: TableProfile((0, 1), (0, 1)), "profile table: needs at least 3 points (r, f), got 2 and 2"),
         (lambda: TableProfile((0, 1, 1), (0, 1, 2)), "profile table: radii must increase, point 3 has r = 1 after 1"),
         (lambda: TableProfile((0.5, 1, 2), (0, 1, 2)), "profile table: must start at r = 0, f = 0, got (0.5, 0)"),

@@ -10,9 +10,13 @@ from scipy.optimize import minimize_scalar
 from jkrcli import (
     Elastic,
     HalfSpace,
+    Hybrid,
     InputError,
+    Layer,
+    Layered,
     Loading,
     Problem,
+    Rigid,
     Specimen,
     TableProfile,
     load_case,
@@ -51,10 +55,40 @@ def lowest(w: float, flat: float) -> float:
     return float(minimize_scalar(load, bounds=(80, 250), method="bounded").fun) * 1e-9
 
 
-def pulled(tip: TableProfile, w: float) -> tuple[float, float]:
-    body = Specimen((), HalfSpace(Elastic(10e6, 0.45)))
-    point = pull_off(solve(Problem(tip, body, Loading("radius", 250e-9, 40))), w=w).summary()["controls"][0]["pull_off"]
+GEL = Elastic(10e6, 0.45)
+HALF_SPACE = Specimen((), HalfSpace(GEL))
+
+
+def pulled(
+    tip: TableProfile,
+    w: float,
+    body: Specimen = HALF_SPACE,
+    method: Layered | Hybrid = Layered(),  # noqa: B008
+) -> tuple[float, float]:
+    """Pull-off force under load control and its error [N]."""
+    solution = solve(Problem(tip, body, Loading("radius", 250e-9, 40)), method)
+    point = pull_off(solution, w=w).summary()["controls"][0]["pull_off"]
     return point["P_N"], point["P_err_N"]
+
+
+@pytest.mark.parametrize("points", [20, 61, 122, 400])
+@pytest.mark.parametrize("w", [0.03, 0.05, 0.095])
+def test_pull_off_of_a_worn_tip_without_noise(points: int, w: float) -> None:
+    """Of 61 points the numbers left the range of arithmetic: that at 60 nm is 1.7e-24 m high."""
+    r = np.linspace(0, 300e-9, points)
+    P, error = pulled(smoothed(r, heights(r)), w)
+    true = lowest(w, FLAT)
+    assert true == pytest.approx(-118.94e-9, rel=1e-5) or w != 0.05
+    assert abs(P - true) <= error + 1e-7 * abs(true)
+    assert error < 1e-3 * abs(true)
+
+
+@pytest.mark.parametrize("points", [20, pytest.param(61, marks=pytest.mark.slow)])
+def test_a_wide_cylinder_under_a_worn_tip_is_nearly_its_half_space(points: int) -> None:
+    r, body = np.linspace(0, 300e-9, points), Specimen((Layer(GEL, 2e-6),), Rigid(), radius=4e-6, side="free")
+    P, error = pulled(smoothed(r, heights(r)), 0.05, body, Hybrid())
+    assert error < 1e-3 * abs(P)
+    assert P == pytest.approx(lowest(0.05, FLAT), rel=1e-3)  # 3e-4 by the base and the side
 
 
 def misses(seeds: range, points: int, flat: float, noise: float = NOISE) -> tuple[np.ndarray, np.ndarray]:

@@ -101,15 +101,6 @@ def test_pyramids_as_cones_of_equal_area(sides: int, face: float, cone: float) -
     assert math.pi / tip.B**2 == pytest.approx({68.0: 24.5, 65.27: 24.5, 35.26: 2.60}[face], rel=2e-3)  # as printed
 
 
-def test_what_stands_for_a_pyramid_is_told() -> None:
-    words = Pyramid.of(3, math.radians(20)).words
-    assert "axis to face" in words
-    assert "equal load" in words
-    assert "0.8824 E* tan(20 deg)" in words
-    with pytest.raises(InputError, match="sides: must be one of 3, 4, got 5"):
-        Pyramid.of(5, 0.5)
-
-
 PYRAMID = """[indenter]\nshape = "{shape}"\nhalf_angle = "35 deg"\n[loading]\nradius = "{a}"
 [adhesion]\nw = "10 mJ/m^2"\n[specimen.half_space]\nE = "1 MPa"\nnu = 0.5\n"""
 

@@ -24,6 +24,7 @@ from jkrcli.bodies.indenters import (
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Rigid, Specimen
 from jkrcli.case import models
 from jkrcli.case.models import load_case, parse_case
+from jkrcli.case.store import solve
 from jkrcli.cli.case_verbs import TEMPLATE
 from jkrcli.measured.parameters import show_within
 
@@ -156,3 +157,30 @@ def test_a_value_within_a_larger_error_takes_its_unit(value: float, error: float
 def test_one_of_a_thing_has_no_plural() -> None:
     assert [counted(n, "row") for n in (0, 1, 1200)] == ["0 rows", "1 row", "1,200 rows"]
     assert counted(2, "radius", "radii") == "2 radii"
+
+
+# ---------------------------------------------------------------------- lists of one value
+BODY = """
+indenter = { shape = "paraboloid", radius = 1.0 }
+specimen.half_space = { E = 1.0, nu = 0.3 }
+[loading]
+"""
+
+
+@pytest.mark.parametrize(
+    ("loading", "rows"),
+    [
+        ("radius = [0.001]", 1),
+        ("radius = 0.001", 100),
+        ("radius = [0.001]\npoints = 7", 7),
+        ("depth = [1e-6]", 1),
+        ("radius = 0.001\npoints = 1", 1),
+    ],
+)
+def test_one_value_in_brackets_is_one_row(loading: str, rows: int) -> None:
+    case = parse_case((BODY + loading).encode(), "case")
+    series = solve(case)[1].series
+    assert len(series) == rows
+    assert series.a[-1] == pytest.approx(1e-3)
+    again = parse_case(case.to_toml().encode(), "case")
+    assert again.model.problem().key == case.model.problem().key

@@ -1,8 +1,5 @@
 """Series files: what is written comes back, and everything else is refused in one line."""
 
-import builtins
-import io
-import os
 import shutil
 import subprocess
 import sys
@@ -164,8 +161,11 @@ def _replace(name: str, values, unit: str | None = "m"):
     return change
 
 
-def _nan_in_row_five(file: h5py.File) -> None:
-    file["series/P"][4] = np.nan
+def _in_row_five(value: float):
+    def change(file: h5py.File) -> None:
+        file["series/P"][4] = value
+
+    return change
 
 
 def _delete(name: str):
@@ -200,7 +200,8 @@ WRONG = {
     "empty": (_replace("series/a", np.ones(0)), "series/a: must have 1 to 10000000 rows, got 0"),
     "unit": (_replace("series/a", np.ones(100), "um"), 'series/a: unit must be "m", got "um"'),
     "no unit": (_replace("series/a", np.ones(100), None), 'series/a: unit must be "m", got ""'),
-    "nan": (_nan_in_row_five, "series/P: row 5 must be a finite number, got nan"),
+    "nan": (_in_row_five(np.nan), "series/P: row 5 must be a finite number, got nan"),
+    "falling load": (_in_row_five(0.0), "series: P must be positive and increase, point 5 is 0"),
     "lengths": (_replace("series/a", np.ones(3)), "series: all columns must have the same length, got {'a': 3, 'delta"),
 }
 
@@ -213,24 +214,6 @@ def test_wrong_content_is_told_in_one_line(path: Path, name: str) -> None:
         store.read_solution(path)
     (found,) = caught.value.lines
     assert found.startswith(f"{path}: {line}")
-
-
-@pytest.mark.parametrize("name", sorted(set(WRONG) - {"format", "no format", "version"}))
-def test_what_was_not_sealed_is_refused(path: Path, name: str) -> None:
-    with h5py.File(path, "r+") as file:
-        WRONG[name][0](file)
-    with pytest.raises(InputError) as caught:
-        store.read_solution(path)
-    line = "the HDF5 file is damaged (it does not hold what was written) and cannot be read; run the case again"
-    assert caught.value.lines == (f"{path}: {line}",)
-
-
-def test_falling_load_is_named(path: Path) -> None:
-    def change(file: h5py.File) -> None:
-        file["series/P"][4] = 0.0
-
-    edit(path, change)
-    assert refused_by(store.read_solution, path) == (f"{path}: series: P must be positive and increase, point 5 is 0",)
 
 
 def test_foreign_truncated_missing(path: Path) -> None:
@@ -343,32 +326,6 @@ def test_format_1_with_increments_is_filtered(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.raw.a, a)
     np.testing.assert_array_equal(found.series.a, np.delete(a, 2))
     assert (found.series.errors, found.facts) == ({}, {})
-
-
-# ---------------------------------------------------------------------- how often
-def test_transform_opens_each_file_once_and_reads_its_case_once(
-    jkr: Callable, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    other = path.with_name("other.h5")
-    shutil.copy(path, other)
-    opened: list[str] = []
-    parsed: list[str] = []
-
-    def counted(plain: Callable[..., Any]) -> Callable[..., Any]:
-        def call(file: Any, *arguments: Any, **options: Any) -> Any:
-            if isinstance(file, str | os.PathLike):
-                opened.append(Path(file).name)
-            return plain(file, *arguments, **options)
-
-        return call
-
-    for module, name in ((builtins, "open"), (io, "open"), (os, "open"), (h5py, "File")):
-        monkeypatch.setattr(module, name, counted(getattr(module, name)))
-    plain = store.parse_case
-    monkeypatch.setattr(store, "parse_case", lambda text, source: parsed.append(source) or plain(text, source))
-    assert jkr("transform", path, other, "--w", "40", "--w", "50", "--no-plots").code == 0
-    assert (opened.count("data.h5"), opened.count("other.h5")) == (1, 1)
-    assert parsed == [f"{path}: case", f"{other}: case"]
 
 
 def test_failed_write_leaves_the_old_file_and_no_other(path: Path) -> None:

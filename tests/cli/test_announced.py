@@ -1,11 +1,16 @@
 """What takes long is announced, about as long as it takes; a forecast is that of all that is computed."""
 
+import io
+import math
 from collections.abc import Callable
 from pathlib import Path
 
+import click
 import pytest
 
 from jkrcli.base.errors import JkrError
+from jkrcli.base.process import SILENCE
+from jkrcli.cli.printing import announce, progress
 from jkrcli.report.check import Check
 
 CASE = """[indenter]
@@ -48,3 +53,40 @@ def test_the_explorer_counts_its_page(jkr: Callable, tuned: Callable) -> None:
     done = jkr("explore", "gel.h5")
     assert "explore of 20 rows" in done.err
     assert "20 s of CPU time" in done.err
+
+
+# ---------------------------------------------------------------------- a bar on terminals
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("stream", [Terminal(), io.StringIO()], ids=["terminal", "file"])
+def test_progress_is_shown_on_terminals_alone(monkeypatch: pytest.MonkeyPatch, stream: io.StringIO) -> None:
+    monkeypatch.setattr("sys.stderr", stream)
+    with progress("cases", 2, 1.0) as step:
+        step(False)
+        step(True)
+    if stream.isatty():
+        assert stream.getvalue().splitlines()[-1].rstrip("\x1b[?25h ").endswith("2/2  1 failed")
+        assert "1/2" in stream.getvalue()
+    else:
+        assert stream.getvalue() == ""
+
+
+@pytest.mark.parametrize("seconds", [SILENCE, math.inf, math.nan])
+def test_what_is_short_or_unknown_is_not_announced(seconds: float, capsys: pytest.CaptureFixture[str]) -> None:
+    with progress("cases", 1, seconds):
+        pass
+    assert capsys.readouterr().err == ""
+
+
+def test_a_command_announces_its_time_once(capsys: pytest.CaptureFixture[str]) -> None:
+    for _ in range(2):
+        with click.Context(click.Command("x")):
+            announce("all", 60.0)
+            with progress("a part", 2, 40.0):
+                pass
+    assert capsys.readouterr().err == "jkr: all: about 60 s of CPU time\n" * 2

@@ -166,24 +166,9 @@ def test_new_writes_every_shipped_example(jkr, tmp_path: Path) -> None:
     assert jkr("new").err == "jkr: error: new: give the FILE to write, such as my.toml, or --example\n"
 
 
-def test_auto_takes_the_least_model_and_says_why(jkr) -> None:
-    outcome = jkr("run", HALFSPACE, "--method", "auto")
-    assert "closed-form: the simplest method for this body" in outcome.out
-    outcome = jkr("run", CASES / "coating.toml", "--method", "auto")
-    assert "layered: the simplest method for this body" in outcome.out
-
-
 def test_warnings_carry_their_number(jkr) -> None:
     jkr("run", CASES / "gel.toml")
     assert "delta/h = 0.269 at the largest contact radius is above 0.1" in jkr("transform", "gel.h5", "--no-plots").err
-
-
-def test_pull_off_outside_the_series_is_said(jkr, tmp_path: Path) -> None:
-    (tmp_path / "shallow.toml").write_text(HALFSPACE.read_text().replace('"3 um"', '"0.1 um"'))
-    jkr("run", "shallow.toml", "--method", "closed-form")
-    outcome = jkr("transform", "shallow.h5", "--no-plots")
-    assert "pull-off under load control: the load is lowest at the largest radius of the solution" in outcome.err
-    assert json.loads((tmp_path / "shallow-w50.json").read_text())["pull_off"]["load"]["P_N"] is None
 
 
 def test_interrupt_leaves_nothing(jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -213,15 +198,6 @@ def test_dimensionless_columns_are_eq_18_for_a_paraboloid(jkr, tmp_path: Path) -
     assert json.loads((tmp_path / "p-w50.json").read_text())["scales"]["name"] == "own"
     outcome = jkr("transform", "p.h5", "--scale", "a=1um")
     assert outcome.err == "jkr: error: --scale: needs a, delta and P, each > 0, got delta = nothing\n"
-
-
-@pytest.mark.parametrize("slopes", ["loocv", "gcv", "integral"])
-def test_every_way_to_the_slopes_gives_nearly_the_exact_pull_off(jkr, tmp_path: Path, slopes: str) -> None:
-    jkr("run", HALFSPACE, "--method", "closed-form")
-    assert jkr("transform", "halfspace.h5", "--slopes", slopes, "--no-plots").code == 0
-    summary = json.loads((tmp_path / "halfspace-w50.json").read_text())
-    assert summary["slopes"] == slopes
-    assert abs(summary["comparison"]["pull_off"]) < 1e-4  # measured: 2e-7 and better, on noise-free data
 
 
 def test_an_input_is_never_an_output_not_even_by_force(jkr, tmp_path: Path) -> None:
@@ -292,12 +268,11 @@ def test_auto_takes_the_tolerance_that_a_failure_advises(jkr, tmp_path: Path) ->
 def test_graded_radii_reach_a_pull_off_close_to_first_contact(jkr, tmp_path: Path) -> None:
     text = (
         '[indenter]\nshape = "flat"\nflat_radius = "50 um"\nedge_radius = "20 um"\n[specimen.half_space]\nE = "1 MPa"\n'
-        'nu = 0.5\n[loading]\nradius = "60 um"\nspacing = "SPACING"\n[adhesion]\nw = 0.05\n'
+        'nu = 0.5\n[loading]\nradius = "60 um"\nspacing = "log"\n[adhesion]\nw = 0.05\n'
     )
-    for spacing in ("radius", "log"):
-        (tmp_path / f"{spacing}.toml").write_text(text.replace("SPACING", spacing))
-        assert jkr("run", f"{spacing}.toml").code == 0
-        assert jkr("transform", f"{spacing}.h5", "--no-plots").code == 0
+    (tmp_path / "log.toml").write_text(text)
+    assert jkr("run", "log.toml").code == 0
+    assert jkr("transform", "log.h5", "--no-plots").code == 0
     point = json.loads((tmp_path / "log-w0.05.json").read_text())["pull_off"]["load"]
     assert point["P_N"] == pytest.approx(-457.84e-6, rel=1e-5, abs=0)  # minimum of the closed form, to five digits
     assert point["a_m"] == pytest.approx(50.042e-6, rel=1e-5, abs=0)

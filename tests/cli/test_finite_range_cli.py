@@ -101,7 +101,7 @@ def test_pull_off_and_cycle(jkr, tip: Path) -> None:
         ("rnage = 1e-9", 'adhesion.rnage: unknown key, did you mean "range"?'),
     ],
 )
-def test_mistakes_in_case_files(jkr, tip: Path, lines: str, message: str) -> None:
+def test_mistakes_in_case_files(jkr, lines: str, message: str) -> None:
     Path("wrong.toml").write_text(TIP + lines)
     jkr("check", "wrong.toml").refused(message)
 

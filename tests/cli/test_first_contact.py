@@ -9,6 +9,8 @@ import pytest
 from conftest import CASES
 
 from jkrcli.case import store
+from jkrcli.cli.inputs import tables_of
+from jkrcli.measured.parameters import implausible_work
 
 GEL = CASES / "gel.toml"
 BARE = """
@@ -222,3 +224,48 @@ def test_sensitivity_carries_a_unit(jkr: Callable) -> None:
     assert json.loads(done.out)["curves"][0]["estimates"]["w"]["value"] == pytest.approx(0.05, rel=0.1)
     wrong = jkr("fit", table, *BY_FLAGS, "--stiffness", "0.1 N/m", "--sensitivity", "10 nm")
     assert "must be a deflection per volt" in wrong.err
+
+
+# ---------------------------------------------------------------------- numbers that are hardly meant
+BODY = {"shape": None, "half_angle": None, "cap": None, "thickness": None, "base": None, "radius": "10 um", "nu": "0.5"}
+
+
+@pytest.mark.parametrize(("typed", "said"), [("2", "2 Pa"), ("5e13", "50 TPa")])
+def test_a_modulus_without_unit_that_no_solid_has_is_remarked(
+    typed: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tables_of("fit", BODY | {"modulus": typed}, "", None)
+    err = " ".join(capsys.readouterr().err.split())
+    assert f"--E: {typed.replace('e', 'e+')} without a unit is {said}" in err
+    for meant in ("5e4", "2 Pa", "0.5 MPa"):
+        tables_of("fit", BODY | {"modulus": meant}, "", None)
+        assert capsys.readouterr().err == ""
+
+
+def test_symbols_of_the_field_are_answered_with_the_option(jkr: Callable) -> None:
+    """--R was answered with --E and --w."""
+    for symbol, option in {"R": "radius", "k": "stiffness", "h": "thickness", "alpha": "half-angle"}.items():
+        jkr("fit", "x.csv", f"--{symbol}", "1").refused(f", did you mean '--{option}'?")
+    assert "--radius" not in jkr("show", "x.h5", "--R", "1").err  # which has none
+
+
+def test_a_work_of_adhesion_that_surfaces_hardly_have_is_remarked() -> None:
+    assert "implausibly small for E* = 1.5 MPa" in implausible_work(61e-6, 1.5e6)
+    assert implausible_work(61e-6, 1e4) == ""  # of a cell in a liquid
+    assert implausible_work(1e-3, 1e9) == ""
+    assert "is implausible" in implausible_work(50.0, 1e4)
+
+
+CASE = """indenter = { shape = "paraboloid", radius = "10 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.5 }
+loading = { radius = "1 mm", spacing = "log" }
+"""
+
+
+def test_a_radius_of_millimetres_for_micrometres_shows_in_w(jkr: Callable) -> None:
+    """A pull-off force of a tip of 10 um on a body of 10 mm: 61 uJ/m^2 were printed without a comment."""
+    Path("gel.toml").write_text(CASE)
+    done = jkr("pull-off", "gel.toml", "--load", "2.9 uN").ok
+    assert "w = 61.54 uJ/m^2" in done.out
+    assert "is implausibly small for E* = 1.333 MPa" in done.err
+    assert "the radius of the indenter" in " ".join(done.err.split())

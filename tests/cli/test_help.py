@@ -37,79 +37,39 @@ def test_help_lists_every_verb_in_a_group(jkr: Callable) -> None:
             assert (f"\n  {verb} " in usual) == (verb not in RARE)
 
 
-@pytest.mark.parametrize("verb", VERBS)
-def test_every_verb_has_help_with_an_example(jkr: Callable, verb: str) -> None:
-    done = jkr(verb, "--help").ok
-    assert f"\n  jkr {verb}" in done.out, "no example"
+COMMANDS = [*((verb,) for verb in VERBS), *(("study", name) for name in STUDIES)]
 
 
-@pytest.mark.parametrize("study", STUDIES)
-def test_every_study_has_help_with_an_example(jkr: Callable, study: str) -> None:
-    done = jkr("study", study, "--help").ok
-    assert f"\n  jkr study {study}" in done.out, "no example"
-
-
-def test_every_option_says_what_it_does() -> None:
-    context = click.Context(root)
-    for verb in VERBS:
-        command = root.get_command(context, verb)
-        for parameter in command.params:
-            if isinstance(parameter, click.Option):
-                assert parameter.help, f"jkr {verb} {parameter.opts[0]}"
-
-
-MAIN = GROUPS["Commands"]
-
-
-@pytest.mark.parametrize("verb", DESCRIBED)
-def test_what_a_help_describes_are_options_of_its_verb(verb: str) -> None:
-    command = root.get_command(click.Context(root), verb)
-    names = {option.removeprefix("--") for parameter in command.params for option in parameter.opts}
-    assert set(DESCRIBED[verb].split()) - {"help"} <= names
-
-
-def test_eight_verbs_come_first() -> None:
-    assert list(MAIN) == ["new", "check", "run", "import", "transform", "pull-off", "look", "fit"]
-
-
-@pytest.mark.parametrize("verb", MAIN)
-def test_the_help_of_the_main_verbs_has_two_examples(jkr: Callable, verb: str) -> None:
-    text = jkr(verb, "--help").out.split("Options:")[0].split("Output:")[0]
-    assert len(re.findall(r"^  jkr ", text, re.MULTILINE)) == 2
-
-
-@pytest.mark.parametrize(
-    "words", [*((verb,) for verb in VERBS if verb != "study"), *(("study", name) for name in STUDIES)]
-)
-def test_help_describes_at_most_twelve_options(jkr: Callable, words: tuple[str, ...]) -> None:
-    text, whole = (
-        re.split(r"\n\w+:\n", jkr(*words, option).out, maxsplit=1)[-1] for option in ("--help", "--help-all")
-    )
-    described = [re.findall(r"^  (?:-., )?(--[a-zA-Z-]+)", each, re.MULTILINE) for each in (text, whole)]
-    assert len(described[0]) <= 12
-    if set(described[0]) != set(described[1]):
-        assert "--help-all" in text
-        assert set(described[1]) <= set(re.findall(r"--[a-zA-Z-]+", text))  # the others by name
-
-
-@pytest.mark.parametrize("words", [(), *((verb,) for verb in VERBS), *(("study", name) for name in STUDIES)])
-def test_help_fits_two_screens(jkr: Callable, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]) -> None:
-    """Two screens of 40 lines and 80 columns; all options of a longer one by --help-all."""
+@pytest.mark.parametrize("words", [(), *COMMANDS])
+def test_help_fits_two_screens_and_shows_an_example(
+    jkr: Callable, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    """Two screens of 40 lines and 80 columns; at most twelve options are described, the others named."""
     monkeypatch.setenv("COLUMNS", "80")
-    lines = jkr(*words, "--help").out.splitlines()
-    assert len(lines) <= LINES
-    assert [line for line in lines if len(line) > 80] == []
-    if any("--help-all" in line for line in lines):
-        named = set(re.findall(r"--[a-zA-Z-]+", "\n".join(lines)))
-        whole = jkr(*words, "--help-all").out
-        assert named - {"--help-all"} <= set(re.findall(r"--[a-zA-Z-]+", whole))
+    text = jkr(*words, "--help").ok.out
+    assert len(text.splitlines()) <= LINES
+    assert [line for line in text.splitlines() if len(line) > 80] == []
+    assert f"\n  {' '.join(('jkr', *words))}" in text
+    if words not in ((), ("study",)):
+        parts = (re.split(r"\n\w+:\n", each, maxsplit=1)[-1] for each in (text, jkr(*words, "--help-all").out))
+        few, every = (set(re.findall(r"^  (?:-., )?(--[a-zA-Z-]+)", each, re.MULTILINE)) for each in parts)
+        assert len(few) <= 12
+        assert few <= every <= set(re.findall(r"--[a-zA-Z-]+", text))
+        assert few == every or "--help-all" in text
 
 
 @pytest.mark.parametrize("verb", VERBS)
-def test_what_prints_its_result_cannot_be_told_to_be_quiet(jkr: Callable, verb: str) -> None:
+def test_every_option_says_what_it_does_and_what_is_described_is_one(verb: str) -> None:
+    options = [one for one in root.get_command(click.Context(root), verb).params if isinstance(one, click.Option)]
+    assert [one.opts for one in options if not one.help] == []
+    described = set(DESCRIBED.get(verb, "").split()) - {"help"}
+    assert described <= {name.removeprefix("--") for one in options for name in one.opts}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_what_writes_files_alone_can_be_told_to_be_quiet(jkr: Callable, verb: str) -> None:
     told = jkr(verb, "--help-all").out
-    assert ("-q, --quiet" in told) == ("--force" in told)  # what writes files
-    assert verb not in ("check", "pull-off", "study", "bench", "show", "doctor") or "-q, --quiet" not in told
+    assert ("-q, --quiet" in told) == ("--force" in told)
 
 
 @pytest.mark.slow
@@ -153,6 +113,7 @@ def test_doctor_names_the_remedy_of_what_is_missing(jkr: Callable, monkeypatch: 
             raise OSError("libGLU.so.1: cannot open shared object file")
         return real(name)
 
+    assert SYSTEM_PACKAGES in (Path(__file__).parents[2] / ".ci" / "system-libraries").read_text()
     monkeypatch.setattr(doctor.importlib, "import_module", without_gl)
     monkeypatch.setitem(doctor.OPTIONAL, "no-such-package", ("nothing", "a test"))
     done = jkr("doctor")
@@ -160,11 +121,6 @@ def test_doctor_names_the_remedy_of_what_is_missing(jkr: Callable, monkeypatch: 
     assert "MISSING   gmsh             cannot load: libGLU.so.1" in done.out
     assert f"type: sudo apt-get install --no-install-recommends {SYSTEM_PACKAGES}" in done.out
     assert f"optional  no-such-package  not installed (a test); type: {installs('nothing')}" in done.out
-
-
-def test_doctor_names_the_libraries_that_setup_installs() -> None:
-    script = (Path(__file__).parents[2] / ".ci" / "system-libraries").read_text()
-    assert SYSTEM_PACKAGES in script
 
 
 def completed(shell: str, script: str) -> list[str]:

@@ -1,7 +1,5 @@
 """``jkr import`` and every verb after it; the finite-element runs of another program to the pull-off."""
 
-import importlib
-import itertools
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +9,6 @@ from jkrcli.case import store
 from jkrcli.case.models import parse_case
 from jkrcli.formulas import hertz
 
-PEERS = Path(__file__).parents[2] / "docs" / "peers"
 E_STAR = 2e6 / (1 - 0.25**2)
 CASE = """
 indenter = { shape = "paraboloid", radius = "1 mm" }
@@ -102,26 +99,3 @@ WRONG = {
 def test_wrong_input_is_one_line_and_exit_code_2(jkr, table: Path, words: tuple, line: str) -> None:
     jkr("import", *words).refused(line)
     assert not Path("t.h5").exists()
-
-
-def test_the_deck_makes_such_tables(monkeypatch) -> None:
-    """Nodes named by the elements exist, and the table of a results file is read by increments."""
-    monkeypatch.syspath_prepend(PEERS)
-    calculix = importlib.import_module("calculix")
-    mesh = calculix.Mesh(calculix.BODIES["halfspace"], 6, 1.12, 0)
-    lines = calculix.deck(mesh).splitlines()
-    ends = [i for i, line in enumerate(lines) if line.startswith("*")]
-    blocks = {lines[i]: lines[i + 1 : j] for i, j in itertools.pairwise(ends)}
-    nodes = {int(line.split(",")[0]) for line in blocks["*NODE, NSET=NALL"]}
-    named = {int(n) for kind in ("BODY", "TOOL") for line in blocks[f"*ELEMENT, TYPE=CAX4, ELSET={kind}"]
-             for n in line.split(",")[1:]}  # fmt: skip
-    assert named == nodes
-    surface = "\n".join(
-        f" {i + 1} 0.0 {-0.004 if r < 9 else -0.02:.6E} 0.0" for i, r in enumerate(mesh.r[: mesh.m + 1])
-    )
-    results = (f" displacements (vx,vy,vz) for set TOP and time  0.5000000E+00\n\n{surface}\n\n"
-               " total force (fx,fy,fz) for set TOOL and time  0.5000000E+00\n\n 1.0E-3 -2.5E-1 0.0\n")  # fmt: skip
-    header, row = calculix.table(mesh, results).splitlines()
-    assert header == "time,u2 (um),RF2 (uN),contact radius (um)"
-    inside = mesh.r[mesh.r < 9].max()
-    assert row == f"0.5,-1.500000E-02,-2.500000E-01,{inside:.6E}"

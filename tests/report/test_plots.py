@@ -297,14 +297,6 @@ def test_a_map_of_failures_knows_every_outcome() -> None:
     assert set(LOOKS) == set(OUTCOMES)
 
 
-@pytest.mark.slow
-def test_a_map_of_failures_is_readable(study: Callable, kept: Callable[..., list[Figure]]) -> None:
-    figures = kept(study, "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form")
-    assert figures
-    for figure in figures:
-        assert troubles(figure, smallest=6) == []  # an atlas for the screen, one panel for each pair of axes
-
-
 @pytest.mark.parametrize("begun", [True, False], ids=["program", "library"])
 def test_matplotlib_keeps_its_own_words_but_in_the_program(begun: bool) -> None:
     code = (

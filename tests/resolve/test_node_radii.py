@@ -56,23 +56,6 @@ def test_the_tests_own_solver_agrees_with_published_values() -> None:
     np.testing.assert_allclose(split, compliance(k, ((1.0, 1.0, 0.4),), (10.0, 0.25)), 1e-10)
 
 
-# ---------------------------------------------------------------------- what radii are those of nodes
-def test_spacing_of_nodes_with_and_without_repeats() -> None:
-    for elements, increments in ((20, 200), (90, 50)):
-        given = node_series(LAYER, elements, increments, 0.2)
-        nodes = node_radii(RawSeries(*given.columns))
-        assert nodes.spacing == pytest.approx(given.spacing)
-
-
-def test_radii_that_were_asked_for_are_none_of_nodes() -> None:
-    a = LENGTH * np.linspace(0.02, 1, 50)
-    delta, P = LAYER.columns(a / LENGTH)[:2]
-    noise = 1 + 0.01 * np.random.default_rng(0).standard_normal((2, a.size))
-    for loads in (P, P * noise[0]):
-        assert node_radii(RawSeries(a, delta, loads)) is None
-    assert node_radii(RawSeries(a * noise[1], delta, P)) is None
-
-
 @pytest.mark.parametrize("increments", [40, 200])
 def test_touches_hold_the_radius(increments: int) -> None:
     given = node_series(HALF_SPACE, 30, increments, 0.2)

@@ -91,16 +91,6 @@ def exact_columns() -> np.ndarray:
     return np.stack([exact.a, exact.delta, exact.P])
 
 
-def test_readings_below_zero_at_first_touch_are_left_out(tmp_path: Path) -> None:
-    columns = exact_columns()
-    columns[2] += 1e-3 * columns[2].max() * np.random.default_rng(4).standard_normal(60)
-    columns[2] = np.maximum(columns[2], 1e-9 * columns[2].max())
-    columns[2, :3] = -np.abs(columns[2, :3])
-    solution = read(tmp_path / "t.csv", columns)
-    assert solution.warnings[0] == "3 rows near first touch, where noise hides the contact, are left out"
-    assert len(solution.series) == 57
-
-
 def test_an_outlier_below_zero_costs_its_row_only(tmp_path: Path) -> None:
     """Beyond the first tenth of the rows it used to refuse the table, before that to cost all rows up to it."""
     columns = disturbed(HERTZ.series(60), "independent", 1e-2, 0)

@@ -12,13 +12,11 @@ from conftest import CASES
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
-from jkrcli.base.errors import InputError, SolveError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.models import load_case, method_of
-from jkrcli.many.studies import Cost, process_cost
+from jkrcli.many.studies import process_cost
 from jkrcli.methods.layered.solver import Layered
-from studies.chart_measure import typical
 from studies.chart_points import DEFAULT, SETTINGS, beside_front, front, read_peers, settings_of
 from studies.chart_reference import reference_of
 
@@ -69,17 +67,6 @@ def test_cost_of_a_process_is_its_own() -> None:
     assert idle.memory_mib < 50
 
 
-def test_a_process_that_fails_says_so() -> None:
-    with pytest.raises(SolveError, match=r"ended with code 3: no such luck"):
-        process_cost([sys.executable, "-S", "-c", "import sys; print('no such luck', file=sys.stderr); sys.exit(3)"])
-
-
-def test_long_runs_are_not_repeated_and_short_ones_give_the_median() -> None:
-    seconds = iter([1.0, 3.0, 0.5, 9.0])
-    assert typical(lambda: Cost(next(seconds), 0.0), 3).cpu_s == 1.0
-    assert typical(lambda: Cost(next(seconds), 0.0), 3).cpu_s == 9.0  # the next call would fail
-
-
 # ---------------------------------------------------------------------- the front
 def test_front_holds_what_nothing_beats() -> None:
     points = [(1.0, 1e-2), (2.0, 1e-3), (3.0, 1e-3), (4.0, 1e-5), (5.0, 1e-4)]
@@ -118,19 +105,6 @@ def test_peers_are_scaled_by_the_yardstick(tmp_path: Path) -> None:
     assert peer.after_imports_cpu_s is None
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"version": 2}, "must be jkr-peers version 1, got jkr-peers 2"),
-        ({"runs": [{}]}, "is not a file of peers' timings (KeyError('after_imports_cpu_s'))"),
-    ],
-)
-def test_a_wrong_file_of_peers_is_refused(tmp_path: Path, changes: dict, words: str) -> None:
-    path = stored(tmp_path, **changes)
-    with pytest.raises(InputError, check=lambda error: str(error) == f"{path}: {words}"):
-        read_peers(path, 1.0)
-
-
 def test_the_stored_peers_can_be_read() -> None:
     peers = read_peers(CASES.parent / "docs" / "peers" / "timings.json", 1.0)
     assert {peer.body for peer in peers} == {"halfspace", "thin-layer"}
@@ -158,11 +132,3 @@ def test_the_study_writes_table_json_and_picture(study, tmp_path: Path, monkeypa
     assert float(default[0]["P_error"]) < 1e-8
     assert float(default[0]["whole_cpu_s"]) > float(default[0]["after_imports_cpu_s"]) > 0
     assert Path("out/thin-layer-chart.png").read_bytes()[:4] == b"\x89PNG"
-
-
-def test_the_study_says_what_is_missing(study) -> None:
-    text = (CASES / "thin-layer.toml").read_text()
-    Path("case.toml").write_text(text[: text.index("[adhesion]")])
-    outcome = study("chart", "case.toml")
-    assert outcome.code == 2
-    assert outcome.err == "jkr: error: case.toml: names no work of adhesion > 0: give --w\n"

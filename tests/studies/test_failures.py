@@ -20,7 +20,7 @@ from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.methods.protocol import Forecast
 from jkrcli.series import ErrorBudget, Series, Solution
 from studies import failures_judge
-from studies.failures_cells import AXES, Cell, draw
+from studies.failures_cells import Cell
 from studies.failures_judge import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, Verdict, judge
 from studies.watchdog import TooSlowError, cpu_limit
 
@@ -70,18 +70,6 @@ def test_an_exception_that_is_not_ours_is_a_crash(monkeypatch) -> None:
     monkeypatch.setattr(failures_judge, "method_of", broken)
     verdict = judge(PLAIN)
     assert (verdict.outcome, verdict.words) == (CRASHED, "ZeroDivisionError: by zero")
-
-
-def test_cells_fill_the_axes_and_follow_the_seed() -> None:
-    cells = [draw(np.random.default_rng(seed), "layered") for seed in range(300)]
-    for name, (least, largest) in AXES.items():
-        values = np.array([getattr(cell, name) for cell in cells if getattr(cell, name) > 0])
-        if values.size:  # noise is drawn for slopes only
-            decades = np.log(largest / least)
-            assert np.log(values.min() / least) < 0.1 * decades
-            assert np.log(largest / values.max()) < 0.1 * decades
-    assert draw(np.random.default_rng(3), "fem") == draw(np.random.default_rng(3), "fem")
-    assert any(cell.nu == 0.5 for cell in cells)
 
 
 # ---------------------------------------------------------------------- a limit of time, and workers

@@ -38,19 +38,6 @@ def test_this_machine_takes_on_the_first_of_its_settings() -> None:
         setting.check(replace(own, threads=(0, 0)))
 
 
-@pytest.mark.parametrize(
-    ("setting", "said"),
-    [
-        (Setting("Haswell", "Haswell"), "OpenBLAS works with kernels of"),
-        (Setting("threads", threads=1), "OpenBLAS works with (2, 2) threads, not with 1"),
-        (Setting("plain", plain=True), "NumPy still uses X86_V3, X86_V4"),
-    ],
-)
-def test_a_setting_without_effect_is_refused(setting: Setting, said: str) -> None:
-    with pytest.raises(SolveError, check=lambda error: str(error).startswith(f"{setting.name}: {said}")):
-        setting.check(NEW)
-
-
 def test_a_failure_under_one_of_them_is_told(study, monkeypatch: pytest.MonkeyPatch) -> None:
     """The fast tests are run for each; here they fail under the first."""
     runs = []

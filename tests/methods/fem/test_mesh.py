@@ -63,10 +63,6 @@ def test_graded_points_are_geometric_where_the_size_is_proportional():
     assert ratios[0] == pytest.approx(np.exp(0.1), rel=0.03)  # the count is rounded: 21 intervals
 
 
-def test_graded_points_are_even_where_the_size_is_constant():
-    assert np.diff(graded_points(0.0, 1.0, lambda r: 0.1 + 0 * r)) == pytest.approx(0.1, rel=1e-9)
-
-
 @pytest.mark.parametrize("interfaces", [[], [0.3], [0.05, 0.3]])
 def test_triangles_fill_the_rectangle_and_respect_interfaces(interfaces):
     surface = graded_points(0.0, 6.0, lambda r: LAW(r, 0 * r))

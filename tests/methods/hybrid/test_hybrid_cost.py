@@ -55,21 +55,6 @@ def judged(elements: float, parameters: float, cut: float) -> ErrorEstimates:
     return ErrorEstimates(np.ones(1), *rows)
 
 
-def test_the_largest_error_is_what_is_refined() -> None:
-    sliding = Region.of(stack((1.0, 0.3, 1.0), base=Rigid(False)), 1.0, 1e-6)
-    first = Refinement()
-    finer = first.after(judged(1e-3, 5e-6, 1e-4), 1e-5, sliding)
-    assert (finer.degree, finer.more, finer.sharper) == (first.degree + 2, 0, 1.0)
-    both = first.after(judged(1e-3, 1e-4, 1e-4), 1e-5, sliding)  # or the higher degree would be computed twice
-    assert (both.degree, both.added) == (first.degree + 2, 1)
-    assert both.more >= 1
-    fuller = first.after(judged(1e-6, 1e-4, 1e-5), 1e-5, sliding)
-    assert (fuller.degree, fuller.sharper) == (first.degree, 1.0)
-    assert fuller.more >= 1
-    wider = first.after(judged(1e-6, 1e-6, 2e-5), 1e-5, sliding)
-    assert (wider.degree, wider.more, wider.sharper) == (first.degree, 0, pytest.approx(8.0))
-
-
 def test_what_no_longer_gets_better_is_given_up() -> None:
     region = Region.of(FINITE["free"], 1.0, 1e-6)
     step = Refinement().after(judged(1e-2, 0.0, 0.0), 1e-5, region)

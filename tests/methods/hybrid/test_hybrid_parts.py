@@ -1,16 +1,14 @@
 """The parts of the hybrid: fields of the half-space, line elements, the stiffness, and intervals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, Layer, Rigid, Specimen
 from jkrcli.formulas import point_force
-from jkrcli.methods.hybrid.correction import LINE_CORNER, LineElements, Mesh, Region, RingField, lines
+from jkrcli.methods.hybrid.correction import LineElements, Mesh, Region, RingField, lines
 
 T = np.array([0.2, 0.7])
 STEP = 1e-5
@@ -126,29 +124,3 @@ def test_a_motion_that_strains_nothing_adds_no_rounding_to_the_work() -> None:
     work, moved = mesh.work(moving)
     assert_allclose(work, mesh.work(U)[0], atol=1e-8 * np.diag(work).max())
     assert (np.abs(work - mesh.work(U)[0]) <= moved).all()
-
-
-def test_intervals() -> None:
-    """Interfaces are edges; next to a singular corner the intervals shrink by the ratio and their degrees fall."""
-    region = Region.of(body(layers=3), 1.0, 1e-5)
-    r, z = lines(region, 8)
-    assert np.isin(np.round(region.tops, 12), np.round(z.edges, 12)).all()
-    assert (r.edges[-1], z.edges[-1]) == (region.width, region.depth)
-    assert (np.diff(z.edges) > 0).all()
-    gaps = np.diff(r.edges)[-4:]
-    assert_allclose(gaps[1:3] / gaps[:2], LINE_CORNER, rtol=1e-9)
-    assert list(r.degrees[-4:]) == [5, 4, 3, 2]
-    smooth = Region.of(replace(body(), side="roller"), 1.0, 1e-5)
-    assert set(lines(smooth, 8)[1].degrees) == {8}
-
-
-def test_regions_of_unbounded_bodies() -> None:
-    bonded = Region.of(body(side=None), 0.5, 1e-5)
-    assert (bonded.cut_beside, bonded.algebraic) == (True, False)
-    assert bonded.width > 20 * bonded.depth
-    assert bonded.nearer().width < bonded.width
-    assert bonded.nearer().depth == bonded.depth
-    coated = Region.of(Specimen(body().layers, HalfSpace(Elastic(5.0, 0.3))), 0.5, 1e-5)
-    assert coated.algebraic
-    assert coated.depth == pytest.approx(coated.width)
-    assert coated.nearer().depth == pytest.approx(coated.nearer().width)

@@ -48,18 +48,9 @@ def test_stiffness_is_the_inverse_of_the_compliance(E_p, E_z, nu_p, share, G_z):
     assert np.linalg.eigvalsh(C).min() > 0
 
 
-@pytest.mark.parametrize(
-    ("constants", "line"),
-    [
-        ((0.0, 1.0, 0.3, 0.3, 1.0), "E_p: must be > 0, got 0.0 Pa"),
-        ((1.0, 1.0, 0.3, 0.3, -1.0), "G_z: must be > 0, got -1.0 Pa"),
-        ((1.0, 1.0, 1.0, 0.3, 1.0), "nu_p: must be > -1 and < 1, got 1.0"),
-        ((1.0, 1.0, 0.5, 0.5, 1.0), "nu_zp: must lie between -0.5 and 0.5 for a positive strain energy (2 nu_zp^2"),
-    ],
-)
-def test_constants_of_no_material(constants, line):
-    with pytest.raises(InputError, check=lambda error: str(error).startswith(line)):
-        TransverselyIsotropic(*constants)
+def test_constants_of_no_material():
+    with pytest.raises(InputError, match=r"^nu_zp: must lie between -0.5 and 0.5 for a positive strain energy"):
+        TransverselyIsotropic(1.0, 1.0, 0.5, 0.5, 1.0)
 
 
 # ---------------------------------------------------------------------- finite elements
@@ -196,10 +187,3 @@ def test_a_case_with_five_constants_reads_back():
 def test_wrong_constants_in_a_case(old, new, line):
     with pytest.raises(InputError, check=lambda error: error.lines[0].startswith(f"my.toml: specimen.layers[0]{line}")):
         parse_case(case(FIVE.replace(old, new)), "my.toml")
-
-
-def test_from_the_case_to_the_curve(jkr, tmp_path):
-    (tmp_path / "my.toml").write_bytes(case(FIVE))
-    solved = jkr("run", "my.toml", "--method", "layered").ok
-    assert "transversely isotropic, E = 5 MPa in the plane, 1 MPa along z, h = 10 um" in solved.out
-    assert jkr("transform", "my.h5", "--w", "10 mJ/m^2").code == 0

@@ -137,12 +137,3 @@ def test_wrong_requests_are_explained(arguments: dict, message: str) -> None:
 def test_finite_specimens_are_refused() -> None:
     with pytest.raises(Refusal, match="finite radius"):
         at(Specimen(INCOMPRESSIBLE.layers, Rigid(), radius=9.0, side="free"), Sphere(20.0), 2.0)
-
-
-def test_default_samples_are_finite() -> None:
-    for indenter in SHAPES:
-        found = at(SOFT_COATING, indenter, 2.0, 1e-3)
-        for values in (found.pressure, found.displacement, found.gap):
-            assert np.isfinite(values).all()
-        with pytest.raises(ValueError, match="read-only"):
-            found.pressure[0] = 0.0

@@ -207,8 +207,7 @@ MORE_BODIES = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("specimen", [pytest.param(s, marks=() if i in (0, 1) else pytest.mark.slow)
-                                      for i, s in enumerate(MORE_BODIES)])  # fmt: skip
+@pytest.mark.parametrize("specimen", MORE_BODIES)
 def test_finite_elements_agree_within_their_stated_errors(specimen):
     problem = Problem(PARABOLOID, specimen, Loading("radius", 1.5), True)
     fem = FEM()(problem)

@@ -22,7 +22,7 @@ from jkrcli.bodies.problem import (
     TransverselyIsotropic,
 )
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.methods.layered.surface_tension import Angles, SurfaceTensionSolver
+from jkrcli.methods.layered.surface_tension import SurfaceTensionSolver
 from jkrcli.resolve.analysis import solved, solver_of
 
 UNIT = Paraboloid(1.0)
@@ -202,10 +202,3 @@ def test_stated_errors_hold():
 def test_a_tension_too_slight_for_layers_is_refused_with_its_size():
     with pytest.raises(Refusal, match=r"1e-07 of the contact radius.*leave specimen.surface_tension out"):
         at(bonded(0.3, 1e-7), 1.0)
-
-
-def test_panels_reach_every_node_once():
-    """A constant kernel gives the whole of each weight, however near the panels are."""
-    grid = Angles.of(6, 1, 8, 20)
-    whole = grid.matrices(lambda s: np.ones((1, *s.shape)), lambda s: np.zeros((1, *s.shape)), 1.0)[0]
-    np.testing.assert_allclose(whole, np.broadcast_to(grid.w, whole.shape), rtol=1e-9)

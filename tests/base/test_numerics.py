@@ -1,4 +1,4 @@
-"""Piecewise cubics and bracketed zeros against SciPy's."""
+"""Piecewise cubics, bracketed zeros, distributions and the median against SciPy and NumPy."""
 
 import math
 from collections.abc import Callable
@@ -9,27 +9,22 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PchipInterpolator
 from scipy.optimize import brentq
+from scipy.special import fdtrc, fdtri, stdtrit
 
 from jkrcli.base.numerics import (
     Array,
     PiecewiseCubic,
     PiecewiseQuintic,
     cubic_spline,
+    f_quantile,
+    f_tail,
+    median,
     pchip,
     rising_slopes,
-    spline_slopes,
     zeros_between,
 )
 
 steps = st.lists(st.floats(0.02, 50.0), min_size=1, max_size=30)
-
-
-@given(steps, st.integers(0, 2**32 - 1))
-def test_slopes_are_those_of_a_not_a_knot_spline(step: list[float], seed: int) -> None:
-    x = np.cumsum([0.0, *step])
-    y = np.random.default_rng(seed).normal(size=x.size)
-    expected = CubicSpline(x, y)(x, 1)
-    assert spline_slopes(x, y) == pytest.approx(expected, rel=1e-9, abs=1e-11 * np.max(np.abs(expected)))
 
 
 @given(steps, st.integers(0, 2**32 - 1))
@@ -139,3 +134,47 @@ def test_a_cubic_with_rising_slopes_rises_whatever_the_slopes_were(steps: list[t
     cubic = CubicHermiteSpline(x, y, rising_slopes(x, y, slopes))
     between = cubic((x[:-1, None] + np.diff(x)[:, None] * np.linspace(0, 1, 21)).ravel())
     assert (np.diff(between) >= -1e-9 * (y[-1] - y[0])).all()
+
+
+# ---------------------------------------------------------------------- distributions
+DOF = [1.0, 2.0, 3.5, 10.0, 57.0, 300.0, 2000.3, 1e5]
+LOST = 1e-9  # theory: of a difference of gamma functions' logs of 1e5, 1e6 epsilon
+
+
+@pytest.mark.parametrize("k", [1, 2, 3, 7, 30])
+@pytest.mark.parametrize("dof", DOF)
+def test_tails_of_f(k: int, dof: float) -> None:
+    F = np.concatenate([[0.0], np.geomspace(1e-8, 600, 40), [math.inf, math.nan]])
+    assert f_tail(k, dof, F) == pytest.approx(fdtrc(k, dof, F), rel=LOST, abs=1e-290, nan_ok=True)
+
+
+@pytest.mark.parametrize(("dof", "F"), [(0.0, 1.0), (-1.0, 1.0), (math.nan, 1.0), (10.0, 1e-320), (10.0, 1e308)])
+def test_ends_of_the_range(dof: float, F: float) -> None:
+    assert float(f_tail(1, dof, F)) == pytest.approx(float(fdtrc(1, dof, F)), nan_ok=True)
+    assert math.isnan(f_quantile(1, dof, 0.95)) == (not dof > 0)
+
+
+def test_degrees_of_freedom_of_each() -> None:
+    dof, F = np.array([3.0, 10.0, 1000.0]), np.array([2.0, math.nan, 4.0])
+    assert f_tail(1, dof, F) == pytest.approx(fdtrc(1, dof, F), rel=LOST, nan_ok=True)
+
+
+@pytest.mark.parametrize("level", [0.01, 0.5, 0.68, 0.95, 0.997, 1 - 1e-9])
+@pytest.mark.parametrize("dof", DOF)
+def test_quantiles(dof: float, level: float) -> None:
+    for k in (1, 2, 7, 30):
+        assert f_quantile(k, dof, level) == pytest.approx(fdtri(k, dof, level), rel=LOST)
+    # 1 - level has round-off in the one-sided chance
+    assert math.sqrt(f_quantile(1, dof, level)) == pytest.approx(stdtrit(dof, (1 + level) / 2), rel=1e-6)
+
+
+# ---------------------------------------------------------------------- the median
+@given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=40))
+def test_the_median_is_that_of_numpy(values: list[float]) -> None:
+    x = np.array(values)
+    assert median(x) == pytest.approx(float(np.median(x)), rel=1e-15, abs=0)
+    assert x.tolist() == values
+
+
+def test_none_has_no_median() -> None:
+    assert math.isnan(median(np.zeros(0)))

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from force_curves import Body, Instrument, equilibrium, record
+from force_curves import Body, Instrument, equilibrium, pulled_off, record
 from layer_contact import half_space
 
 NOISES = ("white", "pink", "peak", "steps")
@@ -26,12 +26,8 @@ def drawn(rng: np.random.Generator, R: float, h: float | None, body: Body = half
     """A random cycle of a paraboloid ``R`` [m] on a ``body``; a layer has the thickness ``h`` [m]."""
     widest = 0.3 * R if h is None else min(0.3 * R, 4 * h)
     E_star, radius = 10 ** rng.uniform(2, 7), widest * 10 ** rng.uniform(-1, 0)
-    a = radius * np.array([0.999, 1.0, 1.001])
-    _, P, S, dS = body(a, R)
-    tension = S * np.sqrt(4 * math.pi * a / dS)  # of w = E* = 1
-    w = E_star * ((P[2] - P[0]) / (tension[2] - tension[0])) ** 2
-    force = math.sqrt(w * E_star) * tension[1] - E_star * P[1]
-    k, largest = E_star * S[1] * 10 ** rng.uniform(math.log10(0.03), 2), force * rng.uniform(2, 10)
+    w, force, S = pulled_off(body, radius, R, E_star)
+    k, largest = S * 10 ** rng.uniform(math.log10(0.03), 2), force * rng.uniform(2, 10)
     w_in = w / 30 ** rng.uniform(0, 1) if rng.random() < 0.8 else 0.0
     position = equilibrium(E_star, R, w, k, largest, body)[0]
     span = float(position[-1] - position.min())

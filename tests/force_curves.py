@@ -49,6 +49,16 @@ def _radii(E_star: float, R: float, w: float, largest: float, body: Body) -> np.
     return np.geomspace(1e-4 * top, top, 20000)
 
 
+def pulled_off(body: Body, a: float, R: float, E_star: float) -> tuple[float, float, float]:
+    """The w [J/m^2] that is pulled off at the contact radius ``a`` [m] under load, the pull-off force [N] and the
+    contact's stiffness [N/m]: P = P_H - S sqrt(4 pi w a/S') has its least there."""
+    near = a * np.array([0.999, 1.0, 1.001])
+    _, P, S, dS = body(near, R)
+    tension = S * np.sqrt(4 * math.pi * near / dS)  # of w = E* = 1
+    w = E_star * float((P[2] - P[0]) / (tension[2] - tension[0])) ** 2
+    return w, math.sqrt(w * E_star) * float(tension[1]) - E_star * float(P[1]), E_star * float(S[1])
+
+
 def load_at(
     z: np.ndarray, E_star: float, R: float, w: float, k: float, largest: float, body: Body = half_space
 ) -> np.ndarray:

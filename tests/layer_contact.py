@@ -22,15 +22,20 @@ def compliance(x: np.ndarray, nu: float) -> np.ndarray:
 
 
 def contact(
-    a: float, nu: float, nodes: int = 60, image: Callable[[np.ndarray], np.ndarray] = np.square
-) -> tuple[float, float, float, float]:
+    a: float, nu: float | None, nodes: int = 60, image: Callable[[np.ndarray], np.ndarray] = np.square,
+    spectrum: tuple[np.ndarray, np.ndarray] | None = None,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """(delta R, P R/E*, S/E*, S'/E*) at radius ``a``, all lengths in units of the layer's thickness, R apart; of
-    another tip than the paraboloid (delta, P/E*, S/E*, S'/E*), by the Abel ``image`` of its profile."""
+    another tip than the paraboloid (delta, P/E*, S/E*, S'/E*), by the Abel ``image`` of its profile; of another body by
+    its ``spectrum``, k and (L - 1) dk."""
     x, weights = np.polynomial.legendre.leggauss(nodes)
     t, dt = a * (x + 1) / 2, a * weights / 2
-    k, dk = (np.concatenate(parts) for parts in zip(*(_panel(i, 1.0) for i in range(25)), strict=True))
+    if spectrum is None:
+        k, dk = (np.concatenate(parts) for parts in zip(*(_panel(i, 1.0) for i in range(25)), strict=True))
+        spectrum = k, (compliance(k, nu) - 1) * dk
+    k, lack = spectrum
     waves = np.cos(np.outer(np.append(t, a), k))
-    kernel = waves * ((compliance(k, nu) - 1) * dk) @ waves.T * 2 / np.pi
+    kernel = waves * lack @ waves.T * 2 / np.pi
     matrix = np.eye(nodes) + kernel[:-1, :-1] * dt
     flat, bowl = np.linalg.solve(matrix, np.stack([np.ones(nodes), image(t)], axis=1) * 2 / np.pi).T
     edge_flat, edge_bowl = (2 / np.pi * end - (kernel[-1, :-1] * dt) @ phi
@@ -45,24 +50,35 @@ def _panel(i: int, width: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 class BondedLayer:
-    """A layer of thickness ``h`` [m] on a rigid base: (delta_H, P_H, S, S') for E* = 1 Pa over contact radii [m]."""
+    """A layer of thickness ``h`` [m] on a rigid base: (delta_H, P_H, S, S') for E* = 1 Pa over contact radii [m], of a
+    paraboloid, or of a ``sphere`` of that radius [m]."""
 
-    def __init__(self, h: float, nu: float) -> None:
-        self.h, self.nu = h, nu
+    def __init__(self, h: float, nu: float, sphere: float | None = None) -> None:
+        self.h, self.nu, self.sphere = h, nu, sphere
 
     @cached_property
     def table(self) -> CubicSpline:
         """Logs of the four over the half-space's own, over log(a/h)."""
-        radii = np.geomspace(0.01, 6.0, 60)
-        ours = np.array([contact(a, self.nu) for a in radii])
-        plain = np.stack([radii**2, 4 / 3 * radii**3, 2 * radii, np.full(radii.size, 2.0)], axis=1)
-        return CubicSpline(np.log(radii), np.log(ours / plain))
+        if self.sphere is None:
+            radii, plain, image = np.geomspace(0.01, 6.0, 60), half_space, np.square
+        else:
+            R, plain = self.sphere / self.h, ball
+            radii, image = np.geomspace(0.01, min(6.0, 0.8 * R), 60), lambda t: t / 2 * np.log((R + t) / (R - t))
+        ours = np.array([contact(a, self.nu, image=image) for a in radii])
+        return CubicSpline(np.log(radii), np.log(ours / np.stack(plain(radii, R if self.sphere else 1.0), axis=1)))
 
     def __call__(self, a: np.ndarray, R: float) -> tuple[np.ndarray, ...]:
-        factors = np.exp(self.table(np.log(np.clip(a / self.h, 0.01, 6.0)))).T
-        return tuple(f * p for f, p in zip(factors, half_space(a, R), strict=True))
+        factors = np.exp(self.table(np.clip(np.log(a / self.h), *self.table.x[[0, -1]]))).T
+        plain = half_space(a, R) if self.sphere is None else ball(np.minimum(a, 0.8 * R), R)
+        return tuple(f * p for f, p in zip(factors, plain, strict=True))
 
 
 def half_space(a: np.ndarray, R: float) -> tuple[np.ndarray, ...]:
     """(delta_H, P_H, S, S') of Hertz for E* = 1 Pa over contact radii [m]."""
     return a**2 / R, 4 * a**3 / (3 * R), 2 * a, np.full(a.size, 2.0)
+
+
+def ball(a: np.ndarray, R: float) -> tuple[np.ndarray, ...]:
+    """The same of Sneddon's sphere."""
+    log = np.log((R + a) / (R - a))
+    return a / 2 * log, ((R**2 + a**2) * log - 2 * a * R) / 2, 2 * a, np.full(a.size, 2.0)

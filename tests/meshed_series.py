@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -53,27 +54,13 @@ def _zones(elements: int, more: int, sizes: np.ndarray, rng: np.random.Generator
 
 
 # ---------------------------------------------------------------------- bodies
-@dataclass(frozen=True, eq=False)
-class Body:
-    """What is pressed on what, to the contact radius ``end`` [m]."""
+class Exact:
+    """A body with ``logs`` of delta_H, P_H, S, S' over log a, from a hundredth of the contact radius ``end`` to
+    ``beyond`` times it."""
 
-    name: str
-    indenter: Indenter
-    specimen: Specimen
+    beyond: ClassVar[float] = 1.3
     end: float
-
-    @property
-    def problem(self) -> Problem:
-        """What is told to the reader."""
-        return Problem(self.indenter, self.specimen, Loading("depth", 1e-6, 10))
-
-    @cached_property
-    def logs(self) -> CubicSpline:
-        """Logs of delta_H, P_H, S, S' over log a."""
-        radii = self.end * np.geomspace(0.01, 1.3, 70)
-        loading = Loading.given("radius", tuple(radii.tolist()))
-        series = Layered()(Problem(self.indenter, self.specimen, loading)).series
-        return CubicSpline(np.log(radii), np.log(np.stack([series.delta, series.P, series.S, series.dS], axis=1)))
+    logs: CubicSpline
 
     def columns(self, a: np.ndarray) -> np.ndarray:
         """delta_H [m], P_H [N], S [N/m], S' [N/m^2], (4, n), at contact radii [m]."""
@@ -81,7 +68,7 @@ class Body:
 
     def radius(self, column: int, value: np.ndarray) -> np.ndarray:
         """Contact radii [m] at which delta_H (0) or P_H (1) has the ``value``."""
-        y, low, high = np.log(value), np.log(0.01 * self.end), np.log(1.3 * self.end)
+        y, low, high = np.log(value), np.log(0.01 * self.end), np.log(self.beyond * self.end)
         ends = self.logs([low, high])[:, column]
         return np.exp([brentq(lambda x, y=y_: self.logs(x)[column] - y, low, high, xtol=1e-14)
                        for y_ in np.clip(y, ends[0] + 1e-12, ends[1] - 1e-12)])  # fmt: skip
@@ -95,7 +82,7 @@ class Body:
 
     def pull_off(self, w: float) -> dict[str, tuple[float, float, float]]:
         """a [m], delta [m], P [N] where contact is lost, by what is controlled."""
-        a = self.end * np.geomspace(0.011, 1.25, 6000)
+        a = self.end * np.geomspace(0.011, 0.96 * self.beyond, 6000)
         delta, P, S, dS = self.columns(a)
         t = np.sqrt(4 * math.pi * w * a / dS)
         curves, found = {"displacement": delta - t, "load": P - S * t}, {}
@@ -107,6 +94,28 @@ class Body:
             delta_there, P_there = (float(CubicSpline(a[near], curves[name][near])(place)) for name in curves)
             found[control] = place, delta_there, P_there
         return found
+
+
+@dataclass(frozen=True, eq=False)
+class Body(Exact):
+    """What is pressed on what."""
+
+    name: str
+    indenter: Indenter
+    specimen: Specimen
+    end: float
+
+    @property
+    def problem(self) -> Problem:
+        """What is told to the reader."""
+        return Problem(self.indenter, self.specimen, Loading("depth", 1e-6, 10))
+
+    @cached_property
+    def logs(self) -> CubicSpline:
+        radii = self.end * np.geomspace(0.01, self.beyond, 70)
+        loading = Loading.given("radius", tuple(radii.tolist()))
+        series = Layered()(Problem(self.indenter, self.specimen, loading)).series
+        return CubicSpline(np.log(radii), np.log(np.stack([series.delta, series.P, series.S, series.dS], axis=1)))
 
 
 def body(rng: np.random.Generator) -> Body:

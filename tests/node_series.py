@@ -1,8 +1,8 @@
 """Series as finite elements report them, contact radii those of nodes, with the exact pull-off points behind them.
 
-Bodies are solved here by a plain Nystroem solution of their integral equation, one dense solve per radius; the surface
-compliance of a stack comes from one linear system per wave number, of Love's function in each layer. Shares no code
-with what reads such series.
+Bodies are solved by a plain Nystroem solution of their integral equation (``layer_contact``), one dense solve per
+radius; the surface compliance of a stack comes from one linear system per wave number (``stack_fields``). Shares no
+code with what reads such series.
 """
 
 import math
@@ -10,76 +10,26 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
+from layer_contact import contact
+from meshed_series import Exact
 from scipy.interpolate import CubicSpline
+from stack_fields import surface_displacement
 
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 
 LENGTH, MODULUS = 1e-4, 1e6  # units of the bodies below [m], [Pa]
-ONE = (1.0, 0.0)  # E and nu of a stack are given in pairs
 
 
-# ---------------------------------------------------------------------- surface compliance
-def compliance(k: np.ndarray, layers: tuple, base: tuple | str) -> np.ndarray:
-    """g(k) = k E*/2 u_z/p of ``layers`` (thickness, E, nu) from the top, on a half-space ``base`` (E, nu), or "bonded"
-    or "frictionless" to a rigid one; E* of the uppermost."""
-    if not layers:
-        return np.ones_like(k)
-    half_space = not isinstance(base, str)
-    n = 4 * len(layers) + (2 if half_space else 0)
-    A, b = np.zeros((k.size, n, n)), np.zeros((k.size, n))
-    _, E, nu = layers[0]
-    top = _fields(k, layers[0], 0.0)
-    A[:, 0, :4], A[:, 1, :4] = top[2], top[3]
-    b[:, 0] = -1.0
-    row = 2
-    for i, layer in enumerate(layers):
-        below = _fields(k, layer, layer[0])
-        here = slice(4 * i, 4 * i + 4)
-        if i + 1 < len(layers):
-            other, there = _fields(k, layers[i + 1], 0.0), slice(4 * i + 4, 4 * i + 8)
-        elif half_space:
-            other, there = [part[:, :2] for part in _fields(k, (1.0, *base), 0.0)], slice(n - 2, n)
-        else:
-            for part in (below[1], below[0] if base == "bonded" else below[3]):
-                A[:, row, here] = part
-                row += 1
-            break
-        for part, next_part in zip(below, other, strict=True):
-            A[:, row, here], A[:, row, there] = part, -next_part
-            row += 1
-    scale = np.abs(A).max(axis=2, keepdims=True)
-    c = np.linalg.solve(A / scale, (b / scale[:, :, 0])[:, :, None])[:, :4, 0]
-    return k * E / (1 - nu**2) / 2 * np.einsum("ni,ni->n", top[1], c)
-
-
-def _fields(k: np.ndarray, layer: tuple, z: float) -> list[np.ndarray]:
-    """u_r, u_z, sigma_zz, sigma_rz (each (n, 4)) at depth ``z`` by Love's function (A + B kz) e^-kz and
-    (C + D k(z - h)) e^k(z - h), times k^-3 for stresses and k^-2 for displacements."""
-    h, E, nu = layer
-    G, kz = E / 2 / (1 + nu), k * z
-    down, up = np.exp(-kz), np.exp(k * (z - h))
-    y = k * (z - h)
-    zero = [np.stack([down, kz * down, up, y * up], axis=1)]
-    one = np.stack([-down, (1 - kz) * down, up, (1 + y) * up], axis=1)
-    two = np.stack([down, (kz - 2) * down, up, (2 + y) * up], axis=1)
-    three = np.stack([-down, (3 - kz) * down, up, (3 + y) * up], axis=1)
-    Z = zero[0]
-    inverse = 1 / k[:, None]  # displacements over stresses
-    return [
-        one / (2 * G) * inverse,
-        ((1 - 2 * nu) * two - 2 * (1 - nu) * Z) / (2 * G) * inverse,
-        (1 - nu) * three - (2 - nu) * one,
-        nu * two + (1 - nu) * Z,
-    ]
-
-
-# ---------------------------------------------------------------------- contact
 @dataclass(frozen=True)
-class NodeBody:
-    """A body in units of ``LENGTH`` and ``MODULUS`` under a tip of radius ``R``; ``a_max``: of its series."""
+class NodeBody(Exact):
+    """A body in units of ``LENGTH`` and ``MODULUS`` under a tip of radius ``R``, layers as (thickness, E, nu) on a
+    half-space (E, nu) or "bonded" or "frictionless" to a rigid base; ``a_max``: of its series."""
+
+    beyond: ClassVar[float] = 1.1
 
     name: str
     layers: tuple
@@ -100,6 +50,10 @@ class NodeBody:
         return Problem(tip, Specimen(layers, base), Loading("depth", 1e-6, 10))
 
     @property
+    def end(self) -> float:
+        return self.a_max
+
+    @property
     def E_star(self) -> float:
         E, nu = self.layers[0][1:] if self.layers else self.base
         return E / (1 - nu**2)
@@ -112,71 +66,29 @@ class NodeBody:
 
     @cached_property
     def logs(self) -> CubicSpline:
-        """Logs of delta_H, P_H, S, S' over log a."""
-        radii = self.a_max * np.geomspace(0.01, 1.1, 56)
+        radii = self.a_max * np.geomspace(0.01, self.beyond, 56)
         return CubicSpline(np.log(radii), np.log([self._contact(a) for a in radii]))
 
-    def columns(self, a: np.ndarray, order: int = 0) -> np.ndarray:
-        """delta_H, P_H, S, S' (4, ...) at radii, or their derivatives by the radius."""
-        values = np.exp(np.moveaxis(self.logs(np.log(a)), -1, 0))
-        return values if order == 0 else values * np.moveaxis(self.logs(np.log(a), 1), -1, 0) / a
-
     def _contact(self, a: float) -> tuple[float, ...]:
-        nodes = 40
-        x, weights = np.polynomial.legendre.leggauss(nodes)
-        t, dt = a * (x + 1) / 2, a * weights / 2
-        kernel = np.zeros((nodes + 1, nodes + 1))
-        if self.layers:
-            k, dk, g = self._spectrum
-            waves = np.cos(np.outer(np.append(t, a), k))
-            kernel = waves * ((g - 1) * dk) @ waves.T * 2 / math.pi
-        matrix = np.eye(nodes) + kernel[:-1, :-1] * dt
-        right = np.stack([np.ones(nodes), self.abel(t)], axis=1) * 2 / math.pi
-        flat, bowl = np.linalg.solve(matrix, right).T
-        ends = 2 / math.pi * np.array([1.0, float(self.abel(np.array(a)))])
-        edge_flat, edge_bowl = ends - kernel[-1, :-1] * dt @ np.stack([flat, bowl], axis=1)
-        delta, unit = edge_bowl / edge_flat, math.pi * self.E_star
-        return (delta, unit * dt @ (delta * flat - bowl), unit * dt @ flat, unit * math.pi / 2 * edge_flat**2)
+        delta, P, S, dS = contact(a, None, 40, self.abel, self._spectrum)
+        return delta, self.E_star * P, self.E_star * S, self.E_star * dS
 
     @cached_property
-    def _spectrum(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Wave numbers, weights and g(k), from far below the inverse of the depth to beyond that of the top layer."""
+    def _spectrum(self) -> tuple[np.ndarray, np.ndarray]:
+        """k and (g(k) - 1) dk, from far below the inverse of the depth to beyond that of the top layer."""
+        if not self.layers:
+            return np.zeros(1), np.zeros(1)
         x, weights = np.polynomial.legendre.leggauss(12)
         deep, top = sum(layer[0] for layer in self.layers), self.layers[0][0]
         width = 3.0 / max(self.a_max, top)
         fine = np.geomspace(1e-4 / deep, width, 24)
         edges = np.concatenate([[0.0], fine, np.arange(2 * width, 22 / top, width)])
         k = (edges[:-1, None] + np.diff(edges)[:, None] * (x + 1) / 2).ravel()
-        return k, (np.diff(edges)[:, None] * weights / 2).ravel(), compliance(k, self.layers, self.base)
+        return k, (np.diff(edges)[:, None] * weights / 2).ravel() * (self.compliance(k) - 1)
 
-    # ------------------------------------------------------------------ adhesion
-    def work(self, a: float) -> float:
-        """The work of adhesion whose contact is lost at radius ``a`` under load control: dP_H = sqrt(w) d(S t)."""
-        _, dP, _, _ = self.columns(np.array(a), 1)
-        return float(dP / self._pulled(np.array(a), 1e-4 * a)) ** 2
-
-    def _pulled(self, a: np.ndarray, step: float) -> np.ndarray:
-        """d(S t)/da at w = 1."""
-        ahead, behind = (self._parts(a + sign * step) for sign in (1, -1))
-        return (ahead[1] - behind[1]) / (2 * step)
-
-    def _parts(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """t and S t at w = 1."""
-        _, _, S, dS = self.columns(a)
-        t = np.sqrt(4 * math.pi * a / dS)
-        return t, S * t
-
-    def pull_off(self, w: float, control: str) -> tuple[float, float, float]:
-        """a, delta, P of the exact pull-off under control of the "load" or the "displacement"; in units."""
-        a = self.a_max * np.geomspace(0.012, 1.08, 4000)
-        delta, P, _, _ = self.columns(a)
-        t, St = self._parts(a)
-        delta, P = delta - math.sqrt(w) * t, P - math.sqrt(w) * St
-        i = int(np.argmin(P if control == "load" else delta))
-        rows = slice(max(i - 2, 0), i + 3)
-        bend = np.polyfit(a[rows] - a[i], (P if control == "load" else delta)[rows], 2)
-        at = a[i] - bend[1] / (2 * bend[0])
-        return at, *(float(np.polyval(np.polyfit(a[rows] - a[i], y[rows], 3), at - a[i])) for y in (delta, P))
+    def compliance(self, k: np.ndarray) -> np.ndarray:
+        """g(k) = k E*/2 u_z/p, 1 of a half-space."""
+        return self.E_star / 2 * MODULUS * surface_displacement(self.problem, k / LENGTH)
 
 
 BODIES = (
@@ -222,7 +134,7 @@ class NodeSeries:
 
     def exact(self, control: str = "load") -> tuple[float, float, float]:
         """a, delta [m], P [N] of the exact pull-off."""
-        a, delta, P = self.body.pull_off(self.w / (MODULUS * LENGTH), control)
+        a, delta, P = self.body.pull_off(self.w / (MODULUS * LENGTH))[control]
         return a * LENGTH, delta * LENGTH, P * MODULUS * LENGTH**2
 
     def write(self, path: Path, load: float = 1.0) -> Path:
@@ -241,13 +153,7 @@ def node_series(
     """A series to the radius ``body.a_max`` by increments even in the depth; lost under load at ``po`` of it."""
     even = np.arange(1, increments + 1) / increments
     deepest = float(body.columns(np.array(body.a_max))[0])
-    if spacing == "depth":
-        inner = np.geomspace(0.0101, 1.0, 2000) * body.a_max
-        a = np.interp(even * deepest, np.concatenate([[0.0], body.columns(inner)[0]]), np.concatenate([[0.0], inner]))
-        for _ in range(4):  # Newton
-            a = np.maximum(a - (body.columns(a)[0] - even * deepest) / body.columns(a, 1)[0], 0.2 * a)
-    else:
-        a = even * body.a_max
+    a = body.radius(0, even * deepest) if spacing == "depth" else even * body.a_max
     a = a[a > 0.0101 * body.a_max]
     e = body.a_max / elements
     lowest = {"outermost": 0.0, "next": 1.0, "nearest": 0.5}[node]

@@ -34,6 +34,12 @@ def fields(problem: Problem, a: float, delta: float, r: np.ndarray, depth: float
     }
 
 
+def surface_displacement(problem: Problem, k: np.ndarray) -> np.ndarray:
+    """k u_z [1/Pa] under a unit pressure J0(kr): 2/E* of a half-space."""
+    modes, amplitudes = _amplitudes(problem, k, 0.0, 0)
+    return np.einsum("kn,kn->k", modes[1], amplitudes)
+
+
 def _rule(a: float, reach: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights in k: all decays at least like exp(-k depth)."""
     step = 3 / (reach + a)

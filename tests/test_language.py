@@ -13,6 +13,10 @@ PHRASES = (
     "made by another program", "times this body's", "edge advances", "edge rests", "edge recedes",
     "specimens that relax", "zero points", "series file", "tension of the zone", "body that relaxes",
     "moduli that relax", "as told", "(model) is", "pull-off units", "unknown: made", "deepest row", "no turn ",
+    "load further", "rows count as one", "follow their neighbours", "model ±", "speak against this model",
+    "not excluded by these rows", "geometrically linear theory", "in contact from end to end", "goes on pulling",
+    "in SI units stands in", "distance of atoms", "position of the device", "light that the specimen",
+    "by chance: ", "most memory to begin", "Of the bootstrap", "takes a guess", "surfaces that stick",
 )  # fmt: skip
 PAGES = [ROOT / "README.md", *(page for page in (ROOT / "docs").rglob("*.md") if page.parent.name != "project")]
 

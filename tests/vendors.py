@@ -226,10 +226,12 @@ SURF_MOST = 2**31 - 1  # of the numbers that stand for a range
 
 
 # ---------------------------------------------------------------------- Bruker's Nanoscope
-def nanoscope(path: Path, curves: int = 1, capture: bool = False, least: int = 0, **changed: str) -> Path:
+def nanoscope(
+    path: Path, curves: int = 1, capture: bool = False, least: int = 0, columns: int = 2, image: int = 0, **changed: str
+) -> Path:
     """A binary file: of one curve with a height sensor in two bytes, of a map over a ramp in four, shifted by one, or
-    a ``capture`` of PeakForce. ``least``: rows of each direction beside those that are filled. ``changed``: lines of
-    the head."""
+    a ``capture`` of PeakForce. ``least``: rows of each direction beside those that are filled; ``columns`` of a map and
+    pixels of a line of its ``image``, if that has others. ``changed``: lines of the head."""
     size, shift = (2, 1) if curves == 1 else (4, 256)
     stride = ROWS + least
     z = 1e-6 - HEIGHT if not capture else 1e-7 * np.cos(2 * np.pi * (np.arange(2 * ROWS) - ROWS) / (2 * ROWS))
@@ -241,7 +243,8 @@ def nanoscope(path: Path, curves: int = 1, capture: bool = False, least: int = 0
         counts = np.full((2, stride), 77)
         counts[:, :ROWS] = shift * np.round(np.stack([values[:ROWS][::-1], values[ROWS:]]) / PER_COUNT)
         blocks.append(np.tile(counts.ravel(), curves).astype(f"<i{size}").tobytes())
-    scan = {"Operating mode": "Force" if curves == 1 else "Force Volume", "Samps/line": "2", "Lines": str(curves // 2),
+    scan = {"Operating mode": "Force" if curves == 1 else "Force Volume", "Samps/line": str(image or columns),
+            "Lines": str(curves // columns * (image or columns) // columns),
             "Scan Size": "2000 nm", "PeakForce Capture": "Allow" if capture else "Never", "Peak Force Amplitude": "100",
             "PFT Freq": "2 KHz", "Sample Points": str(4 * ROWS), "Sync Distance QNM": str(2 * ROWS),
             "@Sens. DeflSens": f"V {SENSITIVITY * 1e9:g} " + "nm/V" * (curves == 1), "@Sens. Zsens": "V 10.00000 nm/V",
@@ -249,6 +252,7 @@ def nanoscope(path: Path, curves: int = 1, capture: bool = False, least: int = 0
     if capture:
         scan |= {"Samps/line": "1", "Lines": "1"}
     force = {"Forward vel.": "200", "Reverse vel.": "200", "Samps/line, retrace": str(ROWS)}
+    force |= {"force/line": f"{columns} 0"} if image else {}
     sections = [("Force file list", {"Version": "0x09200000"}), ("Ciao scan list", scan), ("Ciao force list", force)]
     start = 6000
     for (name, (_, sens)), block in zip(channels.items(), blocks, strict=True):
@@ -331,5 +335,6 @@ KINDS: dict[str, Callable[[Path], Path]] = {
     "nanoscope": lambda folder: nanoscope(folder / "one.000"),
     "nanoscope map": lambda folder: nanoscope(folder / "map.spm", 4),
     "nanoscope capture": lambda folder: nanoscope(folder / "one.pfc", capture=True),
+    "nanosurf": lambda folder: nanosurf(folder / "map.nhf", 2),
     **{f"{maker} in text": partial(_exported, maker) for maker in EXPORTS},
 }  # a file of each format in a folder

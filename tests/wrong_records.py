@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from force_curves import Instrument, equilibrium, record
 from layer_contact import BondedLayer, half_space
+from maugis import Maugis
 
 ROWS = 1000
 R = 5e-6
@@ -145,20 +146,10 @@ def dmt(at: Drawn) -> Wrong:
 
 
 def maugis(at: Drawn, tabor: float = 0.3) -> Wrong:
-    """Adhesion of a range by Tabor's number, in Maugis's own units, by bisection for m."""
-    lam = 1.157 * tabor
-    K = 4 * at.E / 3
-    length, depth = (math.pi * at.w * R**2 / K) ** (1 / 3), (math.pi**2 * at.w**2 * R / K**2) ** (1 / 3)
-    A = np.geomspace(1e-3, 1, 3000) * at.radius / length
-    low, high = np.ones(A.size), np.full(A.size, 1e5)
-    for _ in range(80):
-        m = np.sqrt(low * high)
-        root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
-        too_much = (lam * A**2 / 2 * (root + (m**2 - 2) * angle)
-                    + 4 * lam**2 * A / 3 * (root * angle - m + 1)) > 1  # fmt: skip
-        low, high = np.where(too_much, low, m), np.where(too_much, m, high)
-    delta = depth * (A**2 - 4 / 3 * A * lam * root)
-    P = math.pi * at.w * R * (A**3 - lam * A**2 * (root + m**2 * angle))
+    """Adhesion of a range by Tabor's number."""
+    exact = Maugis(R, at.E, at.w, 1.157 * tabor, 1 + np.geomspace(1e5, 1e-9, 20000))
+    a = np.geomspace(1e-3, 1, 3000) * at.radius
+    delta, P = (np.interp(a, exact.a, column) for column in (exact.delta, exact.P))
     way = positions(at, float(delta[-1] + P[-1] / at.k))
     return Wrong(read(at, way, touched(at, way, delta, P), behind(at, way, delta, P)), at.k, at.truth,
                  families=("adhesion",))  # fmt: skip

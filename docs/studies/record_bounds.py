@@ -19,7 +19,6 @@ from typing import Any
 
 import lens_tables  # type: ignore[import-not-found]
 import numpy as np
-import shallow_records  # type: ignore[import-not-found]
 from cycle_records import NOISES, approached, drawn  # type: ignore[import-not-found]
 from force_curves import record  # type: ignore[import-not-found]
 from layer_contact import BondedLayer, half_space  # type: ignore[import-not-found]
@@ -33,6 +32,8 @@ from jkrcli.measured.forward_model import FittedBody
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
+
+from . import shallow_records
 
 R = 5e-6  # tip radius [m]
 LAYERS = [(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)]

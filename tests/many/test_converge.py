@@ -127,26 +127,6 @@ def test_study_converge_writes_table_and_summary(jkr, cases: Path, tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_the_paper_s_gel_with_measured_points(study, cases: Path, tmp_path: Path) -> None:
-    (tmp_path / "points.csv").write_text("displacement (nm), load (uN)\n-5,-0.6\n0,-0.5\n30,2\n")
-    words = ("--cases", cases, "-o", "figures", "--only", "fig8")
-    outcome = study("paper", *words, "--measured", "points.csv", "--shift", "10 nm").ok
-    assert outcome.err == ""
-    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == ["fig8.png", "fig8.svg"]
-
-
-def test_study_converge_prints_a_row_per_mesh_and_the_orders(jkr, cases: Path) -> None:
-    outcome = jkr("study", "converge", cases / "gel.toml", "--levels", 2, "--contact", "incremental", "--w", "1 mJ/m^2",
-                  "--no-plots").ok  # fmt: skip
-    assert outcome.err == ""
-    lines = outcome.out.splitlines()
-    assert lines[0].endswith(" of the exact solution")
-    assert lines[2].endswith("w = 1 mJ/m^2")
-    assert len(lines) == 3 + 3 + 1 + 1 + 2 + 1
-    assert "no order: needs three meshes with an error above round-off; not extrapolated: needs" in lines[5]
-
-
-@pytest.mark.slow
 def test_the_paper_by_its_own_method(study, tmp_path: Path) -> None:
     """Pull-off of Secs. 4.1 to 4.3 by the paper's splines on its meshes, against the exact solution."""
     outcome = study("paper", "--cases", Path(__file__).parents[2] / "cases" / "paper", "-o", "paper").ok

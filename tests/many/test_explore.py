@@ -99,24 +99,6 @@ def test_the_page_is_whole(jkr: Callable, gel: Path) -> None:
     assert content(page)["controls"]["w"]["value"] == 0.035
 
 
-def test_json_names_the_page(jkr: Callable, gel: Path) -> None:
-    found = jkr("explore", "gel.h5", "-o", "look.html", "--json").told
-    assert (found["page"], found["bytes"], found["w_J_per_m2"]) == (
-        "look.html",
-        Path("look.html").stat().st_size,
-        0.035,
-    )
-
-
-def test_measured_curves_are_overlaid(jkr: Callable, gel: Path) -> None:
-    Path("one.csv").write_text("delta_m,P_N\n1e-6,2e-4\n2e-6,3e-4\n3e-6,5e-4\n4e-6,7e-4\n5e-6,9e-4\n")
-    outcome = jkr("explore", "gel.h5", "one.csv").ok
-    assert outcome.err == ""
-    assert outcome.out.splitlines()[0] == "100 points, 5 measured points in 1 curve: gel.h5"
-    (curve,) = content(gel.with_name("gel-explore.html"))["measured"]
-    assert (curve["delta"], curve["P"][:2], curve["a"]) == ([1e-6, 2e-6, 3e-6, 4e-6, 5e-6], [2e-4, 3e-4], None)
-
-
 def test_the_reading_options_hold(jkr: Callable, gel: Path) -> None:
     Path("one.csv").write_text("depth;force\n" + "".join(f"{i},5;{i}0\n" for i in range(1, 7)))
     words = ["--column", "delta=depth", "--column", "P=force", "--unit", "delta=um", "--unit", "P=uN", "--flip", "P"]

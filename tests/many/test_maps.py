@@ -3,7 +3,6 @@
 import csv
 import math
 import re
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -56,13 +55,6 @@ def test_thin_incompressible_limit_is_approached_slowly() -> None:
     assert np.all((ratios > 0.64) & (ratios < 0.72))  # the gap falls as h/a: by 10^(-1/6) = 0.68 per decade of q
 
 
-def test_forces_rise_with_q_and_with_nu() -> None:
-    table = np.array([forces(nu) for nu in VALUES])
-    assert np.all(np.diff(table, axis=0) > 0)
-    assert np.all(np.diff(table, axis=1) > 0)
-    assert np.all((table > 1.5) & (table < 3))
-
-
 def test_a_nearly_incompressible_layer_overshoots_and_comes_back_to_the_compressible_limit() -> None:
     found = forces(0.45, qs=(1.0, 1e2, 1e4, 1e6))
     assert found[0] < 2 < max(found)
@@ -81,12 +73,6 @@ def test_each_value_once_in_order() -> None:
     found = jkrcli.study_map("pull-off", nu=[0.3, 0.3], q=[1.0, 0.1, 1.0]).columns
     assert (found["nu"].tolist(), found["w_R2_over_Estar_h3"].tolist()) == ([0.3, 0.3], [0.1, 1.0])
     assert forces(0.3, qs=(1.0,))[0] == pytest.approx(found["minus_P_over_pi_w_R"][1], rel=1e-6)  # other radii
-
-
-def test_columns() -> None:
-    found = columns(0.3)
-    assert list(found)[:4] == ["nu", "base", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R"]
-    assert {len(values) for values in found.values()} == {len(QS)}
 
 
 @pytest.mark.parametrize(("name", "axes", "said"), [
@@ -164,18 +150,6 @@ def test_both_logarithmic_panels_hold_their_lines() -> None:
         assert axes.get_ylim()[1] > high
 
 
-@pytest.mark.slow
-def test_the_command_of_the_rate_map(jkr: Callable) -> None:
-    words = ("study", "rate-map", "--speed", "0.1", "--thickness", "1", "--stiffness", "rigid", "--workers", "1")
-    found = jkr(*words, "--json").told
-    assert found["minus_P_over_pi_w0_R"][0] == pytest.approx(1.733807, rel=1e-5)
-    for words, said in (
-        (("--speed", "0"), "rate map: speed must be > 0, got 0.0"),
-        (("--rate", "n=-1"), "--rate: n: must be > 0 and <= 100, got -1"),
-    ):
-        jkr("study", "rate-map", *words, "--force").refused(said)
-
-
 # ---------------------------------------------------------------------- roughness, sticking, transition
 def test_map_of_w_over_rms_and_modulus() -> None:
     columns = jkrcli.study_map("roughness", rms=["5 nm", "50 nm", "1 um"], modulus="1 MPa", w="5 mJ/m^2").columns
@@ -200,13 +174,6 @@ def test_the_sticking_map_meets_independent_values():
 def test_narrow_contacts_have_the_half_space_factor():
     columns = jkrcli.study_map("sticking", nu=[0.0], ratio=[0.01]).columns
     assert columns["S_ratio"][0] == pytest.approx(1.0986, abs=2e-3)
-
-
-def test_the_command_of_the_sticking_map(jkr, tmp_path):
-    found = jkr("study", "sticking-map", "--nu", "0.5", "--ratio", "0.5", "--ratio", "1", "-o", tmp_path, "--json").told
-    assert found["S_ratio"][1] == pytest.approx(1.0857, abs=1e-3)
-    names = {path.name for path in tmp_path.glob("sticking-map.*")}
-    assert names == {"sticking-map.csv", "sticking-map.png", "sticking-map.svg"}
 
 
 @pytest.mark.slow

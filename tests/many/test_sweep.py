@@ -1,6 +1,7 @@
 """Sweeps: which cases a file makes, and what is told of each."""
 
 import json
+import math
 from pathlib import Path
 
 import h5py
@@ -55,6 +56,19 @@ def test_the_table_holds_the_classical_formulae(jkr, tmp_path: Path) -> None:
         at = {"delta_m": delta, "P_N": P, "S_N_per_m": 2 * E_star * 0.123e-3, "dS_da_N_per_m2": 2 * E_star,
               "P_H_N": 4 * E_star * 0.123e-3**3 / 3 / R}  # fmt: skip
         assert {name: float(row[f"at_0.000123_m.{name}"]) for name in at} == pytest.approx(at, rel=1e-9)
+
+
+def test_contact_goes_to_the_rim_of_each_punch_of_a_sweep(jkr, tmp_path: Path) -> None:
+    """Flat, with a sharp edge: sqrt(8 pi w E* R^3) (Kendall 1971) whatever the device."""
+    text = HALF_SPACE.replace('"paraboloid"', '"flat"').replace('radius = "0.1 mm"', 'radius = "1 mm"')
+    radii = (0.5e-3, 1e-3, 2e-3)
+    (tmp_path / "s.toml").write_text(text + axis("indenter.radius", f"values = {[*radii]}"))
+    assert jkr("sweep", "s.toml", "-o", "r").code == 0
+    for row, punch in zip(rows(tmp_path / "r" / "table.csv"), radii, strict=True):
+        for name in ("load", "displacement"):
+            assert float(row[f"pull_off.{name}.a_m"]) == punch
+            kendall = math.sqrt(8 * math.pi * 0.05 * 1e6 / 0.91 * punch**3)
+            assert float(row[f"pull_off.{name}.P_N"]) == pytest.approx(-kendall, rel=1e-9)
 
 
 @pytest.mark.slow

@@ -75,27 +75,6 @@ def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: l
     assert failed["words"]
 
 
-@pytest.mark.slow
-def test_a_folder_is_shown_whole_with_grades_and_reasons(jkr: Callable, files: list[str]) -> None:
-    Path("day").mkdir()
-    for i in range(9):
-        shutil.copy("one.txt", f"day/{i}.txt")
-    for name in ("two.txt", "none.csv"):
-        shutil.move(name, "day")
-    done = jkr("look", "day", "-o", "out").ok
-    assert done.out.startswith("11 curves: 10 good, 1 not usable (1 no contact): day")
-    text = Path("out/day-look.html").read_text(encoding="utf-8")
-    assert 'if ("true") whole(true)' in text  # begins with all of them; of few with the first
-    found = {curve["name"]: curve for curve in curves_of(text)}
-    assert (found["none"]["grade"], found["none"]["cells"]) == (["not usable", "no contact"], {})
-    assert found["0"]["grade"] == ["good", ""]
-    alone = jkr("look", "one.txt", "--json", "--no-plots").told["files"][0]["curves"][0]
-    force = alone["retract"]["adhesion_force_N"]  # for which what free rows hold was looked for, too
-    assert found["0"]["cells"]["adhesion force"] == f"{force * 1e9:.3g} nN"
-    jkr("look", "one.txt", "day/two.txt")
-    assert 'if ("") whole(true)' in Path("curves-look.html").read_text(encoding="utf-8")
-
-
 def test_one_curve_and_no_plots_leave_no_page(jkr: Callable, files: list[str]) -> None:
     assert jkr("look", "one.txt").code == 0
     assert jkr("look", *files, "--no-plots").code == 0

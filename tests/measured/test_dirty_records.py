@@ -6,11 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dirty_records import KINDS, Attracted, Dirty, branches
-from raw_records import body, usual
 
 from jkrcli.measured.curve import Reading
 from jkrcli.measured.files import read
-from jkrcli.measured.procedure import fit
 from jkrcli.measured.segmentation import ForceCurve, segment_force_curve
 
 TRIED = 8
@@ -61,17 +59,3 @@ def test_the_adhesion_force_is_no_extreme_of_noise(tmp_path: Path) -> None:
     assert len(off) >= 10
     assert abs(np.mean(off)) < 0.8
     assert np.mean(np.abs(off) < 2 * np.array(errors)) >= 0.7
-
-
-def test_quality_puts_good_records_above_those_that_determine_little(tmp_path: Path) -> None:
-    """0 of a record whose E* or w is not told, as of one that yields."""
-
-    def quality(kind: str, i: int) -> float:
-        made = KINDS[kind](np.random.default_rng((11, i)))
-        curve = examined(made, tmp_path / "record.txt").curve
-        found = fit(body(1e4, 0.2 * made.at.R, made.at.R), curve, usual())
-        return found.grade.quality if found.grade is not None and found.grade.believed else 0.0
-
-    good, bad = ([quality(kind, i) for kind in kinds for i in range(2)] for kinds in (
-        ("tether", "sparse", "other header words"), ("piezo hysteresis", "permanent set")))  # fmt: skip
-    assert min(good) > max(bad)

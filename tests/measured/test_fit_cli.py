@@ -4,14 +4,13 @@ import csv
 import json
 import math
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from conftest import CASES, Outcome, write_table
-from fit_data import A_C, A_END, E_STAR, W, adhesive, coating, measured, sphere
+from conftest import write_table
+from fit_data import E_STAR, sphere
 
 from jkrcli.bodies.indenters import Pyramid, RoundedCone
 from jkrcli.formulas import adhesive_half_space
@@ -75,18 +74,6 @@ def test_a_table_of_transform_gives_its_own_modulus_and_work_back(jkr, folder: P
     assert "w = 50 mJ/m^2 (half of the rows: 50 mJ/m^2 to 50 mJ/m^2)" in done.out
 
 
-@pytest.mark.slow
-def test_layer_free_by_name_and_values_with_units(jkr, tmp_path: Path) -> None:
-    (tmp_path / "coating.toml").write_text(COATING)
-    write(tmp_path / "probe.csv", measured(coating(), 0.05, delta0=2e-8))
-    words = ("fit", "coating.toml", "probe.csv", "--json", "--no-plots")
-    found = jkr(*words, "--free", "E:skin", "--fix", "delta0=20 nm", "--bound", "E:skin=1 MPa..1 GPa").told
-    estimates = found["curves"][0]["estimates"]
-    assert estimates["E:skin"]["value"] == pytest.approx(20e6, rel=1e-6)
-    assert estimates["delta0"] == {"value": 20e-9, "unit": "m", "free": False}
-    assert estimates["modulus"]["free"] is False
-
-
 def test_a_layer_that_is_not_there_is_refused_with_the_names_there_are(jkr, tmp_path: Path) -> None:
     (tmp_path / "coating.toml").write_text(COATING)
     write(tmp_path / "probe.csv", sphere())
@@ -128,14 +115,6 @@ def test_one_bad_curve_among_many_is_told_and_skipped(jkr, folder: Path) -> None
 def test_foreign_files_are_not_replaced(jkr, folder: Path) -> None:
     (folder / "sphere-fit.csv").write_text("mine\n")
     jkr("fit", "sphere.toml", "probe.csv").refused("sphere-fit.csv: exists and was not written by jkr")
-
-
-def test_radius_and_load_from_a_microscope(jkr, folder: Path) -> None:
-    a = np.linspace(A_C, A_END, 40)
-    write_table(folder / "scope.csv", "a_um;P_uN", a * 1e6, adhesive(a)[1] * 1e6, mark=";")
-    found = jkr("fit", "sphere.toml", "scope.csv", "--json", "--no-plots").told["curves"][0]
-    assert found["free"] == ["modulus", "w"]
-    assert found["estimates"]["w"]["value"] == pytest.approx(W, rel=1e-12)  # linear in its unknowns
 
 
 def test_a_rounded_cone_is_followed_beyond_its_end(jkr) -> None:
@@ -206,26 +185,3 @@ def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
         (("--shape", "rounded-cone", "--radius", "1 um", "--half-angle", "20 deg", "--cap", "ball"), 'got "ball"'),
     ):
         jkr("fit", *words, "--nu", "0.5", "x.csv").refused(said)
-
-
-@pytest.mark.slow
-def test_a_work_of_adhesion_ten_times_that_of_the_record_is_told_not_to_fit(jkr) -> None:
-    """Its edge recedes wherever the series is, and an alternative that leads there is none; the fit is said to leave a
-    misfit, and E* = 200 kPa stays inside what the model leaves open."""
-    record = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
-    words = ("fit", "--radius", "5 um", "--nu", "0.5", str(record), "--no-plots", "--force", "-o", "raw", "--fix")
-    outcome = jkr(*words, "w=10 mJ/m^2").ok
-    assert "w = 10 mJ/m^2 (fixed), at 95 %: look at it (misfit" in " ".join(outcome.out.split())
-    assert "misfit: the residuals are 3." in " ".join(outcome.err.split())
-    (found,) = json.loads(Path("raw/raw-force-curve-fit.json").read_text())["curves"]
-    item = found["estimates"]["E_star"]
-    part = math.hypot(*item["model"].values())
-    assert item["low"] - part < 200e3 < item["high"] + part
-    assert "w = 5 mJ/m^2 (fixed)" in jkr(*words, "w=5 mJ/m^2").out
-
-
-def test_a_work_of_adhesion_on_its_upper_bound_is_said_to_be(jkr: Callable[..., Outcome]) -> None:
-    """Its interval begins at 0, which was taken for the bound."""
-    probe = CASES / "measured" / "gel-probe.csv"
-    done = jkr("fit", CASES / "gel.toml", probe, "--bound", "w=..1 mJ/m^2", "--no-plots", "-o", "fitted").ok
-    assert f"jkr: warning: {probe}: w ends on its bound 1 mJ/m^2\n" in done.err

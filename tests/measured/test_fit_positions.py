@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import Outcome, write_table
 from force_curves import back_at, equilibrium, load_at
 from raw_records import BODY, R, usual
 
@@ -82,29 +81,10 @@ def test_a_device_creeps_while_it_waits() -> None:
     assert not found.flags
 
 
-@pytest.mark.slow
-def test_the_alternative_in_full_is_what_is_fitted_on_request() -> None:
-    curve = made(bowed(0.01))
-    by_alternative, asked = fit(BODY, curve, usual(model="auto")), fit(BODY, curve, usual(free=["hysteresis"]))
-    assert by_alternative.verdict.tied[0].name == "hysteresis of the position"
-    for name in ("hysteresis", "E_star", "w"):
-        assert by_alternative.value(name) == pytest.approx(asked.value(name), rel=1e-3)
-    assert "hysteresis of the position" not in {one.name for one in asked.verdict.alternatives.scores}
-
-
 def test_hysteresis_needs_no_time() -> None:
     curve = made(bowed(0.01))
     one, other = (fit(BODY, each, usual(free=["hysteresis"])) for each in (curve, replace(curve, t=None)))
     assert other.value("hysteresis") == pytest.approx(one.value("hysteresis"))
-
-
-@pytest.mark.parametrize(("name", "error"), [("hysteresis", bowed), ("creep", crept)])
-@pytest.mark.parametrize("amount", [0.01, 0.0])
-def test_a_profile_holds_it(name: str, error: Callable, amount: float) -> None:
-    """Through 0 and below it too; the level leaves no room for one noise in twenty."""
-    curve = made(error(amount))
-    item = fit(BODY, curve, usual(free=[name], confidence="profile", level=0.999)).estimate(name)
-    assert item.low < amount < item.high
 
 
 def test_records_of_one_device_share_it() -> None:
@@ -121,40 +101,16 @@ def test_records_of_one_device_share_it() -> None:
     assert [one.value("hysteresis") for one in own.fits] == pytest.approx([0.01] * 3, rel=0.1)
 
 
-@pytest.mark.parametrize(
-    ("name", "change", "options", "reason"),
-    [
-        ("hysteresis", {}, {"segment": "retract"}, "needs approach and retraction together: leave --segment out"),
-        ("creep", {"t": None}, {}, "needs a column of time, there is none: leave creep out"),
-        ("creep", {}, {"branch": "compressive"}, "is fitted to whole force curves only, without compliance, .*"),
-    ],
-)
-def test_what_does_not_tell_it_is_refused(name: str, change: dict, options: dict[str, object], reason: str) -> None:
-    with pytest.raises(InputError, match=f"^made: {name} {reason}$"):
-        fit(BODY, replace(made(bowed(0.0)), **change), usual(**{"free": [name], **options}))
-
-
-def test_one_direction_or_prepared_readings_do_not_tell_it() -> None:
+def test_what_does_not_tell_it_is_refused() -> None:
+    """As a drift of the depth; see ``test_fit_record``."""
     curve = made(bowed(0.0))
-    with pytest.raises(InputError, match=r"^made: hysteresis needs approach and retraction together, only one can be"):
-        fit(BODY, curve.rows(np.arange(ROWS)), usual(free=["hysteresis"], contact="fitted"))
-    with pytest.raises(InputError, match="hysteresis is for raw force curves of displacement and load"):
-        fit(BODY, curve, usual(free=["hysteresis"], contact="as-is"))
+    with pytest.raises(InputError, match=r"^made: creep needs a column of time, there is none: leave creep out$"):
+        fit(BODY, replace(curve, t=None), usual(free=["creep"]))
+    with pytest.raises(InputError, match=r"^made: hysteresis is fitted to whole force curves only, without compliance"):
+        fit(BODY, curve, usual(free=["hysteresis"], branch="compressive"))
 
 
 @pytest.mark.parametrize(("name", "value"), [("hysteresis", "1"), ("creep", "-1e9")])
 def test_more_than_the_travel_is_refused(name: str, value: str) -> None:
     with pytest.raises(InputError, match=f"^fit: {name} is a fraction of the travel, must be > -1 and < 1, got"):
         usual(fix=[(name, value)])
-
-
-def test_the_command_tells_it(jkr: Callable[..., Outcome], tmp_path) -> None:
-    curve = made(bowed(0.01))
-    head, columns = "# time [s]\tpiezo [um]\tForce [nN]", (curve.t, 1e6 * curve.device, 1e9 * curve.P)
-    file = write_table(tmp_path / "probe.txt", head, *columns, form="%.9g", mark="\t")
-    words = ("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", file, "--stiffness", "0.05 N/m")
-    done = jkr(*words, "--free", "hysteresis", "--no-plots", "-o", tmp_path).ok
-    line = next(line for line in done.out.splitlines() if line.startswith("  hysteresis"))
-    assert float(line.split()[1]) == pytest.approx(0.01, rel=0.1)
-    for more in (("--law", "power"), ("--relaxation", "sls")):
-        jkr(*words, "--free", "hysteresis", *more).refused('unknown parameter "hysteresis"')

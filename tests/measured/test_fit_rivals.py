@@ -117,18 +117,6 @@ def test_a_misfit_is_warned_of_or_held(name: str, seeds: int) -> None:
         assert np.mean([inside(one, "w", truth[0]) for one in found]) < 0.95
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [1e-3, 1e-4])
-@pytest.mark.parametrize("end", ["P", "delta"])
-@pytest.mark.parametrize("tabor", [0.3, 1.0])
-def test_a_range_is_warned_of_or_held_at_any_noise(tabor: float, end: str, size: float) -> None:
-    """Of micrometres, which count where they are told to be likely: by themselves up to 10 nm do."""
-    body, exact, likely = sphere_of_more(), of_range(tabor, end), replace(usual(), range_at_most=1e-5)
-    found = [fit(body, noisy(exact, size, seed), likely) for seed in range(100)]
-    for what, true in (("w", W), ("E_star", E_STAR)):
-        assert np.mean([warned(one) or held(one, what, true) for one in found]) >= 0.95
-
-
 @pytest.mark.first(1)
 @pytest.mark.parametrize("seeds", SEEDS)
 @pytest.mark.parametrize(

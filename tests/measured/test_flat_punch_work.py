@@ -14,12 +14,6 @@ from jkrcli.bodies.indenters import FlatPunch
 from jkrcli.resolve.analysis import analyse
 
 PUNCH = ("--shape", "flat", "--radius", "1 mm", "--E", "1 MPa")
-CASE = """
-indenter = { shape = "flat", radius = "5 mm" }
-specimen.layers = [{ E = "1 MPa", nu = 0.5, thickness = "1 mm" }]
-loading = { load = "20 N", spacing = "log" }
-adhesion = { w = 0.05 }
-"""
 
 
 def works(jkr: Callable, *options: str, load: str = "50 mN") -> dict:
@@ -74,20 +68,6 @@ def test_w_from_pull_off_from_a_layer_is_the_one_that_makes_it(jkr: Callable, st
     found = jkr("pull-off", *PUNCH, "--nu", "0.5", *layer, "--w", "0.05", "--json").told["results"][0]
     force = -found["controls"][0]["pull_off"]["P_N"]
     assert works(jkr, "--nu", "0.5", *layer, load=f"{force!r} N")["w_J_per_m2"] == pytest.approx(0.05, rel=1e-7)
-
-
-def test_w_along_a_receding_edge(jkr: Callable) -> None:
-    Path("punch.toml").write_text(CASE)
-    assert jkr("cycle", "punch.toml", "--no-plots").code == 0
-    header, *rows = (line.split(",") for line in Path("punch-cycle.csv").read_text().splitlines())
-    a, P, phase = (header.index(name) for name in ("a_m", "P_N", "phase"))
-    # 1 % within the rim an edge may be pinned
-    edge = [row for row in rows if row[phase] == "retraction" and 0 < float(row[a]) < 4.95e-3]
-    assert len(edge) > 50
-    Path("record.csv").write_text("a (m),P (N)\n" + "".join(f"{row[a]},{row[P]}\n" for row in edge))
-    curve = jkr("work", "punch.toml", "record.csv", "--json").told["results"][0]["curves"][0]
-    assert curve["rows"]["ok"] == len(edge)
-    assert curve["w"]["all"]["median_J_per_m2"] == pytest.approx(0.05, rel=1e-9)
 
 
 def test_records_are_not_fitted(jkr: Callable) -> None:

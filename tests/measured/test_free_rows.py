@@ -76,12 +76,6 @@ def test_a_tether_is_a_level_with_its_place_and_size(share: float, length: float
     assert adhesion[0] == pytest.approx(adhesion[1], abs=6 * DEVICE.noise)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_free_rows_of_right_records_hold_lines(seed: int) -> None:
-    parts = made(seed, 0.0 if seed % 2 else W / 2)
-    assert segment_force_curve(curve_of(parts, parts["P"])).held is None
-
-
 @pytest.mark.parametrize("share", [0.05, 0.2])
 def test_an_attraction_is_told_with_size_and_range(share: float) -> None:
     parts, reach = made(), 6e-8
@@ -182,14 +176,6 @@ def assert_near(found: Fit, share: float) -> None:
         assert found.value(name) == pytest.approx(true, rel=share)
 
 
-def test_a_fit_takes_a_tether_off_and_says_so() -> None:
-    found = fit(BODY, with_tether(0.1, 0.5)[0], usual())
-    assert found.flags == ()
-    assert within(found, "E_star", E_STAR)
-    assert within(found, "w", W)
-    assert any("level" in words and "tether" in words for words in found.held)
-
-
 @pytest.mark.parametrize("stays", [False, True])
 def test_an_attraction_in_contact_is_told_from_one_that_ends_at_touch(stays: bool) -> None:
     """One of adhesion's own was taken off in contact, too: w 6 to 19 % too low beside errors of 1 %."""
@@ -204,20 +190,6 @@ def test_an_attraction_in_contact_is_told_from_one_that_ends_at_touch(stays: boo
     assert found.flags == ()
     assert any(("stays in contact" if stays else "ends at touch") in words for words in found.held)
     assert_near(found, 0.03)
-
-
-@pytest.mark.parametrize("kind", ["virtual deflection", "decaying drift"])
-def test_an_error_of_the_signal_is_taken_off_and_leaves_the_device_where_it_is(kind: str) -> None:
-    """E* was 3 to 10 % off: nothing described a parabola over the way, or a drift that decays from the first row. The
-    depth of the tip follows the signal."""
-    parts = made(seed=5)
-    z, rows = parts["z"], np.arange(parts["z"].size)
-    shape = ((z - z.min()) / np.ptp(z)) ** 2 if kind == "virtual deflection" else np.exp(-rows / 400)
-    P = parts["P"] + 0.03 * DEVICE.largest * shape
-    found = fit(BODY, curve_of(parts, P), usual())
-    assert found.flags == ()
-    assert any(kind in words for words in found.held)
-    assert_near(found, 0.02)
 
 
 def test_a_fit_without_saturated_rows_finds_the_values() -> None:
@@ -249,17 +221,6 @@ def test_a_base_line_of_rounded_zeros_is_not_saturated() -> None:
     z = np.linspace(0, 2e-6, 60)
     P = 1e-3 * np.maximum(z - 1e-6, 0)
     assert "saturated" not in segment_force_curve(Curve("rounded", delta=z, P=P)).flags
-
-
-def test_a_column_of_numbers_names_no_segments(tmp_path: Path) -> None:
-    parts, path = made(), tmp_path / "phase.txt"
-    phase = 60 + np.random.default_rng(1).normal(size=parts["z"].size)
-    table = np.column_stack([parts["t"], 1e9 * parts["z"], 1e9 * parts["P"], phase])
-    np.savetxt(path, table, "%.6g", "\t", header="Time (s)\tZ Piezo (nm)\tForce (nN)\tPhase (deg)", comments="")
-    (curve,) = read_file(path)
-    assert curve.segment is None
-    assert any("Phase" in flag and "segments" in flag for flag in curve.flags)
-    assert [part.kind for part in segment_force_curve(curve).segments] == ["approach", "retract"]
 
 
 def test_what_no_row_tells_is_named_until_its_error_is_given() -> None:

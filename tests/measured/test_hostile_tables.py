@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import vendors
 from conftest import write_table
 
 import jkrcli as jkr_package
@@ -107,35 +108,10 @@ def test_a_damaged_member_is_named_and_the_others_are_read(wrong: list[int], com
     assert all(f"{i}.csv cannot be unpacked" in line for i, line in zip(wrong, lines, strict=True)), lines
 
 
-def nanoscope(columns: int, lines: int, image: int, bytes_each: int = 2, key: str = "") -> bytes:
-    """A force volume of ``lines`` x ``columns`` curves of 64 rows on an image of ``image`` pixels a line."""
-    rows = 64
-    z = np.arange(rows)[::-1]
-    bent = np.where(z > 40, 0, (41 - z) * 50).astype(int)  # from the turn outward
-    counts = np.tile(np.concatenate([bent[::-1][::-1], bent]), lines * columns)
-    data = counts.astype(f"<i{bytes_each}").tobytes()
-    head = (
-        "\\*Force file list\n\\*Ciao scan list\n\\@Sens. Zsens: V 12.0 nm/V\n\\Operating mode: Force Volume\n"
-        f"\\Samps/line: {image}\n\\Lines: {image * lines // columns}\n\\@Sens. DeflSens: V 40.0 nm/V\n"
-        f"\\*Ciao force list\n{key or f'{chr(92)}force/line: {columns} 0'}\n"
-        f"\\*Ciao force image list\n\\Data offset: 2048\n\\Data length: {len(data)}\n\\Samps/line: {rows} {rows}\n"
-        '\\Spring Constant: 0.3\n\\@4:Image Data: S [DeflectionError] "Deflection Error"\n'
-        "\\@4:Z scale: V [Sens. DeflSens] (0.00015 V/LSB) 10.0 V\n"
-        "\\@4:Ramp size: V [Sens. Zsens] (0.0061 V/LSB) 33.3 V\n\\*File list end\n\x1a"
-    ).encode("cp1252")
-    return head.ljust(2048, b"\0") + data
-
-
-@pytest.mark.parametrize(
-    ("columns", "lines", "image", "each"), [(4, 2, 16, 4), (8, 8, 8, 2), (2, 1, 8, 2), (4, 1, 128, 4)]
-)
-def test_a_force_volume_of_fewer_curves_than_pixels(
-    columns: int, lines: int, image: int, each: int, tmp_path: Path
-) -> None:
-    (tmp_path / "a.spm").write_bytes(nanoscope(columns, lines, image, each))
-    curves = read(tmp_path / "a.spm")
-    assert len(curves) == columns * lines
-    assert all(len(curve) == 128 for curve in curves)
+@pytest.mark.parametrize(("curves", "columns", "image"), [(8, 4, 16), (64, 8, 8), (2, 2, 8), (4, 4, 128)])
+def test_a_force_volume_of_fewer_curves_than_pixels(curves: int, columns: int, image: int, tmp_path: Path) -> None:
+    read_curves = read(vendors.nanoscope(tmp_path / "a.spm", curves, columns=columns, image=image))
+    assert [len(curve) for curve in read_curves] == [2 * vendors.ROWS] * curves
 
 
 # ---------------------------------------------------------------------- gzip
@@ -144,8 +120,8 @@ def test_gzip_is_read_by_itself(tmp_path: Path) -> None:
     for name, content in (
         ("a.csv", text),
         ("a.txt", text),
-        ("a.spm", nanoscope(2, 2, 8)),
-        ("a.000", nanoscope(1, 1, 8)),
+        ("a.spm", vendors.nanoscope(tmp_path / "a.spm", 4).read_bytes()),
+        ("a.000", vendors.nanoscope(tmp_path / "a.000").read_bytes()),
     ):
         (tmp_path / name).write_bytes(content)
         (tmp_path / f"{name}.gz").write_bytes(gzip.compress(content))
@@ -169,9 +145,10 @@ def test_a_wrong_gzip_is_one_error(tmp_path: Path, jkr: Callable) -> None:
 
 
 # ---------------------------------------------------------------------- constants of a device
-@pytest.mark.parametrize(
-    "line", ["# spring constant: 1.0 N/m", "Spring constant (N/m): 1", "spring constant, 1 N/m", "k = 1000 mN/m"]
-)
+@pytest.mark.parametrize("line", [
+    "# spring constant: 1.0 N/m", "Spring constant (N/m): 1", "spring constant, 1 N/m", "k = 1000 mN/m", "k (N/m)\t1",
+    "Force Constant, nN/nm: 1.0", "Federkonstante [N/m]; 1,0",
+])  # fmt: skip
 def test_a_spring_constant_of_one(line: str) -> None:
     assert constants((line,)).get("stiffness") == pytest.approx(1.0), line
 

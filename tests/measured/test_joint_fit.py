@@ -83,14 +83,6 @@ def test_profiles_of_what_is_shared_are_near_its_covariance(body: FittedBody) ->
         assert other.low != one.low
 
 
-@pytest.mark.slow
-def test_joint_errors_are_those_of_many_records(body: FittedBody) -> None:
-    """The mean of z^2 of 40: 1 ± 0.22."""
-    z = [off(together(body, raw(RADII[0], 2 * seed), table(RADII[1], 2 * seed + 1))) for seed in range(40)]
-    for name in ("E_star", "w"):
-        assert 0.45 < np.mean([item[name] ** 2 for item in z]) < 1.8
-
-
 def test_records_of_two_specimens_do_not_share(body: FittedBody) -> None:
     found = together(body, raw(RADII[0], 0), raw(RADII[1], 1, 1.2 * E_STAR))
     assert found.chance < 1e-6
@@ -101,18 +93,6 @@ def test_records_of_two_specimens_do_not_share(body: FittedBody) -> None:
 
 def written(curve: Curve, path: str) -> str:
     return str(write_table(path, "delta (um),P (nN)", curve.device * 1e6, curve.P * 1e9))
-
-
-def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
-    Path("gel.toml").write_text(CASE)
-    files = [written(table(R, seed), f"{seed}.csv") for seed, R in enumerate(RADII)]
-    radii = ("--tip-radius", "2 um", "--tip-radius", "10 um")
-    told = jkr("fit", "gel.toml", *files, "--shared", "E_star,w", "--own", "delta0", *radii, "--json").told
-    found = python.fit("gel.toml", files, shared=["E_star", "w"], own=["delta0"], tip_radii=["2 um", "10 um"])
-    for item in found.shared:
-        assert told["shared"][item.name]["value"] == item.value
-    assert {path.suffix for path in Path().glob("gel-fit.*")} == {".csv", ".json", ".png", ".svg"}
-    assert len(Path("gel-fit.csv").read_text().splitlines()) == 3
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,7 @@
 """The records of ``make kinds``: their mechanics hold known identities, and fits of clean ones hold the truth."""
 
-import json
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ from jkrcli.measured import priors
 from jkrcli.measured.free_rows import DECAY, LAWS, LEVEL, RELAXED, VIRTUAL, WAVE
 from jkrcli.measured.hypotheses import ALTERNATIVES
 from jkrcli.measured.settings import settings_of
-from studies.kinds import CLEAN, THIRD, Answer, Told, answer, drawn, line, moved, remarks, totals, write
+from studies.kinds import CLEAN, THIRD, Answer, Told, answer, drawn, line, moved, remarks, totals
 from studies.kinds_records import KINDS, identities
 
 
@@ -80,17 +78,6 @@ def test_an_answer_far_off_without_a_flag_is_silent() -> None:
     assert "SILENT" in remarks(found[CLEAN])[0]
     assert "silent 1; model part E*      - w  2.00%" in line(CLEAN, found[CLEAN])
     assert "accused: 0 of 1 clean ones" in totals(found)
-
-
-def test_written_records_are_fitted_by_what_meta_says(jkr, tmp_path: Path) -> None:
-    write(tmp_path, {"layer": 1}, 1)
-    (entry,) = json.loads((tmp_path / "meta.json").read_text())
-    assert jkr("fit", entry["file"], *entry["options"], "--no-plots").code == 0
-    (curve,) = json.loads((tmp_path / "layer-000-fit.json").read_text())["curves"]
-    told = answer("layer", 1, 0).told
-    assert {name: curve["estimates"][name]["value"] for name in told} == pytest.approx(
-        {name: one.value for name, one in told.items()}, rel=1e-3
-    )
 
 
 # ---------------------------------------------------------------------- what is known before

@@ -9,7 +9,6 @@ from fit_data import adhesive
 from force_curves import Instrument, record
 from raw_records import R, body, read
 
-import jkrcli
 from jkrcli.measured import procedure
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.least_squares import Intervals
@@ -94,9 +93,3 @@ def test_a_picture_or_remark_that_breaks_costs_no_file(
     assert Path("out/raw-fit.csv").exists()
     assert Path("out/raw-fit.json").exists()
     assert "E*" in done.out
-
-
-def test_the_same_through_python(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("jkrcli.measured.procedure.with_strains", breaks(OverflowError("overflow")))
-    found = jkrcli.fit(BODY.problem, delta=RAW.delta, P=RAW.P)
-    assert any("large strains: left out" in line for line in found.warnings)

@@ -54,17 +54,6 @@ def test_a_rough_w_is_that_of_the_adhesion_force(jkr: Callable[..., Outcome], ta
     assert "no rough modulus: loads are in arbitrary units" in volts.out
 
 
-def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> None:
-    curve = jkr("look", table, "--json", "--no-plots").told["files"][0]["curves"][0]
-    assert curve["flags"] == {}
-    assert [part["kind"] for part in curve["segments"]] == ["approach", "dwell", "retract"]
-    assert curve["approach"]["base_line"]["noise_N"] == pytest.approx(0.01 * FORCE, rel=0.2)
-    assert curve["retract"]["adhesion_force_N"] == pytest.approx(FORCE, rel=0.1)
-    assert curve["approach"]["adhesion_force_N"] is None
-    assert curve["approach"]["adhesion_force_N_unknown"] == "no tension beyond the noise"
-    assert len(curve["retract"]["jumps"]) == 1
-
-
 @pytest.mark.parametrize("shape", ["sphere", "pyramid", "rounded-cone"])
 def test_a_tip_gives_a_rough_modulus(jkr: Callable[..., Outcome], tmp_path: Path, shape: str) -> None:
     """The load of a contact of 60 kPa pressed to 300 nm, over the formula's at the depth beyond where touch is seen."""
@@ -121,31 +110,6 @@ def test_no_row_is_dropped_silently(jkr: Callable[..., Outcome], tmp_path: Path)
 def test_a_radius_of_metres_is_remarked(jkr: Callable[..., Outcome], table: Path) -> None:
     done = jkr("fit", "--radius", "5", "--nu", "0.5", str(table), "--no-plots", "--stiffness", "0.05 N/m")
     assert done.err.startswith('jkr: warning: --radius 5 without a unit is 5 m: give its unit, --radius "5 um"\n')
-
-
-def test_unit_and_factor_overrule_the_file(jkr: Callable[..., Outcome], table: Path) -> None:
-    options = ("--unit", "P=pN", "--factor", "P=1000")
-    one, other = (
-        jkr("look", table, *told, "--json", "--no-plots").told["files"][0]["curves"][0] for told in (options, ())
-    )
-    assert one["read"] == ['column 3 "P_nN" read in pN as specified, its header says nN']
-    assert one["retract"]["largest_load_N"] == pytest.approx(other["retract"]["largest_load_N"], rel=1e-9)
-
-
-def test_what_cannot_be_read_is_one_line(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
-    path = tmp_path / "short.csv"
-    path.write_text("delta_um,P_nN\n" + "".join(f"{i},{i}\n" for i in range(5)))
-    jkr("look", str(path)).refused(f"{path}: holds 5 rows, at least 20 are needed to look at")
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path) -> None:
-    body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5", "--stiffness", "0.05 N/m")
-    done = jkr("fit", *body, str(table), "--segment", "both", "--free", "drift", "--no-plots", "-v").ok
-    assert re.search(r"^  drift +-?[\d.]+ ± [\d.]+ .*[pn]m/s", done.out, re.MULTILINE)
-    held = json.loads((table.parent / "probe-fit.json").read_text())["curves"][0]["estimates"]["drift"]
-    assert abs(held["value"]) < 3 * held["standard_error"]
-    assert "drift_m_per_s" in (table.parent / "probe-fit.csv").read_text()
 
 
 @pytest.mark.parametrize(("words", "said"), [

@@ -224,11 +224,6 @@ def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
     assert last - first > 100
 
 
-def test_tension_that_counts_as_positive_is_named() -> None:
-    curve = curve_of(DEVICE)
-    assert "is compression negative (--flip P)" in segment_force_curve(replace(curve, P=-curve.P)).flags["wrong sign"]
-
-
 def test_suction_right_after_the_turn_is_no_wrong_sign() -> None:
     """A gel whose load falls below its base line before the device has gone back by a hundredth of the way."""
     z = np.linspace(-1.0, 2.0, 3001)

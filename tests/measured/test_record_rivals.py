@@ -333,18 +333,6 @@ def test_the_right_alternative_in_full_gives_the_truth(kind: str, told: dict[str
     assert summary([found], "body")["curves"][0]["verdict"]["model"] == found.verdict.tied[0].name
 
 
-@pytest.mark.slow
-def test_misfit_that_passes_for_slow_noise_makes_no_model_better() -> None:
-    """A layer read as a half-space: with moduli that change the residuals are slow, and by their own noise left 28 less
-    of chi^2 than the layer, which leaves 32 less by one noise for both: w was a third too high, alone and unflagged."""
-    drawn = Drawn.of(np.random.default_rng((167, 15, 1)), 1.0)
-    found = fit(BODY, curve(wrong_records.layer(drawn)), usual(model="auto"))
-    assert [one.name for one in found.verdict.tied] == ["a rigid substrate below"]
-    for name, true in drawn.truth.items():
-        item = found.estimate(name)
-        assert item.value == pytest.approx(true, abs=3 * item.error)
-
-
 @pytest.mark.parametrize(("i", "noise"), [pytest.param(5, 1.0, marks=pytest.mark.slow), (63, 0.85)])
 def test_a_range_with_two_valleys_is_found_in_full(i: int, noise: float) -> None:
     """Tabor's number 0.3: chi^2 has another valley at ranges five times shorter, where w is a sixth too high (5). One
@@ -370,35 +358,6 @@ def test_a_long_range_that_is_possible_widens_w() -> None:
     ruled_out = fit(BODY, curve(made), usual(uncertain=[("range", "3 nm")])).estimate("w")
     part = (ruled_out.model or {}).get("adhesion of finite range", 0.0)
     assert part < 0.2 * known.model["adhesion of finite range"]
-
-
-@pytest.mark.slow
-def test_the_part_of_a_likely_range_is_what_that_range_does() -> None:
-    """JKR fitted to a record of the longest range that is likely, 10 nm, is 1.1 % off in w; the part says 1.6 %."""
-    neck = (AT.w**2 * R / AT.E**2) ** (1 / 3)
-    made = wrong_records.maugis(replace(AT, noise=AT.noise / 10), neck / 10e-9)
-    item = fit(BODY, curve(made), usual()).estimate("w")
-    part = (item.model or {})["adhesion of finite range"]
-    assert "adhesion of finite range" in item.lowers
-    assert item.value - AT.w < part < 2 * (item.value - AT.w)
-
-
-@pytest.mark.slow
-def test_the_other_profile_is_no_answer_where_a_range_explains_as_much() -> None:
-    """DMT by the paraboloid, whose sphere fits as well: w was half too high beside 4 %, without a flag."""
-    found = fit(BODY, curve(WRONG["DMT"](replace(AT, noise=5 * AT.noise))), usual())
-    w = found.estimate("w")
-    assert "model rejected" in found.flags
-    assert w.low - sum((w.model or {}).values()) < AT.w
-
-
-@pytest.mark.slow
-def test_adhesion_of_long_range_is_named() -> None:
-    """DMT, the limit of long ranges: its column from JKR explains what is left, by an amount towards it."""
-    told = answer("DMT").verdict
-    score = next(one for one in told.alternatives.named if one.name == "adhesion of long range (DMT)")
-    assert 0.2 < score.amount < 1
-    assert score.w < 0
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from force_curves import Instrument, record
 from raw_records import R, body, inside, read
-from shallow_records import drawn
 
 from jkrcli.base.errors import InputError
 from jkrcli.measured.curve import APPROACH, RETRACT, Curve
@@ -89,18 +88,3 @@ def test_an_approach_alone() -> None:
     found = fit(BODY, pressed(10e-9, W, kind=APPROACH), settings_of(BODY))
     assert inside(found, "E_star", E_STAR)
     assert inside(found, "w_approach", W)
-
-
-@pytest.mark.slow
-def test_hardly_a_clean_record_is_refused() -> None:
-    """Of `make record-bounds`; of both directions, 0.2 to 2 times the pull-off force. E* of four of 45, at levers 10 to
-    26 times softer than the contact, has a standard error larger than itself."""
-    from studies.record_bounds import fitted_shallow
-
-    rng, told = np.random.default_rng(11), []
-    for i in range(80):
-        made = drawn((11, i), rng.uniform(0.2, 2))
-        told += [fitted_shallow(made)] * (len(made.directions) > 1)
-    assert np.mean(["refused" in one for one in told]) <= 0.1
-    for name in ("E_star", "w"):
-        assert np.mean([one[name] for one in told if name in one]) >= 0.85

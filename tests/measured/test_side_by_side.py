@@ -4,7 +4,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from force_curves import Instrument, record
 from raw_records import BODY, R, read, usual
 
@@ -48,14 +47,3 @@ def test_a_poisoned_curve_changes_no_other() -> None:
     for curve in curves:
         assert numbers(beside[curve.name]) == numbers(plain[curve.name])
     assert isinstance(beside["spoilt 0"], Failure)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("workers", [1, 2])
-def test_random_orders_change_no_fit(workers: int) -> None:
-    curves, rng = [cycle(seed) for seed in range(6)], np.random.default_rng(1)
-    plain = fitted(curves)
-    for _ in range(5):
-        shuffled = fitted([curves[i] for i in rng.permutation(len(curves))], workers)
-        for curve in curves:
-            assert numbers(shuffled[curve.name]) == numbers(plain[curve.name])

@@ -12,7 +12,6 @@ from conftest import Outcome, write_table
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
-from jkrcli.base.files import is_ours
 from jkrcli.case import store
 
 CASE = """
@@ -68,18 +67,6 @@ def test_of_named_segments_the_asked_one_is_evaluated(jkr: Run, measured: Path) 
     done = jkr("work", "gel.h5", measured, "--segment", "retract", "--no-plots").ok
     assert "30 of 30 rows" in done.out
     assert set(table("m-work.csv")["segment"]) == {"retract"}
-
-
-@pytest.mark.slow
-def test_plots_are_written_and_everything_is_ours_to_replace(jkr: Run, measured: Path) -> None:
-    assert jkr("work", "gel.h5", measured).code == 0
-    assert jkr("work", "gel.h5", measured, "--no-plots").code == 0
-    assert all(is_ours(Path(f"m-work{ending}")) for ending in (".csv", ".json", ".png", ".svg"))
-    Path("m-work.csv").write_text("my own table\n")
-    jkr("work", "gel.h5", measured).refused("m-work.csv: exists and was not written by jkr")
-    assert jkr("work", "gel.h5", measured, "--force", "--no-plots").code == 0
-    assert jkr("work", "gel.h5", measured, "-o", "out", "--no-plots").code == 0
-    assert Path("out/m-work.json").exists()
 
 
 def test_where_the_noise_is_not_known_w_has_no_error(jkr: Run, measured: Path) -> None:

@@ -3,10 +3,8 @@
 import csv
 import os
 import re
-import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -15,14 +13,10 @@ import sweep_files
 from series_files import edit, lengthened
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.finite_range import RangeRequest
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import write_csv
-from jkrcli.case import store
 from jkrcli.case.models import parse_case, plain_toml
 from jkrcli.many.sweep_plan import load_plan
-from jkrcli.methods.layered.solver import Layered
-from jkrcli.resolve.analysis import JKR, forecast
 
 ROOT = Path(__file__).parents[2]
 CASE = """
@@ -44,15 +38,6 @@ count = 400
 )
 
 
-LAYERS = """
-indenter = {{ shape = "paraboloid", radius = "1 mm" }}
-specimen.half_space = {{ E = "10 MPa", nu = 0.3 }}
-loading = {{ radius = "50 um", points = 20 }}
-{}
-"""
-LAYER = '[[specimen.layers]]\nthickness = "{}"\nE = "{} MPa"\nnu = 0.3\n'
-
-
 @pytest.fixture(name="series")
 def _series(jkr, tmp_path: Path) -> Path:
     """A solved case beside its file."""
@@ -69,23 +54,34 @@ def test_a_list_in_place_of_a_size_is_refused(sizes: str) -> None:
         parse_case(text.encode(), "x.toml")
 
 
-@pytest.mark.parametrize("w", ["1e300", "1e150", "1.1e30", "1e-31"])
-def test_works_beyond_sense_are_refused(jkr, series: Path, w: str) -> None:
-    for words in (("transform",), ("pull-off",), ("explore",), ("profile", "--a", "50 um")):
-        jkr(words[0], series.name, *words[1:], "--w", w).refused("must lie between 1e-30 and 1e+30")
+WORKS = [(*words, "--w", w) for w in ("1e300", "1.1e30", "1e-31") for words in (
+    ("transform", "s.h5"), ("pull-off", "s.h5"), ("explore", "s.h5"), ("profile", "s.h5", "--a", "50 um"))]  # fmt: skip
+WORKERS = [(*words, "--workers", "9" * 400) for words in (
+    ("sweep", "many.toml"), ("work", "s.h5", "m.csv"), ("fit", "s.h5", "m.csv"))]  # fmt: skip
+LIMITS = [  # with one that is no number every comparison is wrong: nothing was too much, and nothing agreed
+    ("transform", "s.h5", "--limit-time"), ("compare", "s.h5", "s.h5", "--rtol"), ("sweep", "many.toml", "--hours"),
+]  # fmt: skip
+LONG = "9" * 400 + ".h5"
+REFUSED: dict[str, list[tuple[tuple[str, ...], str]]] = {
+    "works beyond sense": [(words, "must lie between 1e-30 and 1e+30") for words in WORKS],
+    "a fixed work beyond sense": [(("fit", "s.h5", "m.csv", "--fix", "w=1e300"), "fit: w: must lie between 1e-30 and")],
+    "more workers than any machine has": [(words, "--workers") for words in WORKERS],
+    "limits that are no numbers": [((*words, "nan"), f"'{words[-1]}': nan is not in the range") for words in LIMITS],
+    "empty names": [((verb, ""), "") for verb in ("explore", "transform", "run", "show", "bench", "check")],
+    "a circle of links": [((*words, "-o", "loop"), "") for words in (
+        ("transform", "s.h5"), ("profile", "s.h5", "--a", "50 um"))],
+    "a name that no file can have": [((*words, "-o", LONG), f"{LONG}: cannot be written (File name too long)")
+                                     for words in (("run", "s.toml"), ("explore", "s.h5"))],
+}  # fmt: skip
 
 
-def test_more_workers_than_any_machine_has_are_refused(jkr, series: Path) -> None:
-    (series.parent / "many.toml").write_text(SWEEP)
-    for words in (("sweep", "many.toml"), ("work", series.name, "x.csv"), ("fit", series.name, "x.csv")):
-        jkr(*words, "--workers", "9" * 400).refused("--workers")
-
-
-def test_a_limit_that_is_no_number_is_refused(jkr, series: Path) -> None:
-    """Every comparison with it is wrong: nothing was too much, and nothing agreed."""
-    for words in (("transform", series.name, "--limit-time"), ("compare", series.name, series.name, "--rtol"),
-                  ("sweep", "many.toml", "--hours")):  # fmt: skip
-        jkr(*words, "nan").refused(f"invalid value for '{words[-1]}': nan is not in the range")
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_no_verb_takes_is_refused_in_one_line(jkr, series: Path, what: str) -> None:
+    Path("many.toml").write_text(SWEEP)
+    Path("m.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-7,{i**1.5:.6g}e-6\n" for i in range(1, 40)))
+    Path("loop").symlink_to("loop")
+    for words, said in REFUSED[what]:
+        jkr(*words).refused(said)
 
 
 def test_a_time_that_is_no_number_is_shown(jkr, series: Path) -> None:
@@ -94,31 +90,6 @@ def test_a_time_that_is_no_number_is_shown(jkr, series: Path) -> None:
 
 
 # ---------------------------------------------------------------------- names
-def test_an_empty_name_is_refused(jkr) -> None:
-    for verb in ("explore", "transform", "run", "show", "bench", "check"):
-        jkr(verb, "").refused()
-
-
-@pytest.mark.slow
-def test_names_that_are_no_text_work(jkr, series: Path) -> None:
-    name = os.fsdecode(b"x\xff")
-    shutil.copy("s.toml", f"{name}.toml")
-    rows = [f"{a}e-5,{a**3}e-6" for a in range(1, 9)]
-    Path(f"{name}.csv").write_text("\n".join(["a_m,P_N", *rows]) + "\n")
-    lines = (("run", f"{name}.toml"), ("explore", f"{name}.h5"), ("fit", f"{name}.h5", f"{name}.csv"),
-             ("work", f"{name}.h5", f"{name}.csv"), ("show", f"{name}.h5"), ("transform", f"{name}.h5"),
-             ("bench", f"{name}.toml", "--repeat", "1"))  # fmt: skip
-    for line in lines:
-        assert jkr(*line).code == 0
-    assert jkr("show", f"{name}.h5").out.count("jkr run 'x\\udcff.toml'") == 1
-
-
-@pytest.mark.slow
-def test_a_name_that_looks_like_an_option_is_benched(jkr, series: Path) -> None:
-    shutil.copy("s.toml", "-x.toml")
-    assert jkr("bench", "./-x.toml", "--repeat", "1").code == 0
-
-
 # ---------------------------------------------------------------------- words
 def test_no_word_of_a_foreign_file_steers_the_terminal(jkr, series: Path) -> None:
     escape = "\x1b]0;owned\x07\x9b31m"
@@ -156,14 +127,6 @@ def _replace(file: h5py.File, name: str, text: str) -> None:
     file[name] = text
 
 
-@pytest.mark.parametrize("verb", [("check",), ("pull-off", "--w", "0.05")], ids=str)
-def test_what_is_printed_of_foreign_files_steers_no_terminal(jkr, series: Path, verb: tuple[str, ...]) -> None:
-    name = "a\x9b31m"
-    shutil.copy(series.with_suffix(".toml") if verb[0] == "check" else series, f"{name}.h5")
-    done = jkr(verb[0], f"{name}.h5", *verb[1:]).ok
-    assert all(map(str.isprintable, (done.out + done.err).split("\n")))
-
-
 def test_no_word_in_a_table_is_a_formula(tmp_path: Path) -> None:
     words = ["=1+1", "+1", "-1", "@x", "plain"]
     write_csv(tmp_path / "x.csv", {"word": words, "number": [-1.0, 2, 3, 4, 5]})
@@ -171,13 +134,6 @@ def test_no_word_in_a_table_is_a_formula(tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [row["word"] for row in rows] == [*(f"'{word}" for word in words[:-1]), "plain"]
     assert [row["number"] for row in rows] == ["-1.0", "2", "3", "4", "5"]
-
-
-def test_completion_without_a_shell_is_answered_in_words(jkr) -> None:
-    done = jkr("completion")
-    assert done.err == (
-        "jkr: error: missing argument '{bash|zsh|fish}'. Choose from: bash, zsh, fish; see jkr completion --help\n"
-    )
 
 
 def test_a_complex_number_in_a_series_is_refused(jkr, series: Path) -> None:
@@ -239,19 +195,6 @@ def test_a_long_sweep_is_announced_before_its_cases_are_looked_at(
     assert done.err.startswith("jkr: 2,000,000 cases: checking them takes about 13 min of CPU time before ")
 
 
-def test_a_sweep_beyond_its_hours_is_refused_before_its_cases_are_looked_at(jkr, tmp_path: Path) -> None:
-    more = '[[axes]]\nkey = "loading.radius"\nfrom = 0.00005\nto = 0.0001\ncount = {}\n'
-    text = SWEEP.replace('"closed-form"', '"fem"').replace("count = 400", "count = 1000")
-    (tmp_path / "big.toml").write_text(text + more.format(2000))
-    with takes_less_than(2):
-        done = jkr("sweep", "big.toml", "-o", "r")
-    assert done.code == 2
-    assert "jkr: all cases: at most about " in done.err
-    last = done.err.splitlines()[-1]
-    assert last.startswith("jkr: error: --hours: 2,000,000 cases with at least 2,000,000 solves would take about ")
-    assert " core hours, as the first case does, more than the limit of 10; raise it with --hours " in last
-
-
 def test_works_and_moduli_count_as_no_solves_of_their_own(tmp_path: Path) -> None:
     """They may share a solve, so that a sweep over them is not refused for what it does not cost."""
     axes = [("specimen.half_space.nu", 20), ("specimen.half_space.E", 30), ("adhesion.w", 40)]
@@ -276,19 +219,6 @@ def test_a_long_series_is_announced_or_refused_before_it_is_begun(jkr, series: P
     )
     needs = re.search(r" would need about ([\d.]+) GiB of memory and ", done.err)
     assert 0.39 < float(needs[1]) < 1.5  # by the verb's rows and curves
-
-
-@pytest.mark.slow
-def test_the_forecast_of_curves_counts_solved_points_and_the_range() -> None:
-    """Of a thousand layers, whose solves are the cost, and of a half-space, which solves in no time."""
-    for layers, seconds in ((1000, 0.19), (0, 0.03)):
-        stack = "".join(LAYER.format("0.1 um" if i else "100 um", i % 5 + 1) for i in range(layers))
-        case = parse_case(LAYERS.format(stack).encode(), "x")
-        solution = replace(Layered()(case.model.problem()), record=store.record_of(case))
-        plain, ranged = (forecast(solution, (0.05,), asked, tables=False).seconds for asked in (JKR, RangeRequest(1e5)))
-        assert plain == pytest.approx(seconds, abs=0.04)
-        assert ranged > plain * 1.1
-        assert forecast(solution, (0.05, 0.04), JKR, tables=False).seconds == pytest.approx(2 * plain)
 
 
 def test_many_works_of_adhesion_are_refused_before_they_begin(jkr, series: Path) -> None:
@@ -360,30 +290,11 @@ def test_the_page_on_clusters_binds_dashboards_and_names_encryption() -> None:
 
 
 # ---------------------------------------------------------------------- options of the verbs
-def test_a_circle_of_links_is_no_folder(jkr, series: Path) -> None:
-    Path("loop").symlink_to("loop")
-    for words in (("transform", series.name), ("profile", series.name, "--a", "50 um")):
-        jkr(*words, "-o", "loop").refused()
-
-
-@pytest.mark.parametrize("words", [("run", "s.toml"), ("explore", "s.h5")], ids=str)
-def test_a_name_that_no_file_can_have_is_refused(jkr, series: Path, words: tuple[str, ...]) -> None:
-    name = "9" * 400 + ".h5"
-    jkr(*words, "-o", name).refused(f"{name}: cannot be written (File name too long)")
-
-
 def test_a_mesh_goes_into_a_folder_whose_name_is_no_text(jkr, series: Path) -> None:
     folder = os.fsdecode(b"x\xff")
     (series.parent / "f.toml").write_text(CASE.format(title="").replace("closed-form", "fem"))
     assert jkr("mesh", "f.toml", "-o", folder).code == 0
     assert Path(folder, "f-mesh.msh").read_bytes().startswith(b"$MeshFormat\n")
-
-
-def test_a_fixed_work_beyond_sense_is_refused(jkr, series: Path) -> None:
-    Path("m.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-7,{i**1.5:.6g}e-6\n" for i in range(1, 40)))
-    jkr("fit", series.name, "m.csv", "--fix", "w=1e300").refused(
-        "fit: w: must lie between 1e-30 and 1e+30 in SI units, got 1e300"
-    )
 
 
 def test_an_imported_displacement_beyond_sense_is_refused(jkr, series: Path) -> None:

@@ -75,13 +75,6 @@ def test_surroundings_change_no_bit(method: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SURROUNDINGS)
-def test_each_surrounding_changes_no_bit(name: str, tmp_path: Path) -> None:
-    case = cases(tmp_path)["fem"]
-    same(run(case, tmp_path / "usual"), run(case, tmp_path / "elsewhere", **SURROUNDINGS[name]))
-
-
-@pytest.mark.slow
 def test_order_and_place_of_files_change_no_bit(tmp_path: Path) -> None:
     first = run(CASES / "gel.toml", tmp_path / "first")
     for name in ("b", "a"):

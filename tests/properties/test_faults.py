@@ -194,29 +194,6 @@ def test_killed_at_twenty_moments(name: str, how: signal.Signals, tmp_path: Path
     kills(tmp_path, name, how, MOMENTS)
 
 
-@pytest.mark.slow
-def test_restarted_sweep_goes_on(tmp_path: Path) -> None:
-    folder, job = prepare(tmp_path / "x"), JOBS["sweep"]
-    journal = folder / "t" / "journal.jsonl"
-
-    def begun() -> bool:
-        return journal.exists() and journal.read_bytes().count(b"\n") > 4
-
-    stop(start(job.command, folder), signal.SIGKILL, begun)
-    done = journal.read_bytes().count(b"\n") - 1
-    with journal.open("ab") as file:
-        file.write(b'["cut off in the mid')
-    process = start(job.command[:-2], folder)
-    _, err = process.communicate(timeout=300)
-    assert process.returncode == 0, err
-    lines = (folder / job.target).read_text(encoding="utf-8").splitlines()
-    assert len(lines) == 25
-    assert all(",ok," in line for line in lines[1:])
-    entries = journal.read_bytes().splitlines()
-    assert len(entries) == 25, "no case was solved twice"
-    assert done >= 4
-
-
 # ---------------------------------------------------------------------- disks and folders
 @contextlib.contextmanager
 def file_size(most: int) -> Iterator[None]:
@@ -300,15 +277,6 @@ def test_two_processes_with_one_target(tmp_path: Path) -> None:
         assert process.returncode == 0, err
     assert store.read_solution(folder / "x.h5").increments.a.size in (20, 60)
     assert not temporaries(folder)
-
-
-@pytest.mark.slow
-def test_a_journal_without_room_is_named(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
-    prepare(tmp_path / "x")
-    with contextlib.chdir(tmp_path / "x"), file_size(100):
-        done = jkr("sweep", "s.toml", "-o", "t", "--workers", "1")
-    assert done.code == 1
-    assert done.err.splitlines()[-1] == "jkr: error: t/journal.jsonl: cannot be written (File too large)"
 
 
 # ---------------------------------------------------------------------- standard streams

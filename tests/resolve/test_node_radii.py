@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, compliance, many, node_series
+from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, many, node_series
 
 from jkrcli.adhesion.pull_off_error import error_of_rows
 from jkrcli.adhesion.slopes import smoothed
@@ -52,8 +52,9 @@ def test_the_tests_own_solver_agrees_with_published_values() -> None:
     )
     np.testing.assert_allclose(coated._contact(1.0), [0.06695912, 0.20065158, 5.57071289, 9.04575131], 1e-7)
     k = np.array([0.01, 1.0, 30.0])
-    split = compliance(k, ((0.4, 1.0, 0.4), (0.6, 1.0, 0.4)), (10.0, 0.25))
-    np.testing.assert_allclose(split, compliance(k, ((1.0, 1.0, 0.4),), (10.0, 0.25)), 1e-10)
+    split, whole = (NodeBody("", layers, (10.0, 0.25), 1.0, 1.0).compliance(k)
+                    for layers in (((0.4, 1.0, 0.4), (0.6, 1.0, 0.4)), ((1.0, 1.0, 0.4),)))  # fmt: skip
+    np.testing.assert_allclose(split, whole, 1e-10)
 
 
 @pytest.mark.parametrize("increments", [40, 200])

@@ -264,29 +264,6 @@ def test_a_whole_force_curve_with_free_rows(body: FittedBody) -> None:
     assert (true < E[:, 2]).all()
 
 
-@pytest.mark.first(1)
-@pytest.mark.parametrize("law", [{"time": 1.0}, {"ratio": 0.3, "time": 1.0}], ids=["in part", "all"])
-def test_of_a_known_law_the_rest_is_found(body: FittedBody, law: dict) -> None:
-    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
-    fit = relaxation_fit(body, readings(made, 0.5, 0.5, k=2.0), relaxation_settings("sls", law, ["w"]))
-    unknown = ("ratio",) if "ratio" not in law else ()
-    assert fit.free == ("modulus", *unknown, "w", "stress", "delta0", "P0", "tilt")
-    assert off(fit, E_star=1.0, w=W, stress=STRESS) < 3
-
-
-@pytest.mark.slow
-def test_a_fit_that_begins_at_a_neighbours_ends_where_it_ends_alone(body: FittedBody) -> None:
-    """One that is far off is no neighbour: the search is that of the record alone."""
-    made, settings = cycle(W, STRESS, SOLID, CORNERS, 2.0), relaxation_settings("sls", [], ["w"])
-    curve = readings(made, 0.5, 0.5, k=2.0)
-    alone = relaxation_fit(body, curve, settings)
-    for w in (1.1, 30.0):
-        values = tuple(replace(one, value=w * one.value) if one.name == "w" else one for one in alone.estimates)
-        beside = relaxation_fit(body, curve, settings, replace(alone, estimates=values))
-        for name in ("E_star", "ratio", "w"):
-            assert beside.value(name) == pytest.approx(alone.value(name), abs=alone.estimate(name).error / 2)
-
-
 @pytest.mark.slow
 def test_a_power_law_with_its_onset(body: FittedBody) -> None:
     law = power(0.15, 0.02, 4.0)

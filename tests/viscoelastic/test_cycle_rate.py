@@ -1,11 +1,9 @@
 """``jkr cycle --rate``: the files, the figures for machines, and one clear line for what is wrong."""
 
-import csv
 import math
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import jkrcli as jkr_
@@ -37,20 +35,6 @@ def test_the_pull_off_force_at_speed(jkr: Callable, series: Path) -> None:
     assert found["contact_lost"]
     assert found["rate"] == {"law": "power", "v0_m_per_s": 1.0, "n": 0.6}
     assert found["turn_t_s"] < found["pull_off"]["t_s"] < found["lost_t_s"]
-
-
-@pytest.mark.slow
-def test_the_trace_holds_every_moment(jkr: Callable, series: Path) -> None:
-    done = jkr("cycle", series, *RATE, "--speed", "0.1", "--to-load", "0.5", "--hold", "2 s", "--stiffness", "2 N/m",
-               "--w-retract", "1.5", "--points", 50).ok  # fmt: skip
-    (table,) = series.parent.glob("unit-cycle-w-retract1.5-stiffness2-rate-power-1-0.6-to-load0.5-speed0.1-hold2.csv")
-    rows = list(csv.DictReader(table.read_text().splitlines()))
-    t, delta, P, x = (np.array([float(row[name]) for row in rows]) for name in ("t_s", "delta_m", "P_N", "device_m"))
-    assert (np.diff(t) >= 0).all()
-    assert x == pytest.approx(delta + P / 2, abs=1e-12)
-    assert [row["phase"] for row in rows][-1] == "recede"
-    assert list(series.parent.glob("unit-cycle-*.svg"))
-    assert "contact is lost at t = " in done.out
 
 
 def test_a_dwell_under_load_ends_in_loss(jkr: Callable, series: Path) -> None:

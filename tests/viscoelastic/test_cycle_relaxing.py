@@ -221,15 +221,6 @@ def test_every_law_comes_back_from_its_file(tmp_path: Path) -> None:
         assert "the specimen relaxes: " in jkr_.transform(solved, 0.01).warnings[0]
 
 
-def test_the_shipped_case_comes_to_rest(jkr: Callable) -> None:
-    """After 25 relaxation times its load is the elastic one times the ratio."""
-    case = jkr_.load_case(Path(__file__).parents[2] / "cases" / "relaxing-gel.toml")
-    solved = jkr_.solve(case)
-    held = jkr_.cycle_relaxing(solved, speed="1 mm/s", to_depth="80 um", hold="200 s").corners[1]
-    elastic = np.exp(np.interp(np.log(80e-6), np.log(solved.series.delta), np.log(solved.series.P)))
-    assert held.P / elastic == pytest.approx(0.35, rel=1e-4)  # of the straight line between rows
-
-
 def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None:
     done = jkr("check", series.with_suffix(".toml"))
     assert "  moduli    standard linear solid, ratio = 0.25, time = 1 s; loads here are those at t = 0" in done.out
@@ -285,15 +276,6 @@ def test_adhesion_over_time(jkr: Callable, series: Path) -> None:
     assert found["pull_off"]["P_relative_error"] < 1e-3
     assert found["contact_lost"]
     assert found["jumps"][0]["t_s"] == 0
-
-
-@pytest.mark.slow
-def test_adhesion_over_time_turns_at_a_load_in_a_spring(jkr: Callable, series: Path) -> None:
-    words = (*ADHERES, "--stress", "0.15 Pa", "--to-load", "0.02 N", "--stiffness", "2 N/m")
-    done = jkr("cycle", series, *words, "--no-plots").ok
-    assert "in the body" in done.out
-    found = answer(jkr, series, *words)
-    assert found["largest_load"]["P_N"] == pytest.approx(0.02, rel=1e-2)
 
 
 @pytest.mark.parametrize(

@@ -124,13 +124,6 @@ def test_the_work_of_the_device_is_stored_or_done_by_the_edge(V: float, stiffnes
     assert history.ends == "lost"
 
 
-def test_on_a_layer_too_the_work_of_the_device_is_stored_or_done_by_the_edge() -> None:
-    contact = RateContact(gel(), PowerRate(1e-6, 0.5), 0.04, 0.035, 2e3)
-    history = contact.history(there_and_back(1e-5, 1e-5, 1e-5, 1.0))
-    assert history.ends == "lost"
-    assert history.balance < 1e-8
-
-
 def test_it_agrees_with_another_integrator_on_a_layer() -> None:
     """In time, by DOP853 with the energy release rate from the body's own functions."""
     body, law, w0 = gel(), PowerRate(2e-6, 0.4), 0.04

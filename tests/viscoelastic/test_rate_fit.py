@@ -1,10 +1,12 @@
 """w0, v0, n from records of retraction at several speeds, made by an integrator of their own."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import CASES, write_table
 from retractions import COATING, GEL, body, clean, record
 
 from jkrcli.adhesion.curve import Nonadhesive
@@ -135,6 +137,16 @@ def test_too_narrow_speeds_are_said() -> None:
 def test_wrong_settings_are_one_line(words: dict, said: str) -> None:
     with pytest.raises(InputError, match=said):
         rate_settings(body("gel"), **words)
+
+
+def test_what_a_command_asks_wrong_of_a_law_is_one_line(jkr: Callable) -> None:
+    for columns, words, said in (
+        ("t_s,delta_um,P_mN", ("--loss", "huber"), "fit: --law does not take --loss huber: leave it out"),
+        ("t_s,delta_um,P_mN", ("--fix", "n=-1"), "fit: n: must be > 0 and <= 100, got -1"),
+        ("a_um,delta_um,P_mN", (), "a.csv: a fit over speed needs t, delta and P, it lacks t"),
+    ):
+        write_table("a.csv", columns, *[np.arange(1.0, 30)] * 3)
+        jkr("fit", CASES / "gel.toml", "a.csv", "--law", "power", *words, "-o", ".").refused(said)
 
 
 @pytest.mark.filterwarnings("error")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import write_table
 from relaxation_records import record
-from ting_records import ting_loads, ting_record
+from scipy.special import beta, betainc
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import Nonadhesive
@@ -178,6 +178,38 @@ def test_terms_that_a_record_does_not_tell(body: FittedBody) -> None:
 
 
 # ---------------------------------------------------------------------- a lever, and a power law
+def ting_loads(t: Array, speed: float, turn: float, E_star: float, exponent: float, R: float) -> Array:
+    """Loads [N] at times [s] since contact of a tip that goes in and, from ``turn`` [s] on, out at one ``speed`` [m/s];
+    E* is that at 1 s.
+
+    P = 2 E* sqrt(R) v^(3/2) int_0^t1 (t - s)^-al sqrt(s) ds, t1 = t, behind the turn t - 2^(1/(1 - al)) (t - tm).
+    """
+    t1 = np.where(t <= turn, t, t - 2 ** (1 / (1 - exponent)) * (t - turn))
+    t1 = np.maximum(t1, 0.0)
+    whole = beta(1.5, 1 - exponent) * np.maximum(t, 1e-300) ** (1.5 - exponent)
+    share = betainc(1.5, 1 - exponent, np.clip(t1 / np.maximum(t, 1e-300), 0.0, 1.0))
+    return np.where(t > 0, 2 * E_star * np.sqrt(R) * speed**1.5 * whole * share, 0.0)
+
+
+def ting_record(
+    rng: np.random.Generator, noise: float, lever: float, rows: int, exact: bool = False
+) -> tuple[Array, float]:
+    """Times, positions of the device and loads (rows, 3), and the stiffness of the device [N/m]: ``lever`` times that
+    of the contact at the turn; ``noise`` of the loads over their largest; in the positions it is too, but for ``exact``
+    ones. E* = 4/3 kPa, exponent 0.2, R = 5 um."""
+    deepest, speed, free = 1e-6, 1e-5, 7.5
+    turn = deepest / speed
+    first = -free * turn
+    t = np.linspace(first, 2 * turn - first, rows)
+    tip = np.where(t <= turn, speed * t, deepest - speed * (t - turn))
+    P = ting_loads(t, speed, turn, 4e3 / 3, 0.2, 5e-6)
+    ends = ting_loads(turn * np.array([1 - 1e-6, 1.0]), speed, turn, 4e3 / 3, 0.2, 5e-6)
+    k = lever * float(np.ptp(ends)) / (deepest * 1e-6)
+    read = P + noise * P.max() * rng.standard_normal(rows)
+    x = tip + (P if exact else read) / k
+    return np.stack([t - first, x, read], axis=1), k
+
+
 @pytest.fixture(scope="module", name="probed")
 def _probed() -> FittedBody:
     """A paraboloid of 5 um on a half-space of E* 4/3 kPa."""

@@ -84,20 +84,6 @@ def test_the_model_of_the_answer_is_the_viscoelastic_one() -> None:
     assert float(np.median(np.abs(auto.residuals))) * auto.scales["P"] == pytest.approx(0.6745 * size, rel=0.1)
 
 
-@pytest.mark.slow
-def test_inputs_and_the_level_are_those_that_were_asked_for() -> None:
-    """An uncertain spring constant widens the viscoelastic answer as it does the elastic one; intervals are narrower at
-    a lower level."""
-    wide = fitted(curve(0.4), model="auto", uncertain={"stiffness": "10%"}, level=0.68)
-    plain = fitted(curve(0.4), uncertain={"stiffness": "10%"}, level=0.68)
-    assert wide.verdict.answers
-    for name in ("E_star", "w"):
-        inputs = [one.estimate(name).parts(0.68)["calibration"] / one.value(name) for one in (plain, wide)]
-        assert inputs[1] == pytest.approx(inputs[0], rel=0.3)
-    usual = fitted(curve(0.4), model="auto")
-    assert (wide.estimate("ratio").half_width(0.68) or 0) < 0.7 * (usual.estimate("ratio").half_width(0.95) or 0)
-
-
 def test_an_elastic_record_that_adheres_stays_elastic() -> None:
     auto = fitted(curve(1.0), model="auto")
     assert RELAXING not in {one.name for one in (*auto.verdict.alternatives.scores, *auto.verdict.fitted)}

@@ -19,10 +19,9 @@ from jkrcli.base.errors import InputError
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.viscoelastic import rheology, shared_speeds
-from jkrcli.viscoelastic.adhesive_fit import prepared, rough
 from jkrcli.viscoelastic.edge_speed import EdgeLaws, law_over
 from jkrcli.viscoelastic.lockstep_march import March, Trial
-from jkrcli.viscoelastic.shared_speeds import Records, shared_speeds_fit
+from jkrcli.viscoelastic.shared_speeds import shared_speeds_fit
 from jkrcli.viscoelastic.timed_record import UNSETTLED, relaxation_settings
 from jkrcli.viscoelastic.whole_record import recovers
 
@@ -99,11 +98,6 @@ def test_when_half_of_the_tension_is_gone() -> None:
     assert math.isinf(recovers(t, np.zeros(6), 0.0))
 
 
-def test_an_option_of_joint_fits_alone(jkr: Callable) -> None:
-    done = jkr("fit", "gel.toml", "v0.csv", "--relaxation", "sls", "--free", "w", "--own", "w")
-    assert "--own: applies only with --shared; leave it out" in done.err
-
-
 def test_a_curve_without_an_approach(body: FittedBody) -> None:
     curve = record(2.0, 0.0, 1)
     half = replace(curve.rows(np.arange(int(np.argmax(curve.device)), len(curve))), name="half")
@@ -135,21 +129,6 @@ def test_three_speeds_together(body: FittedBody) -> None:
 @pytest.fixture(scope="module", name="two")
 def _two() -> list[Curve]:
     return [record(speed, 1.0, i) for i, speed in enumerate((0.2, 2.0))]
-
-
-@pytest.mark.slow
-def test_searches_begin_from_zones_of_each_width(body: FittedBody, two: list[Curve]) -> None:
-    """Loads of narrow zones are nearer to none than those of wide ones, until other unknowns are near."""
-    settings = relaxation_settings("sls", rate="power")
-    records = Records(tuple(rough(prepared(body, curve, settings)) for curve in two))
-    stress = records.common.index("stress")
-    assert np.ptp([x[stress] for x in records.begins(records.approaches())]) > 5  # logs
-    # the same rows whatever the march, and shares that stay shares
-    (model, places), *_ = records.each
-    settled, theta = replace(model, settled=True), records.begins(records.approaches())[0][places]
-    assert settled.out(settled.march([settled.trial(theta)])[0]) is model.left_out
-    theta[settled.unknowns.names.index("ratio")] = 0.001
-    assert all(0 < one[settled.unknowns.names.index("ratio")] < 1 for one in settled.moved(theta, ["ratio"]))
 
 
 @pytest.mark.slow

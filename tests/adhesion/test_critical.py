@@ -132,17 +132,9 @@ def test_meshes_that_agree_by_accident_leave_the_error_that_the_larger_shows() -
 
 
 CASE = """
-method = "layered"
-[indenter]
-shape = "sphere"
-radius = "100 um"
-[[specimen.layers]]
-thickness = "10 um"
-E = "1 MPa"
-nu = 0.45
-[loading]
-radius = "20 um"
-points = {points}
+indenter = {{ shape = "sphere", radius = "100 um" }}
+specimen.layers = [{{ thickness = "10 um", E = "1 MPa", nu = 0.45 }}]
+loading = {{ radius = "20 um", points = {points} }}
 """
 
 

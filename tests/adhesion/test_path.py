@@ -16,16 +16,9 @@ from jkrcli.viscoelastic.rate import PowerRate, RateContact
 
 RIGID = math.inf
 LAYER = """
-[indenter]
-shape = "paraboloid"
-radius = "1 mm"
-[specimen]
-base = "bonded"
-layers = [{{ thickness = "1 um", E = "5 GPa", nu = 0.4 }}]
-[loading]
-radius = "20 um"
-points = {points}
-spacing = "log"
+indenter = {{ shape = "paraboloid", radius = "1 mm" }}
+specimen.layers = [{{ thickness = "1 um", E = "5 GPa", nu = 0.4 }}]
+loading = {{ radius = "20 um", points = {points}, spacing = "log" }}
 """
 
 

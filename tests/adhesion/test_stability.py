@@ -117,9 +117,8 @@ def test_a_device_of_given_stiffness_against_the_closed_form(stiffness: float) -
     assert bar(begin.a / A0) == pytest.approx((begin.delta / DELTA0, begin.P / P0), rel=1e-9)
 
 
-def test_what_many_devices_do_is_found_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One after the other it took 20 ms each; the very same numbers."""
-    devices = [0.0, *np.geomspace(1e3, 1e8, 40), RIGID]
+def test_what_many_devices_do_together_is_what_each_does_alone() -> None:
+    devices = [0.0, *np.geomspace(1e3, 1e8, 6), RIGID]
     one = curve(half_space())
     alone = [stability_under(one, stiffness) for stiffness in devices]
     names = [field.name for field in fields(alone[0]) if field.name not in ("whole", "retraction")]  # paths
@@ -128,13 +127,6 @@ def test_what_many_devices_do_is_found_together(monkeypatch: pytest.MonkeyPatch)
         return [[getattr(each, name) for name in names] for each in found]
 
     assert values(behaviours(curve(half_space()), devices)) == values(alone)
-    calls = []
-    rates = AdhesiveCurve._rates
-    monkeypatch.setattr(AdhesiveCurve, "_rates", lambda self, a: calls.append(a.size) or rates(self, a))
-    for some in (devices[:1], devices):
-        calls.append(0)
-        curve(half_space()).find_critical(some)
-    assert len(calls) - calls.index(0, 1) < 3 * calls.index(0, 1)
 
 
 @settings(max_examples=12, deadline=None)

@@ -13,20 +13,11 @@ from jkrcli.base.process import SILENCE
 from jkrcli.cli.printing import announce, progress
 from jkrcli.report.check import Check
 
-CASE = """[indenter]
-shape = "paraboloid"
-radius = "100 um"
-[specimen]
-base = "bonded"
-[[specimen.layers]]
-thickness = "50 um"
-E = "1 MPa"
-nu = 0.45
-[loading]
-depth = "5 um"
-points = 20
-[adhesion]
-w = [{}]
+CASE = """
+indenter = {{ shape = "paraboloid", radius = "100 um" }}
+specimen.layers = [{{ thickness = "50 um", E = "1 MPa", nu = 0.45 }}]
+loading = {{ depth = "5 um", points = 20 }}
+adhesion.w = [{}]
 """
 
 

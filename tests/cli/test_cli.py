@@ -58,15 +58,6 @@ def test_many_works_with_units_and_no_adhesion(jkr, tmp_path: Path) -> None:
     assert point == {"P_N": None, "delta_m": None, "a_m": None, "reason": "there is no adhesion at w = 0"}
 
 
-def test_stored_case_runs_again_to_the_same_numbers(jkr, tmp_path: Path) -> None:
-    jkr("run", CASES / "thin-layer.toml")
-    (tmp_path / "again.toml").write_text(jkr("show", "--case", "thin-layer.h5").out)
-    assert jkr("run", "again.toml").code == 0
-    first, second = (store.read_solution(name).increments for name in ("thin-layer.h5", "again.h5"))
-    np.testing.assert_array_equal(first.P, second.P)
-    np.testing.assert_array_equal(first.delta, second.delta)
-
-
 def test_change_of_units_scales_every_output(jkr, tmp_path: Path) -> None:
     """Lengths by l, forces by f: E by f/l^2, w by f/l."""
     length, force = 1e3, 1e-4

@@ -230,19 +230,11 @@ def test_energies_say_why_there_are_none(jkr: Callable) -> None:
 
 
 SOFT = """
-[indenter]
-shape = "sphere"
-radius = "5 um"
-[specimen.half_space]
-E = "5 {unit}"
-nu = {nu}
+indenter = {{ shape = "sphere", radius = "5 um" }}
+specimen.half_space = {{ E = "5 {unit}", nu = {nu} }}
+loading = {{ radius = "3 um", points = 60, spacing = "log" }}
+adhesion.w = "0.1 mJ/m^2"
 {relaxation}
-[loading]
-radius = "3 um"
-points = 60
-spacing = "log"
-[adhesion]
-w = "0.1 mJ/m^2"
 """
 
 

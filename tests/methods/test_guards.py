@@ -20,18 +20,10 @@ from jkrcli.methods.protocol import Forecast, Limits, check_cost
 CASES = Path(__file__).parents[2] / "cases"
 CASE = """
 method = "{method}"
-[indenter]
-shape = "sphere"
-radius = "6 mm"
-[[specimen.layers]]
-thickness = "0.36 mm"
-E = "15 kPa"
-nu = 0.45
-[loading]
-radius = "1.2 mm"
-points = {points}
-[mesh]
-spacing = {spacing}
+indenter = {{ shape = "sphere", radius = "6 mm" }}
+specimen.layers = [{{ thickness = "0.36 mm", E = "15 kPa", nu = 0.45 }}]
+loading = {{ radius = "1.2 mm", points = {points} }}
+mesh.spacing = {spacing}
 """
 
 
@@ -108,13 +100,6 @@ def test_command_line_refuses_what_is_too_large(
         "error: method ", " would need about ", "the limit by --limit-memory"
     )
     assert not list(Path().glob("*.h5"))
-
-
-def test_limits_can_be_set_on_the_command_line(jkr: Callable) -> None:
-    case = CASES / "gel.toml"
-    assert jkr("run", case, "--limit-memory", "0.001").code == 2
-    assert jkr("run", case, "--limit-time", "1e-9").code == 2
-    assert jkr("run", case, "--limit-memory", "0.5", "--limit-time", "0.1").code == 0
 
 
 def test_library_tells_and_refuses_alike() -> None:

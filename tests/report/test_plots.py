@@ -37,17 +37,10 @@ from studies.failures_judge import OUTCOMES
 
 CASES = Path(__file__).parents[2] / "cases"
 BODY = """
-[indenter]
-shape = "paraboloid"
-radius = "10 um"
-[specimen.half_space]
-E = "0.75 MPa"
-nu = 0.5
-[loading]
-radius = "{radius}"
-points = 40
-[adhesion]
-w = "{w}"
+indenter = {{ shape = "paraboloid", radius = "10 um" }}
+specimen.half_space = {{ E = "0.75 MPa", nu = 0.5 }}
+loading = {{ radius = "{radius}", points = 40 }}
+adhesion.w = "{w}"
 """
 SLACK = 1.0  # pixels at 100 dpi: round-off of text extents
 SMALLEST = 7.0  # points, of any text in print

@@ -260,16 +260,11 @@ def test_what_the_profile_leaves_of_the_depth_is_no_spring_in_series(indenter: I
 E, NU = 5e6, 0.45
 E_STAR = E / (1 - NU**2)
 CASE = """
+specimen.half_space = {{ E = 5e6, nu = 0.45 }}
+loading = {{ depth = 1e-6, spacing = "{spacing}" }}
+adhesion.w = {w}
 [indenter]
 {indenter}
-[specimen.half_space]
-E = 5e6
-nu = 0.45
-[loading]
-depth = 1e-6
-spacing = "{spacing}"
-[adhesion]
-w = {w}
 """
 
 

@@ -7,8 +7,9 @@ from types import ModuleType
 
 import pytest
 
+from jkrcli.methods.integral import fredholm
 from jkrcli.methods.layered import solver
-from studies import tuning
+from studies import constants, constants_results, tuning
 
 MADE_UP = """
 MADE_UP_NODES = 40  # tuned on nothing, by `make tuning`
@@ -68,3 +69,15 @@ def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) ->
     assert all(float(row["error"]) == float(row["shipped_error"]) < 1e-6 for row in rows)  # nothing depends on them
     assert len(outcome.out.splitlines()) == 1 + len(rows)
     assert study("tuning", "made_up", "--quick", "--workers", 1).code == 0  # its own file is replaced
+
+
+# ---------------------------------------------------------------------- chosen numbers
+def test_a_number_that_results_depend_on_is_told_with_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    cheap = {name: constants_results.RESULTS[name] for name in ("layer by layered", "table", "loads")}
+    monkeypatch.setattr(constants, "RESULTS", cheap)
+    monkeypatch.setattr(constants, "SHIPPED", None)
+    name = "QUADRATURE_MOST_NODES"
+    found = constants.moved(tuning.Knob(fredholm.__name__, name, getattr(fredholm, name)))
+    assert found.verdict == "moves"
+    assert found.where.startswith("loads: P[")
+    assert found.cost[0] > 0

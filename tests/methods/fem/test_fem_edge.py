@@ -10,9 +10,8 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution
-from jkrcli.many.studies import converge
 from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.mesh import Layout, Strip, homogenised_half_space, layout_for
+from jkrcli.methods.fem.mesh import Strip, homogenised_half_space, layout_for
 from jkrcli.methods.fem.model import Discretisation, _in_step
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse
@@ -195,15 +194,6 @@ def test_the_band_holds_the_exact_curve(problem):
 def test_without_an_error_estimate_there_are_no_slopes():
     assert FEM(estimate_error=False)(UNIT).series.S is None
     assert FEM(edge_correction=False)(UNIT).series.S is None
-
-
-def test_a_convergence_study_meshes_every_level_once(monkeypatch):
-    meshed = []
-    grid = Layout.grid
-    monkeypatch.setattr(Layout, "grid", lambda layout: meshed.append(layout.law.slope) or grid(layout))
-    found = converge(UNIT, FEM(spacing=0.1, growth=0.3), 1e-3, 2)
-    assert meshed == [0.2, 0.1]
-    assert 0 < found.time_exponent < 3
 
 
 def test_increments_are_even_in_load():

@@ -56,13 +56,6 @@ def test_the_law_reads_the_same_as_text_and_as_numbers():
         assert eval(LAW.text(), {**names, "x": r, "y": z}) == pytest.approx(float(LAW(r, z)), rel=1e-14)  # same formula
 
 
-def test_graded_points_are_geometric_where_the_size_is_proportional():
-    x = graded_points(1.0, 8.0, lambda r: 0.1 * r)
-    ratios = x[1:] / x[:-1]
-    assert np.ptp(ratios) < 1e-9  # exact for a linear law, up to round-off of the sampled integral
-    assert ratios[0] == pytest.approx(np.exp(0.1), rel=0.03)  # the count is rounded: 21 intervals
-
-
 @pytest.mark.parametrize("interfaces", [[], [0.3], [0.05, 0.3]])
 def test_triangles_fill_the_rectangle_and_respect_interfaces(interfaces):
     surface = graded_points(0.0, 6.0, lambda r: LAW(r, 0 * r))

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from finite_bodies import FINITE, cylinder, stack
 from numpy.testing import assert_allclose
+from scipy.interpolate import CubicSpline
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import (
+    Coated,
     Elastic,
+    Exponential,
     Graded,
     HalfSpace,
     Layer,
@@ -20,13 +23,16 @@ from jkrcli.bodies.problem import (
     Rigid,
     Specimen,
     TransverselyIsotropic,
+    without_side_walls,
 )
+from jkrcli.methods.fem import FEM
 from jkrcli.methods.hybrid import Hybrid, correction
 from jkrcli.methods.hybrid.correction import Region
 from jkrcli.methods.hybrid.kernel import KernelLevels, count_for
 from jkrcli.methods.integral.fredholm import COLUMNS, rule
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayeredSpectrum
+from jkrcli.resolve.analysis import analyse, profile_columns, solver_of
 from jkrcli.series import Series, Solution
 
 PARABOLOID = Paraboloid(1000.0)
@@ -187,3 +193,71 @@ def test_a_load_beyond_the_side_is_refused() -> None:
     problem = Problem(PARABOLOID, FINITE["free"], Loading("load", 1.0))
     with pytest.raises(Refusal, match="before a load of 1 N the contact comes too near to the side"):
         Hybrid(1e-3)(problem)
+
+
+# ---------------------------------------------------------------------- coated tips on cylinders
+CORE, SKIN, GEL = Elastic(3e6, 0.4), Elastic(3e5, 0.4), Elastic(1e6, 0.45)
+NARROW = Specimen((Layer(GEL, 3e-3),), Rigid(), radius=8e-3, side="free")
+COLUMNS = ("delta", "P", "S", "dS")
+
+
+def solved(material: object, specimen: Specimen = NARROW) -> object:
+    return Hybrid()(Problem(Sphere(1e-2, material), specimen, Loading("radius", 1e-3, 20)))
+
+
+def test_a_coating_of_the_core_is_no_coating() -> None:
+    coated, plain = solved(Coated((Layer(CORE, 1e-4),), CORE)).series, solved(CORE).series
+    for name in COLUMNS:
+        one, other = getattr(coated, name), getattr(plain, name)
+        assert one == pytest.approx(other, rel=1e-5)
+        assert (abs(one - other) <= coated.errors[name] + plain.errors[name]).all()
+
+
+def test_a_wide_cylinder_is_the_layer_without_sides_and_a_narrow_one_is_not() -> None:
+    coated = Coated((Layer(SKIN, 1e-4),), CORE)
+    wide, narrow = (solved(coated, replace(NARROW, radius=radius)) for radius in (3e-2, 5e-3))
+    exact = Layered()(without_side_walls(wide.problem)).series
+    for name in COLUMNS:
+        off = abs(getattr(wide.series, name) - getattr(exact, name))
+        assert (off <= wide.series.errors[name] + 1e-6 * getattr(exact, name)).all()
+    assert abs(narrow.series.S[-1] / exact.S[-1] - 1) > 1e-4
+
+
+def test_pull_off_is_solved_with_the_kept_kernel() -> None:
+    solution = solved(Coated((Layer(SKIN, 1e-4),), CORE))
+    assert solver_of(solution) is not None
+    point, exact = (analyse(one, [0.05])[0].pull_off["load"]
+                    for one in (solution, Layered()(without_side_walls(solution.problem))))  # fmt: skip
+    assert point.P == pytest.approx(exact.P, rel=2e-3)  # as the side changes it
+
+
+def test_without_sides_and_for_profiles_it_is_refused() -> None:
+    solution = solved(Coated((Layer(SKIN, 1e-4),), CORE))
+    with pytest.raises(Refusal, match="how a coated indenter and the specimen share the displacement is not derived"):
+        profile_columns(solution, 5e-4, 0.05, None)
+    assert "use method layered" in str(Hybrid().refusal(without_side_walls(solution.problem)))
+
+
+# ---------------------------------------------------------------------- against node-based contact
+GRADED = Specimen((Layer(Graded(Exponential(3.0, 1.0, 1.0), 0.4), 1.0),), Rigid(), 1.3, "clamped")
+ROLLER = Specimen((Layer(Elastic(1.0, 0.3), 1.0),), Rigid(False), 30.0, "roller")
+
+
+def at_depths(depths: np.ndarray, found: np.ndarray, delta: np.ndarray) -> np.ndarray:
+    """A column at other depths: a cubic in logarithms through 80 points, good to 1e-7."""
+    return np.exp(CubicSpline(np.log(delta), np.log(found))(np.log(depths)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("specimen", [*FINITE.values(), GRADED, ROLLER], ids=[*FINITE, "graded", "wide roller"])
+def test_agreement_within_the_stated_errors(specimen: Specimen) -> None:
+    """Loads and radii at equal depth, from a fifth of the largest radius on, where the finite elements are judged."""
+    problem = Problem(Paraboloid(1000.0), specimen, Loading("radius", 0.9, 80))
+    nodal, smooth = FEM()(problem), Hybrid(2e-5)(problem)
+    both, a = nodal.series, smooth.series
+    judged = (both.a > 0.2) & (both.delta < a.delta[-1])
+    P, radius = (at_depths(both.delta[judged], column, a.delta) for column in (a.P, a.a))
+    budget = nodal.budget
+    own = smooth.budget.total
+    assert np.abs(both.P[judged] / P - 1).max() < budget.discretisation + own
+    assert np.abs(both.a[judged] / radius - 1).max() < budget.radius + own

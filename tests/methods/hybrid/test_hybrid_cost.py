@@ -11,9 +11,9 @@ from stopwatch import takes_less_than
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid import Hybrid, kernel
-from jkrcli.methods.hybrid.correction import Mesh, Region, correction, dissection, lines
-from jkrcli.methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement
+from jkrcli.methods.hybrid import Hybrid
+from jkrcli.methods.hybrid.correction import Mesh, lines
+from jkrcli.methods.hybrid.kernel import AdaptiveKernel
 from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)
@@ -50,20 +50,6 @@ def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
         Hybrid()(problem)
 
 
-def judged(elements: float, parameters: float, cut: float) -> ErrorEstimates:
-    rows = (np.full((4, 1), error) for error in (elements, parameters, cut))
-    return ErrorEstimates(np.ones(1), *rows)
-
-
-def test_what_no_longer_gets_better_is_given_up() -> None:
-    region = Region.of(FINITE["free"], 1.0, 1e-6)
-    step = Refinement().after(judged(1e-2, 0.0, 0.0), 1e-5, region)
-    assert step.after(judged(9e-3, 0.0, 0.0), 1e-5, region) is None  # hopeless
-    near = Refinement().after(judged(2e-5, 0.0, 0.0), 1e-5, region)
-    again = near.after(judged(1.9e-5, 0.0, 0.0), 1e-5, region)
-    assert again.after(judged(1.8e-5, 0.0, 0.0), 1e-5, region) is None
-
-
 def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
     """A blunt profile on a coating 10^4 times as stiff as its base: no pressure in the middle."""
     specimen = stack((1.0, 0.3, 1.0), (1e-3, 0.3, 4.0))
@@ -73,16 +59,6 @@ def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
     assert "tension in the middle of the contact," in found.warnings[0]
     wide = replace(specimen, radius=40.0, side="clamped")
     assert "tension in the middle of the contact," in Hybrid(1e-4)(replace(problem, specimen=wide)).warnings[0]
-
-
-def test_no_correction_is_computed_again_for_more_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a squeezed layer, wide against its depth, which needs more of them than a soft one: ten before."""
-    solved = []
-    monkeypatch.setattr(kernel, "correction", lambda *given: solved.append(given[2]) or correction(*given))
-    problem = Problem(PARABOLOID, stack((1.0, 0.499, 1.0)), Loading("radius", 16.0, 10))
-    Hybrid(1e-6)(problem)
-    assert len(solved) <= 6
-    assert solved.count(max(solved)) == 1
 
 
 def test_levels_say_what_they_cost() -> None:
@@ -105,17 +81,6 @@ def test_a_contact_of_a_billion_thicknesses_is_refused_without_its_elements() ->
 GREAT_CONTRAST = stack((4e6, 0.5, 6.0), (5e4, 0.0, 11.0), (3.5e9, 0.5, 2.3), base=HalfSpace(Elastic(2.2e4, 0.5)))
 
 
-def test_lines_to_a_far_cut_are_as_short_as_their_growth_allows() -> None:
-    """Sizes grow by 2 to 4.5 from interval to interval: 26 of them along r before, 17 of one length."""
-    levels = AdaptiveKernel(PARABOLOID, GREAT_CONTRAST, 1e-5).levels(1.0)
-    r, z = lines(levels.region, 6)
-    assert levels.region.width > 1e7
-    assert r.degrees.size <= 13
-    assert z.degrees.size <= 15
-    lengths = np.diff(r.edges)[:-1]
-    assert (lengths[1:] / lengths[:-1] > 2).all()
-
-
 def test_pressures_in_great_contrasts_are_eliminated_without_pivots() -> None:
     """Entries of the factor per entry of the matrix: 1.8; by pivots, which its zeros asked for, 16."""
     levels = AdaptiveKernel(PARABOLOID, GREAT_CONTRAST, 1e-5).levels(1.0)
@@ -125,18 +90,6 @@ def test_pressures_in_great_contrasts_are_eliminated_without_pivots() -> None:
     assert (lu.perm_r == np.arange(mesh.order.size)).all()
     assert lu.L.nnz + lu.U.nnz < 3 * matrix.nnz
     np.testing.assert_array_equal(np.sort(mesh.order), mesh.free)
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (6, 1), (5, 8)])
-def test_no_two_halves_of_a_dissection_touch(shape: tuple[int, int]) -> None:
-    """Vertices, sides and insides of one element that come before its last part are all of one leaf or line."""
-    ranks = dissection(*shape)
-    for i in range(shape[0]):
-        for j in range(shape[1]):
-            of_element = ranks[2 * i : 2 * i + 3, 2 * j : 2 * j + 3]
-            assert of_element[1, 1] == of_element.min()  # an inside goes first
-    insides = ranks[1::2, 1::2]
-    assert np.unique(insides).size == insides.size
 
 
 def test_wide_layers_that_would_take_elements_long_are_solved_by_layered() -> None:

@@ -11,7 +11,7 @@ from jkrcli.base.errors import SolveError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
 from jkrcli.methods.integral.fredholm import Panels, Quadrature, forward_substitution, panel_means, phase_allowed, solve
-from jkrcli.methods.layered.contact import LayeredContact, checked
+from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved
 
 BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())
@@ -119,17 +119,6 @@ def test_derivatives(specimen: Specimen, a: float) -> None:
     assert (found.P[2] - found.P[0]) / (found.delta[2] - found.delta[0]) == pytest.approx(found.S[1], rel=1e-6)
 
 
-def test_density_reproduces_the_load() -> None:
-    contact = LayeredContact(Paraboloid(1000.0), THREE)
-    found, _ = contact.refined(np.array([0.5, 3.0]), 1e-10)
-    for n in range(2):
-        _, w, phi = found.density(n)
-        assert np.pi * contact.E_star * (w @ phi) == pytest.approx(found.P[n], rel=1e-12)  # the same discrete system
-        _, w, phi = found.density(n, 0.01)
-        expected = found.P[n] - 0.01 * found.S[n]
-        assert np.pi * contact.E_star * (w @ phi) == pytest.approx(expected, rel=1e-11)
-
-
 def test_too_coarse_quadrature_is_reported() -> None:
     spectrum = LayeredSpectrum(INCOMPRESSIBLE)
     panels = Panels.through(np.array([20.0]), Quadrature(2, 5.0, 0))
@@ -146,8 +135,3 @@ def test_rounding_estimate_bounds_the_scatter() -> None:
         scatter = np.ptp(values, axis=0) / values[0]
         assert (scatter <= runs[0].rounding).all()
     assert runs[0].rounding[1] < 1e-8  # no more than what is asked for by default
-
-
-def test_checked_radii_hold_the_ends_of_wide_gaps() -> None:
-    radii = np.concatenate([np.linspace(0.01, 0.1, 50), [7.0], np.linspace(7.01, 7.1, 50)])
-    assert {0, 50, 100} <= set(checked(radii))

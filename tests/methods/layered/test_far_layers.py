@@ -14,12 +14,6 @@ from jkrcli.methods.layered.no_slip import StuckSpectrum
 from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.methods.layered.spectrum import (
     LayeredSpectrum,
-    _base,
-    _far,
-    compliance,
-    propagate,
-    propagate_isotropic,
-    rescaled,
 )
 from jkrcli.methods.layered.surface_tension import TenseSpectrum
 from studies.stack_judge import compliances, contact
@@ -92,21 +86,3 @@ def test_fields_see_every_layer() -> None:
     shift = math.sqrt(4 * math.pi * w * a / dS)
     assert found.delta == pytest.approx(delta - shift, rel=1e-8)
     assert found.P == pytest.approx(P - shift * S, rel=1e-8)
-
-
-@pytest.mark.parametrize("contrast", [1.0, 1e4, 1e-4])
-@pytest.mark.parametrize("base", [Rigid(), Rigid(False), HalfSpace(Elastic(1e-3, 0.3))])
-def test_layers_that_are_not_felt_change_nothing(contrast: float, base: Rigid | HalfSpace) -> None:
-    """Every wave number through every layer, one by one: |g - 1| from 1 to 1e-25, each relative to itself."""
-    materials = [Elastic(contrast ** (i % 2) * (1 + 0.1 * i), (0.0, 0.3, 0.5)[i % 3]) for i in range(12)]
-    layers = tuple(Layer(material, 1.0 + 0.2 * (i % 4)) for i, material in enumerate(materials))
-    k = np.geomspace(1e-3, 25.0, 80)
-    (m, G), nu = _base(base, k.size), materials[0].nu
-    for layer in reversed(layers[1:]):
-        m, G = propagate(rescaled(m, layer.material.G / G), k, layer), layer.material.G
-    below = rescaled(m, materials[0].G / G)
-    g, dev = compliance(Specimen(layers, base), k)
-    whole = propagate_isotropic(below, k, nu)
-    assert g == pytest.approx(whole[2] / whole[0] / (1 - nu), rel=1e-13)
-    thick = k >= 1
-    assert dev[thick] == pytest.approx(_far(below[:, thick], k[thick], nu), rel=1e-12, abs=0)

@@ -32,8 +32,7 @@ from jkrcli.bodies.problem import (
 )
 from jkrcli.case.models import parse_case
 from jkrcli.methods.closed_form import ClosedForm
-from jkrcli.methods.integral.fredholm import Panels, Quadrature
-from jkrcli.methods.layered.contact import GRADED, LayeredContact, product_matrix
+from jkrcli.methods.layered.contact import GRADED, LayeredContact
 from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, Tail, deviation, surface_series
 
@@ -179,24 +178,6 @@ def test_the_transform_of_the_tail(s):
     tail = Tail.of(layer(Linear(1.0, 5.0, 1.0), 0.45, Rigid()))
     exact, error = quad(lambda k: tail(np.array([k]))[0], 0, np.inf, weight="cos", wvar=s)
     assert tail.transform(np.array([s]))[0] == pytest.approx(exact, rel=1e-6, abs=10 * error)
-
-
-def test_product_integration_of_a_logarithm():
-    """int int x^2 t^2 K over [0, a]^2 and int t^2 K(a, t) with K = -(ln|x - t| + ln(x + t))/2, by nested quadrature."""
-    panels = Panels.through(np.array([0.1, 0.3, 0.35, 1.0]), Quadrature(4, 0.2, 0))
-    K, n = product_matrix(lambda s: -np.log(s), panels), panels.x.size
-
-    def inner(x, a):
-        parts = [(lambda t: -(t**2) * np.log(abs(x - t)) / 2, p, q) for p, q in ((0, x), (x, a)) if q > p]
-        parts.append((lambda t: -(t**2) * np.log(x + t) / 2, 0, a))
-        return sum(quad(f, p, q, epsabs=1e-13)[0] for f, p, q in parts)
-
-    for i, a in ((1, 0.3), (3, 1.0)):
-        stop = panels.stops[i]
-        moment = panels.w[:stop] * panels.x[:stop] ** 2
-        both = quad(lambda x, a=a: x**2 * inner(x, a), 0, a, epsabs=1e-12)[0]
-        assert moment @ K[:stop, :stop] @ moment == pytest.approx(both, rel=1e-8)  # 14 nodes: 3e-9
-        assert moment @ K[:stop, n + i] == pytest.approx(inner(a, a), rel=1e-6)  # 14 nodes: 1e-7
 
 
 # ---------------------------------------------------------------------- layered

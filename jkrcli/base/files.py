@@ -1,7 +1,6 @@
 """Files are interfaces: read with one clear error, written whole or not at all, never over what is not ours."""
 
 import contextlib
-import csv
 import functools
 import gzip
 import hashlib
@@ -11,8 +10,6 @@ import math
 import os
 import platform
 import re
-import secrets
-import tempfile
 import time
 import zlib
 from collections import Counter
@@ -127,6 +124,8 @@ def received(path: Path) -> Path:
     copy called stdin or pipe63, with the ending of what it is."""
     if not HANDED.fullmatch(str(path)) or not (path.is_fifo() or path.is_file()):
         return path
+    import tempfile
+
     piped = Piped(f"pipe{path.name}" if path.name.isdigit() else path.name)
     try:
         piped.kept = tempfile.NamedTemporaryFile(prefix=ASIDE)  # noqa: SIM115 - as long as the path
@@ -260,7 +259,7 @@ _staged: ContextVar[Staged | None] = ContextVar("_staged", default=None)
 def atomic(path: Path) -> Iterator[Path]:
     """A name to write ``path`` under: it is there when the block ends well, as it was before when it does not."""
     with together() as staged:
-        aside = path.with_name(f"{ASIDE}{_here()}-{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
+        aside = path.with_name(f"{ASIDE}{_here()}-{os.getpid()}-{os.urandom(4).hex()}{path.suffix}")
         try:
             yield aside
             with aside.open("r+b") as file:
@@ -348,6 +347,8 @@ def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
     Numbers have full precision; cells without a value (None, NaN, infinite) are empty; words with commas are quoted;
     words that a spreadsheet would take for a formula are led by an apostrophe, control characters are escapes.
     """
+    import csv
+
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(map(_cell, columns))

@@ -63,11 +63,11 @@ from ..formulas import capillary, kelvin_radius
 from ..methods.protocol import METHODS, Descriptor, InTable, Method, method_class
 from ..series import Record
 from ..tables import split_name, unit_power
-from ..tables.text import TextTable, read_table
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..methods.fem import FEM
+    from ..tables.text import TextTable
 
 # --------------------------------------------------------------------------------------------------
 # Building blocks of the case tables: types that read numbers with dimension and range, and the strict table itself.
@@ -445,6 +445,8 @@ def any_indenter(shapes: Iterable[str]) -> Any:
 
 def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:
     """The columns ``wanted``, lengths in m, of a table of text by their names, with a unit in the header or in m."""
+    from ..tables.text import read_table
+
     try:
         content = read_bytes(path, "profile file", MOST_PROFILE_BYTES)
         table = read_table(path, least=len(wanted), content=content)
@@ -454,7 +456,7 @@ def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:
     return {name: tuple((scale * table.values[:, i]).tolist()) for name, (i, scale) in chosen.items()}
 
 
-def _column(table: TextTable, name: str) -> tuple[int, float]:
+def _column(table: "TextTable", name: str) -> tuple[int, float]:
     """Number of the column called ``name`` and its unit in m."""
     titles = [split_name(title) for title in table.names]
     matches = [i for i, (title, _) in enumerate(titles) if title.strip().lower() in CALLED.get(name, (name,))]

@@ -49,7 +49,7 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
     """
     from ..case import models, store
     from ..report.solved import Solved
-    from ..resolve.resolve import effect_facts, sticking_effect
+    from ..resolve.sticking import effect_facts, sticking_effect
 
     start = time.process_time()
     loaded = models.load_case(case)

@@ -58,7 +58,7 @@ def transform(
     from ..adhesion.roughness import works_on
     from ..report import forward, tables
     from ..resolve.analysis import analyse
-    from ..resolve.resolve import effect_on, sticking_warnings
+    from ..resolve.sticking import effect_on, sticking_warnings
 
     if own and dimensionless:
         raise InputError("transform: give either --dimensionless or --scale, got both")

@@ -21,7 +21,7 @@ from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.problem import RADIUS, changed, checked_names
 from ..methods.radii import ROOM
-from ..resolve.resolve import sticking_effect, sticking_warnings
+from ..resolve.sticking import sticking_effect, sticking_warnings
 from ..series.vocabulary import NO_UNIT
 from .batch import header_errors
 from .checks import warnings_of

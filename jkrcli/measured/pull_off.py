@@ -33,7 +33,7 @@ from ..report.forward import history_summary, no_depth, validity_lines
 from ..report.result import Results
 from ..resolve.analysis import Analysis, adhesive, analyse, method_behind, nonadhesive
 from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
-from ..resolve.resolve import effect_on, sticking_warnings
+from ..resolve.sticking import effect_on, sticking_warnings
 from ..series import Solution
 from .parameters import changes_by, implausible_work, show_within
 

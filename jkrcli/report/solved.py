@@ -16,7 +16,7 @@ from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import relaxing
 from ..methods.protocol import Choice
-from ..resolve.resolve import StickingEffect, sticking, sticking_warnings
+from ..resolve.sticking import StickingEffect, sticking, sticking_warnings
 from ..series import COLUMNS, Series, Solution
 from .result import Figure
 

@@ -25,7 +25,7 @@ from ..base.units import SI, deviation, show
 from ..bodies.problem import Elastic, Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
 from ..resolve.analysis import Analysis, is_solved_at
-from ..resolve.resolve import sticking
+from ..resolve.sticking import sticking
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
 PRINTED = 1e-4  # choice: relative error from which each force is printed with its own

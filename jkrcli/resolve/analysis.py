@@ -58,15 +58,8 @@ from ..methods.layered.solver import surface_profile
 from ..methods.protocol import METHODS, Forecast, Method, method_class
 from ..series import ErrorBudget, Series, Solution, is_series
 from .node_radii import Compared, compared
-from .resolve import (
-    Comparison,
-    StickingEffect,
-    compare_half_space,
-    effect_of_range,
-    effect_on,
-    own_solution,
-    resolve_with,
-)
+from .resolve import Comparison, compare_half_space, effect_of_range, own_solution, resolve_with
+from .sticking import StickingEffect, effect_on
 
 if TYPE_CHECKING:
     from ..methods.fem import FEM

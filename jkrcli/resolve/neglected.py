@@ -43,7 +43,8 @@ from ..methods.layered.solver import Layered
 from ..methods.layered.spectrum import spectrum_seconds
 from ..methods.radii import DENSE
 from ..series import Series
-from .resolve import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, resolve_with, sticking_effect
+from .resolve import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, resolve_with
+from .sticking import sticking_effect
 
 # What is taken in where a case does not say how much of it there is, and how well that is solved.
 LEFT_OUT_GLASS = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -16,17 +16,12 @@ from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Solid, Specimen, contact_modulus
 from ..integral import fredholm
-from ..integral.finite_range import Attraction, panels_for
 from ..integral.fredholm import Quadrature
-from ..integral.logarithm import (
-    LOGARITHM_FLOOR,
-    LOGARITHM_KNOTS,
-    LOGARITHM_NEAREST,
-    LOGARITHM_STEP,
-    LogarithmicAttraction,
-    widest_panel,
-)
 from .spectrum import LayeredSpectrum
+
+if TYPE_CHECKING:
+    from ..integral.finite_range import Attraction
+    from ..integral.logarithm import LogarithmicAttraction
 
 # --------------------------------------------------------------------------------------------------
 # Product integration of the kernel's logarithmic part on composite Gauss panels.
@@ -328,6 +323,8 @@ class LayeredContact(IndenterOnLayers):
     def attraction(self, reach: float, tolerance: float) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative
         ``tolerance``."""
+        from ..integral.finite_range import Attraction
+
         panels = self.attraction_panels(reach, tolerance)
         return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
 
@@ -336,16 +333,18 @@ class LayeredContact(IndenterOnLayers):
         ln(s) in place of the kernel's function of the distance s."""
         from scipy.interpolate import make_interp_spline
 
-        spectrum = LayeredSpectrum(self.specimen, self.indenter.material, LOGARITHM_FLOOR)
+        from ..integral import logarithm
+
+        spectrum = LayeredSpectrum(self.specimen, self.indenter.material, logarithm.LOGARITHM_FLOOR)
         kernel, tail = spectrum.kernel(2 * reach, self.order), spectrum.tail
         assert tail is not None
         # The part of the rest of g - 1 is smooth at s = 0; it varies over ``finest`` and, far away, over s
-        v = np.arange(0.0, math.asinh(2 * reach / tail.finest) + 2 * LOGARITHM_STEP, LOGARITHM_STEP)
+        v = np.arange(0.0, math.asinh(2 * reach / tail.finest) + 2 * logarithm.LOGARITHM_STEP, logarithm.LOGARITHM_STEP)
         parts = np.array_split(np.sinh(v) * tail.finest, max(v.size * kernel.k.size // LAYERED_COSINES, 1))
         waves = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in parts])
         rest = make_interp_spline(v, waves, 7)
-        ends = math.log(LOGARITHM_NEAREST * reach), math.log(2 * reach)
-        ln_s = np.linspace(*ends, math.ceil(LOGARITHM_KNOTS * order * (ends[1] - ends[0]) / math.log(10)))
+        ends = math.log(logarithm.LOGARITHM_NEAREST * reach), math.log(2 * reach)
+        ln_s = np.linspace(*ends, math.ceil(logarithm.LOGARITHM_KNOTS * order * (ends[1] - ends[0]) / math.log(10)))
         s = np.exp(ln_s)
         whole = tail.transform(s) + rest(np.arcsinh(s / tail.finest))
         spline = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], cubic_spline(ln_s, whole).c)
@@ -353,11 +352,13 @@ class LayeredContact(IndenterOnLayers):
         def tau(distance: Array) -> Array:
             return spline(np.log(np.maximum(distance, s[0])))
 
-        widest = widest_panel(tau, order, reach, tolerance, self.specimen.top_thickness)
-        return LogarithmicAttraction(self.indenter, self.E_star, tau, reach, order, widest)
+        widest = logarithm.widest_panel(tau, order, reach, tolerance, self.specimen.top_thickness)
+        return logarithm.LogarithmicAttraction(self.indenter, self.E_star, tau, reach, order, widest)
 
     def attraction_panels(self, reach: float, tolerance: float) -> fredholm.Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
+        from ..integral.finite_range import panels_for
+
         crowding = 1.0 if self.spectrum.tail is None else LAYERED_NARROWER * self.scale / self.spectrum.tail.finest
         return panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
 

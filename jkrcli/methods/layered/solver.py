@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -19,13 +19,15 @@ from ..protocol import Forecast, LayeredOptions
 from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
 from .no_slip import StuckLayeredContact, why_unsupported
 from .spectrum import spectrum_seconds
-from .surface_tension import ELASTIC_TIP_TOLERANCE, TENSE_TOLERANCE, SurfaceTensionSolver, TenseTipSolver
+
+if TYPE_CHECKING:
+    from .surface_tension import SurfaceTensionSolver
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 FIRST = 1e-12  # relative accuracy of S at first touch; choice: one radius costs nothing
 QUICK = 20.0  # choice: sqrt(a^2 - a0^2) over the kernel's scale up to which a solve takes a fraction of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
-SolvedContact = LayeredContact | StuckLayeredContact | SurfaceTensionSolver
+SolvedContact: TypeAlias = "LayeredContact | StuckLayeredContact | SurfaceTensionSolver"
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,8 @@ class Layered(LayeredOptions):
         """The tolerance that holds for the ``problem``."""
         specimen, tense = problem.specimen, 0.0
         if specimen.surface_tension:
+            from .surface_tension import ELASTIC_TIP_TOLERANCE, TENSE_TOLERANCE
+
             tense = TENSE_TOLERANCE if problem.indenter.material is None else ELASTIC_TIP_TOLERANCE
         return max(self.tolerance, GRADED if specimen.is_graded else 0.0, tense)
 
@@ -134,6 +138,8 @@ def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -
 def _contact(problem: Problem) -> SolvedContact:
     kind: Any = StuckLayeredContact if problem.sticks else LayeredContact
     if problem.specimen.surface_tension:
+        from .surface_tension import SurfaceTensionSolver, TenseTipSolver
+
         kind = SurfaceTensionSolver if problem.indenter.material is None else TenseTipSolver
     return kind(problem.indenter, problem.specimen)
 

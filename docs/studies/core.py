@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from jkrcli.base.wings import PACKAGE, wings
@@ -63,14 +64,17 @@ def said(project: Path, folder: Path, words: str) -> tuple[int, str, dict[str, b
 
 def differing(core: Path, cases: Sequence[Path]) -> Iterator[str]:
     """Commands that fail, or of which the ``core`` says or writes something else than the whole."""
-    for case in cases:
-        found = []
-        for project in (ROOT, core):
-            with tempfile.TemporaryDirectory() as folder:
-                place = Path(folder)
-                shutil.copytree(ROOT / "cases", place / "cases")
-                found.append([said(project, place, words.format(case=f"cases/{case.name}")) for words in VERBS])
-        for words, whole, alone in zip(VERBS, *found, strict=True):
+
+    def all_of(case: Path, project: Path) -> list[tuple[int, str, dict[str, bytes]]]:
+        with tempfile.TemporaryDirectory() as folder:
+            place = Path(folder)
+            shutil.copytree(ROOT / "cases", place / "cases")
+            return [said(project, place, words.format(case=f"cases/{case.name}")) for words in VERBS]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = [[pool.submit(all_of, case, project) for project in (ROOT, core)] for case in cases]
+    for case, both in zip(cases, found, strict=True):
+        for words, whole, alone in zip(VERBS, *(each.result() for each in both), strict=True):
             of_wing = words.startswith("cycle") and "contact of a viscoelastic specimen over time needs" in alone[1]
             if whole != alone and not of_wing:
                 yield f"{words.format(case=case.name)}: the core says {alone[1]!r}, the whole {whole[1]!r}"

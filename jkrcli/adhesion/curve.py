@@ -300,8 +300,8 @@ class Nonadhesive:
     def at_rows(self, rows: Array) -> Nonadhesive:
         """The functions through the points ``rows`` alone, without errors."""
         known = None if self.log_rates is None else self.log_rates[rows]
-        series = replace(self.series, **_at(self.series, rows), errors={}, unresolved=None, shift=None)
-        slopes = replace(self.slopes, **_at(self.slopes, rows), covariance=None, joint=None, other=None)
+        series = replace(self.series, **columns_at(self.series, rows), errors={}, unresolved=None, shift=None)
+        slopes = replace(self.slopes, **columns_at(self.slopes, rows), covariance=None, joint=None, other=None)
         return Nonadhesive(series, slopes, known, together=self.together)
 
     @cached_property
@@ -318,7 +318,8 @@ class Nonadhesive:
         columns = np.concatenate([np.array(part.points[:4]) for part in parts], axis=1)[:, order]
         rates = np.concatenate([part._known_rates for part in parts])[order]
         delta, P, S, dS = columns
-        series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={}, shift=None)
+        known = dict.fromkeys(COLUMNS) | {"a": a, "delta": delta, "P": P, "S": S, "dS": dS}  # others: of rows
+        series = replace(self.series, **known, errors={}, shift=None)  # type: ignore[arg-type]
         slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None, other=None)
         return Nonadhesive(series, slopes, rates, together=self.together)
 
@@ -391,7 +392,7 @@ class Nonadhesive:
         return energy_consistent_interpolant(rows) if self.together else rows.logs
 
 
-def _at(columns: Series | Slopes, rows: Array) -> dict[str, Any]:
+def columns_at(columns: Series | Slopes, rows: Array) -> dict[str, Any]:
     """The columns of a series, or of slopes, at the points ``rows`` alone."""
     return {name: getattr(columns, name)[rows] for name in COLUMNS if getattr(columns, name, None) is not None}
 

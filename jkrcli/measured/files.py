@@ -1,6 +1,8 @@
 """Measured curves, from text tables and from the files of force microscopes."""
 
+import importlib
 import math
+import pkgutil
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -18,6 +20,10 @@ from . import afm_formats, formats, instruments, text_formats
 from . import instruments as archive
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, AsRead, Curve, Reading
 from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise, with_zero_points
+
+for _module in pkgutil.iter_modules([str(Path(__file__).parent)]):
+    if _module.name.endswith("_format"):  # of one format, which it registers
+        importlib.import_module(f"{__package__}.{_module.name}")
 
 __all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.

@@ -24,6 +24,7 @@ from ..adhesion.curve import (
     Equilibrium,
     EquilibriumCurve,
     Nonadhesive,
+    columns_at,
     mask_below_atomic_spacing,
 )
 from ..adhesion.device_path import Stability, behaviours, stable_radius
@@ -586,9 +587,8 @@ def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
     nearer = np.min(away, axis=2) >= own + SOLVED_STEP / 2
     nearer[:, MIDDLE] = True
     rows = np.unique(sevens[nearer])
-    columns = {name: getattr(series, name)[rows] for name in ("a", "delta", "P", "S", "dS")}
     errors = {name: values[rows] for name, values in series.errors.items()}
-    inner = replace(series, **columns, errors=errors, unresolved=solution.unresolved[:, rows])
+    inner = replace(series, **columns_at(series, rows), errors=errors, unresolved=solution.unresolved[:, rows])
     middle = sevens[:, MIDDLE]
     beyond, delta, dS = series.a[middle] - series.a0, series.delta[middle], series.dS[middle]
     followed = [_followed(problem, series, seven) for seven in sevens]

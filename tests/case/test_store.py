@@ -291,7 +291,7 @@ def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable,
     found = store.read_solution("old.h5")
     case = parse_case(found.record.toml.encode(), "old")
     exact = ClosedForm()(case.model.problem())
-    for name in COLUMNS:  # up to 3e-16 apart on another processor than the one that wrote it
+    for name in ("a", "delta", "P", "S", "dS"):  # up to 3e-16 apart on another processor than the one that wrote it
         np.testing.assert_allclose(getattr(found.series, name), getattr(exact.series, name), rtol=1e-15)
         np.testing.assert_allclose(found.series.errors[name], WIDER * exact.series.errors[name], rtol=1e-6)
     record = found.record

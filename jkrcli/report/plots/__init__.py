@@ -261,10 +261,11 @@ def save(figure: Figure, paths: Iterable[Path]) -> None:
             with atomic(path) as temporary:
                 if path.suffix == ".png":
                     figure.set_dpi(DPI)  # SVG has 72
-                    png.draw()
+                    png.draw()  # type: ignore[no-untyped-call]
                     # No figure is transparent: without that channel a fifth less to encode; level 3 takes two thirds
                     # of the default's time, for a seventh more bytes
-                    image = Image.frombuffer("RGBA", png.get_width_height(), png.buffer_rgba()).convert("RGB")
+                    drawn = png.buffer_rgba()  # type: ignore[no-untyped-call]
+                    image = Image.frombuffer("RGBA", png.get_width_height(), drawn).convert("RGB")
                     image.save(temporary, "png", dpi=(DPI, DPI), pnginfo=software, compress_level=3)
                 else:
                     svg.print_svg(temporary, metadata={"Creator": mark, "Date": None})  # type: ignore[no-untyped-call]

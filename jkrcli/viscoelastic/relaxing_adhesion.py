@@ -37,10 +37,10 @@ from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
 from ..base.numerics import MOST_STEPS, SAME, TINY, Array, zeros_between
 from ..base.units import show
 from ..bodies.problem import Modes, Problem, Relaxation
-from ..methods.integral.density import DentedProfile, DentPoints
 from ..methods.integral.finite_range import Attraction, Rims
 from ..methods.integral.fredholm import angle
 from ..series import Solution
+from .dent import DentedProfile, DentPoints, dented_state
 from .rate import History, RateContact
 
 # Accuracy.
@@ -195,7 +195,7 @@ class Step:
         body, s = self.body, self.body.s / self.G
         if not body.attraction.is_half_space:
             discs = body.attraction.discs(np.array([a]), self.profile)
-            rims, smooth, slopes = discs.with_slopes(c - a, s)
+            rims, smooth, slopes = dented_state(discs, c - a, s)
             slopes *= np.array([[1.0], [self.G], [1.0]])
             return Rim(float(rims.delta[0]), float(rims.P[0]) * self.G, float(rims.gap[0]), slopes, smooth)
         # K = 0: delta = g(a) - s sqrt(c^2 - a^2), (pi/2) gap = int_a^c (g - delta)/sqrt(c^2 - x^2) dx - s (c - a)

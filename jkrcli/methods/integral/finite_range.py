@@ -31,7 +31,7 @@ from ...base.numerics import MOST_STEPS, ROUNDED, SAME, SETTLED, Array
 from ...base.units import show
 from ...bodies.indenters import Indenter
 from ...formulas import lagging, shift
-from .density import DENSITY_PIECE, Density, DentedProfile, panel_pieces
+from .density import DENSITY_PIECE, Density, panel_pieces
 from .fredholm import AbelMoments, LegendrePanels, Panels, Quadrature, angle, gauss, rule, tension_moments, to_legendre
 
 # How the edge of the attracted annulus is found.
@@ -52,7 +52,6 @@ ATTRACTION_ROUNDING = 1e-12  # theory: of states in double precision
 # Search for the width of the annulus, in logarithms:
 ATTRACTION_POWER = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
 ATTRACTION_FAR = 1.5  # tuned on ranges, by `make constants`: longest step
-SLOPE_STEP = 1e-6  # theory: of the width of an annulus, for a derivative: rounding leaves ten digits
 # smallest separation over the wanted one that is distinguished; theory: below exp(-2 far) = 0.05 steps are as long
 # as they may be
 ATTRACTION_LEAST = 1e-3
@@ -148,6 +147,19 @@ class ContactDiscs(ABC):
         return None
 
 
+class AbelImage(Protocol):
+    """What stands for F in the contact equation: see ``AbelMoments``."""
+
+    @property
+    def F(self) -> Callable[[Array], Array]: ...
+
+    def moments(self, a: Array) -> Array: ...
+
+    def integral(self, moments: Array) -> Array: ...
+
+    def arcs(self, a: Array, b: Array) -> Array: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Discs(ContactDiscs):
     """Contact discs on the polynomials of a ``basis``.
@@ -157,7 +169,7 @@ class Discs(ContactDiscs):
     """
 
     basis: LegendrePanels
-    abel: AbelMoments | DentedProfile
+    abel: AbelImage
     panel: Array
     schur: list[Array]
     partial: Array
@@ -208,42 +220,6 @@ class Discs(ContactDiscs):
         pulled = np.sum(self.beta * M_rho, axis=1) - self.abel.integral(rho)
         P = 2 * self.E_star * (delta * S - Q + s * pulled)
         return Rims(self.a, self.a + b, delta, P, 2 / math.pi * gap)
-
-    def with_slopes(self, b: float, s: float) -> tuple[Rims, Array, Array]:
-        """The state of one disc with an annulus ``b`` [m] wide (see ``rims``) under a ``DentedProfile``, int_0^c K phi
-        of it on the polynomials, and the derivatives of delta [m], P [N] and the gap [m] by a at the same c and by c
-        at the same a, (3, 2).
-
-        Another a at the same c is the flat end of radius a pressed by d(delta), as phi stays continuous there; with
-        another c the tension sqrt(c^2 - t^2) changes by c/sqrt(c^2 - t^2).
-        """
-        assert isinstance(self.abel, DentedProfile)
-        a, e = float(self.a[0]), SLOPE_STEP * b
-        c, E, zone = a + b, 2 * self.E_star, self.abel.zone(a, a + b)
-        root, theta = zone.root, math.atan2(zone.root, a)
-        (rho, _), (kappa, further) = tension_moments(self.basis, np.array([a, a]), np.array([b, b + e]))
-        ends, beta = self.ends[0], self.beta[0]
-        # M of the only disc times four vectors
-        p, order = int(self.panel[0]), self.basis.order
-        M, block = self.schur[p], slice(p * order, (p + 1) * order)
-        whole = np.stack([beta, self.phi_F[0], rho, kappa]) @ M
-        M_beta, M_F, M_rho, M_kappa = whole - (whole[:, block] @ self.partial[0].T) @ M[block]
-        edge, S = 1 - float(ends @ M_beta), a - float(beta @ M_beta)
-        z, Q = zone.F - float(ends @ M_F), float(self.abel.inside(self.a)[0] - beta @ M_F)
-        # (pi/2) phi = delta - F - b smooth within a, -s sqrt(c^2 - x^2) beyond, and continuous at a
-        delta = (z - s * (float(ends @ M_rho) + root)) / edge
-        smooth = delta * M_beta - M_F - s * M_rho
-        opens = theta - float(kappa @ M_beta)  # less u of the flat end at c, times pi/2
-        gap = zone.arc + (zone.F - delta) * theta - s * b + float(kappa @ smooth)
-        P = E * (delta * S - Q + s * (float(beta @ M_rho) - (c**2 * theta - a * root) / 2))
-        by_a = (s * a / root + zone.slope + float(self.basis.slopes_at(self.a)[0] @ smooth)) / edge
-        by_c = -s * c * (float(ends @ M_kappa) + 1 / root) / edge
-        P_by_c = E * (by_c * S + s * c * (float(beta @ M_kappa) - theta))
-        gap_by_c = zone.arc_by_c + (zone.F - delta) * a / (c * root) - by_c * opens - s
-        gap_by_c += float((further - kappa) @ smooth) / e - s * c * float(kappa @ M_kappa)
-        rows = [[by_a, by_c], [E * S * by_a, P_by_c], [-2 / math.pi * opens * by_a, 2 / math.pi * gap_by_c]]
-        rims = Rims(*(np.array([value]) for value in (a, c, delta, P, 2 / math.pi * gap)))
-        return rims, smooth, np.array(rows)
 
     def smooth(self, rims: Rims, s: float) -> Array:
         """int_0^c K phi of each state on the polynomials, (discs, size)."""
@@ -353,7 +329,7 @@ class Attraction:
             complements.append(M - half.T @ half)
         return complements
 
-    def discs(self, a: Array, profile: DentedProfile | None = None) -> Discs:
+    def discs(self, a: Array, profile: AbelImage | None = None) -> Discs:
         """Contact discs of the radii ``a`` >= 0 [m] below ``reach``, under the indenter or another ``profile``."""
         basis, panel = self.basis, self.basis.panel_of(a)
         lo = basis.panels.edges[panel]

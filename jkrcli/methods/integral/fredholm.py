@@ -110,7 +110,6 @@ def rule(order: int) -> tuple[Array, Array]:
     return nodes, weights
 
 
-@cache
 def to_legendre(order: int) -> Array:
     """Matrix from values at the Gauss nodes (..., order) to the coefficients of their Legendre polynomials."""
     nodes, weights = rule(order)
@@ -122,7 +121,6 @@ def lagrange(order: int, u: Array) -> Array:
     return legendre.legvander(2 * u - 1, order - 1) @ to_legendre(order).T
 
 
-@cache
 def crowded_rule(order: int, power: int) -> tuple[Array, Array]:
     """Gauss nodes and weights on [0, 1] in the root of that ``power``: they crowd at 0, where a function may begin like
     a root (power 2) or a logarithm (power 3)."""
@@ -455,14 +453,14 @@ class LegendrePanels:
         """Number of polynomials."""
         return self.count * self.order
 
-    @cached_property
+    @property
     def projection(self) -> Array:
         """Matrix from values at the nodes of the panels to the integrals of b times what has these values."""
         nodes, weights = rule(self.order)
         once = legendre.legvander(nodes, self.order - 1).T * weights * np.sqrt(np.arange(self.order) + 0.5)[:, None]
         return np.kron(np.diag(np.sqrt(np.diff(self.panels.edges) / 2)), once)
 
-    @cached_property
+    @property
     def widths(self) -> Array:
         """Widths [m] of the panels."""
         return np.diff(self.panels.edges)
@@ -481,13 +479,6 @@ class LegendrePanels:
         """All polynomials at the points ``x``, (x.size, size)."""
         panel = self.panel_of(x)
         return self.scattered(np.arange(x.size), panel, self.local(x, panel), x.size)
-
-    def slopes_at(self, x: Array) -> Array:
-        """Derivatives of all polynomials at the points ``x``, (x.size, size)."""
-        panel = self.panel_of(x)
-        width = self.widths[panel]
-        by_y = self.local(x, panel) @ in_chebyshev(self.order)[1]
-        return self.scattered(np.arange(x.size), panel, by_y * 2 / width[:, None], x.size)
 
     def scattered(self, row: Array, panel: Array, values: Array, rows: int) -> Array:
         """Values (m, order) of the polynomials of each one's ``panel`` added up in (rows, size)."""

@@ -286,7 +286,7 @@ class LogarithmicAttraction:
     is_half_space: ClassVar[bool] = False
     rounding: ClassVar[float] = LOGARITHM_ROUNDING
 
-    @cached_property
+    @property
     def kinks(self) -> Array:
         return profile_kinks(self.indenter, self.reach)
 

@@ -76,7 +76,7 @@ class Rows:
     bends: Array = field(default_factory=lambda: np.empty(0, int))
     derived: bool = True
 
-    @cached_property
+    @property
     def logs(self) -> Logs:
         """Cubics through the rows alone: slopes that are not known are those of splines, that of log P_H is given by
         dP_H = S d(delta_H), that of log S is a S'/S where S' is the derivative of S."""
@@ -365,12 +365,12 @@ class Nonadhesive:
         slopes = replace(self.slopes, S=here.S, dS=here.dS, delta=None, P=None, covariance=of_rows, joint=None)
         return Nonadhesive(series, slopes, together=self.together)
 
-    @cached_property
+    @property
     def apart(self) -> Nonadhesive:
         """The same functions, each interpolated for itself."""
         return replace(self, together=False)
 
-    @cached_property
+    @property
     def bends(self) -> Array:
         """Numbers of the rows at kinks of the profile."""
         kinks = np.array(self.series.kinks)
@@ -740,7 +740,7 @@ class EquilibriumCurve(ABC):
         begin, end = self._works(low, places[first]), self._works(places[last], high)
         return float(begin.sum() + works[first:last].sum() + end.sum())
 
-    @cached_property
+    @property
     def _joints(self) -> Array:
         """Places (n,), the ends among them, of pieces over which Gauss' rule is accurate: those of the ``path``."""
         return np.unique(self.places)
@@ -826,8 +826,9 @@ class AdhesiveCurve(EquilibriumCurve):
     def contact_radii(self, places: Array) -> Array:
         return self.nonadhesive.contact_radii(places)
 
-    @cached_property
+    @property
     def _points(self) -> tuple[Array, Array]:
+        """delta [m] and P [N] at the radii of the series."""
         return self.nonadhesive.points.lagging(shift(self.w, self.a, self.slopes.dS))
 
     @property
@@ -856,7 +857,7 @@ class AdhesiveCurve(EquilibriumCurve):
         """What a shift of all radii makes of delta [m] and P [N] at a ``place`` [m], (2,)."""
         return np.array([np.interp(place, self.a, values) for values in self._by_shift])
 
-    @cached_property
+    @property
     def _by_shift(self) -> Array:
         """What a shift of all radii makes of delta [m] and P [N] at given radius, (2, n)."""
         shift = self.series.shift

@@ -95,12 +95,12 @@ class AttractedBody:
         problem = without_side_walls(self.problem)
         return LayeredContact(problem.indenter, problem.specimen)
 
-    @cached_property
+    @property
     def _half_space(self) -> LayeredContact:
         half_spaces = alone(self.problem)
         return LayeredContact(half_spaces.indenter, half_spaces.specimen)
 
-    @cached_property
+    @property
     def _cylinder(self) -> AdaptiveKernel | None:
         if self.problem.specimen.radius is None:
             return None
@@ -133,7 +133,7 @@ class AttractedBody:
         """The bodies ready for any tension up to ``reach`` [m], as accurate as they are solved."""
         return self._logarithmic(self._wide, reach, ATTRACTED_ORDER) if self.is_logarithmic else self.attraction(reach)
 
-    @cached_property
+    @property
     def is_logarithmic(self) -> bool:
         """Whether the kernel has a logarithm that polynomials do not follow: wide bodies whose modulus changes right
         below the contact."""
@@ -462,22 +462,22 @@ class FiniteRangeCurve(EquilibriumCurve):
     def places(self) -> Array:
         return np.concatenate([self.apart.c, self._c0 + self.touching.a])
 
-    @cached_property
+    @property
     def c(self) -> Array:
         """Radii to which the surfaces attract each other at the points [m]."""
         return np.concatenate([self.apart.c, self.touching.c])
 
-    @cached_property
+    @property
     def delta(self) -> Array:
         """Displacement [m] at the points."""
         return np.concatenate([self.apart.delta, self.touching.delta])
 
-    @cached_property
+    @property
     def P(self) -> Array:
         """Load [N] at the points."""
         return np.concatenate([self.apart.P, self.touching.P])
 
-    @cached_property
+    @property
     def a(self) -> Array:
         """Contact radii of the points [m], 0 where nothing touches."""
         return np.concatenate([self.apart.a, self.touching.a])
@@ -519,7 +519,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         return np.where(beyond > 2 * ROUNDED * self._c0, beyond, 0.0)
 
     def attracted_radii(self, places: Array) -> Array:
-        return np.where(places > self._c0, self._spline(self._stretched(places))[..., 0], places)
+        return np.where(places > self._c0, self._splines[0](self._stretched(places))[..., 0], places)
 
     def around(self, a: Array) -> Array:
         """The radii c [m] to which the surfaces attract each other around contact radii ``a`` [m], about."""
@@ -541,14 +541,11 @@ class FiniteRangeCurve(EquilibriumCurve):
         return np.flatnonzero(near.any(axis=(0, 2))) + 1
 
     @cached_property
-    def _spline(self) -> Broken:
-        """c, delta, P over asinh(a/c0)."""
+    def _splines(self) -> tuple[Broken, Broken]:
+        """c, delta, P over asinh(a/c0), and their derivatives."""
         columns = np.stack([self.touching.c, self.touching.delta, self.touching.P], axis=1)
-        return Broken.through(np.arcsinh(self.touching.a / self._c0), columns, self._bends)
-
-    @cached_property
-    def _slope(self) -> Broken:
-        return self._spline.derivative()
+        spline = Broken.through(np.arcsinh(self.touching.a / self._c0), columns, self._bends)
+        return spline, spline.derivative()
 
     @cached_property
     def _pulled(self) -> BSpline | None:
@@ -559,7 +556,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         c = np.minimum(places, self._c0)
         pulled: Array = np.zeros_like(c) if self._pulled is None else self._pulled(c)
         free = self.problem.indenter.f(c) - pulled, -math.pi * self.law.stress * c**2
-        touching = np.moveaxis(self._spline(self._stretched(places)), -1, 0)[1:]
+        touching = np.moveaxis(self._splines[0](self._stretched(places)), -1, 0)[1:]
         delta, P = (np.where(places > self._c0, b, a) for a, b in zip(free, touching, strict=True))
         return delta, P
 
@@ -569,7 +566,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         pulled: Array = np.zeros_like(c) if self._pulled is None else self._pulled(c, 1)
         free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
         by_a = 1 / np.hypot(self._c0, self.contact_radii(places))
-        touching = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_a
+        touching = np.moveaxis(self._splines[1](self._stretched(places)), -1, 0)[1:] * by_a
         inside = places > self._c0 * (1 + ROUNDED)
         delta, P = (np.where(inside, b, a) for a, b in zip(free, touching, strict=True))
         return delta, P

@@ -208,16 +208,14 @@ def run_chunk(version: str, function: Callable[[list[Item]], Outcomes[Result]], 
     if version != __version__:
         raise JkrError(f"a worker runs jkr {__version__}, this command jkr {version}: install the same release")
     pin_blas()
-    return [_sendable(one) if isinstance(one, Exception) else one for one in function(items)]
-
-
-def _sendable(error: Exception) -> Exception:
-    """The exception, or its message alone where it cannot be sent to a process."""
-    try:
-        pickle.loads(pickle.dumps(error))
-    except Exception:
-        return SolveError(f"{type(error).__name__}: {error}")
-    return error
+    outcomes = function(items)
+    for i, error in enumerate(outcomes):
+        if isinstance(error, Exception):  # its message alone where it cannot be sent to a process
+            try:
+                pickle.loads(pickle.dumps(error))
+            except Exception:
+                outcomes[i] = SolveError(f"{type(error).__name__}: {error}")
+    return outcomes
 
 
 class _Here(Pool):

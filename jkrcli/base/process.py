@@ -110,8 +110,13 @@ def free_memory() -> float:
         lines = MEMINFO.read_text(encoding="ascii").splitlines()
         left.append(next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) / 1024)
     except (OSError, ValueError, StopIteration):
-        with contextlib.suppress(Exception):  # not on this system either; it asks the system itself, as it can
-            left.append(_available() / 2**20)
+        with contextlib.suppress(Exception):  # not on this system either, which is asked itself: slower to load
+            import psutil
+
+            try:
+                left.append(float(psutil.virtual_memory().available) / 2**20)
+            except OSError:  # which reads /proc on Linux
+                left.append(float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")) / 2**20)
     with contextlib.suppress(OSError, ValueError):  # "max" where there is no limit
         most, used = (float((CGROUP / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
         left.append((most - used) / 2**20)
@@ -130,16 +135,6 @@ def address_space() -> float:
         if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
             return limit
     return math.inf
-
-
-def _available() -> float:
-    """Bytes that are free by what the system's own calls say: slower to load than a file is read."""
-    import psutil
-
-    try:
-        return float(psutil.virtual_memory().available)
-    except OSError:  # which reads /proc on Linux
-        return float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
 
 
 # --------------------------------------------------------------------------------------------------

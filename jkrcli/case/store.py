@@ -5,7 +5,6 @@ import platform
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -266,7 +265,7 @@ class _Reader:
             raise InputError(f"{name}: attribute ratio must be > 1, got {ratio:g}")
         return CoarseSeries(Series(**columns, a0=a0, coarser=self.coarser(a0, larger)), ratio)
 
-    @cached_property
+    @property
     def widening(self) -> float:
         """The half-widths of errors that are made of those in the file, which states their level, over these."""
         level = _real(self.group("errors").attributes.get("level", EARLIER_LEVEL))

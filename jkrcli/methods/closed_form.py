@@ -143,28 +143,24 @@ def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
     return Formula("thin compressible layer, leading order (Eq. 20)", winkler)
 
 
-def _long(layered: Layered, problem: Problem) -> str | None:
-    """Why the exact solution is no quick matter, None where it is."""
-    try:
-        seconds = layered.forecast(problem).seconds
-    except Refusal as error:
-        return f"is refused ({error})"
-    return f"would take about {seconds:.2g} s" if seconds > PATIENCE else None
-
-
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
     """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``, where
     that is no quick matter at the largest one below; SolveError where there is none."""
     layered, wide, worst = Layered(SAME), without_side_walls(problem), 0.0
     for a in radii.tolist():
-        while (reason := _long(layered, exactly := replace(wide, loading=Loading.given("radius", (a,))))) is not None:
+        while True:
+            exactly = replace(wide, loading=Loading.given("radius", (a,)))
+            try:
+                if (seconds := layered.forecast(exactly).seconds) <= PATIENCE:
+                    break
+                reason = f"would take about {seconds:.2g} s"
+            except Refusal as error:
+                reason = f"is refused ({error})"
             if worst > CLOSED_FORM_WORST:
                 return worst
             if a <= 2 * radii[0]:
-                break
+                raise SolveError(f"the exact layer at a = {show(a, 'length')} {reason}")
             a /= 2  # beyond, the error is smaller: it falls as h/a
-        if reason is not None:
-            raise SolveError(f"the exact layer at a = {show(a, 'length')} {reason}")
         exact = layered(exactly).series
         pairs = zip(formula.columns(np.array([a])), (exact.delta, exact.P, exact.S, exact.dS), strict=True)
         worst = max(worst, *(float(np.abs(ours / theirs - 1)[0]) for ours, theirs in pairs if theirs is not None))

@@ -6,7 +6,6 @@ Both grow like powers of v = sqrt(a^2 - a0^2), so that the search runs in logari
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -55,7 +54,7 @@ class Search:
     accuracies: Sequence[float]
     scale: float = math.inf
 
-    @cached_property
+    @property
     def radii(self) -> Array:
         """All contact radii [m], increasing."""
         loading = self.loading
@@ -76,7 +75,7 @@ class Search:
                 radii = np.unique(np.concatenate([radii[~close], [kink], kink + beyond]))
         return radii
 
-    @cached_property
+    @property
     def largest(self) -> float:
         """The contact radius [m] at which the loading ends: a rough search first, then ever more accurate ones."""
         loading = self.loading

@@ -160,12 +160,12 @@ def test_free_memory_is_known_without_a_file_of_the_system(tmp_path: Path, monke
     assert process.free_memory() == pytest.approx(there, rel=0.3)
     import psutil
 
-    def fails() -> None:
+    def fails(*_: object) -> None:
         raise FileNotFoundError("/proc/meminfo")
 
     monkeypatch.setattr(psutil, "virtual_memory", fails)  # as without /proc
     assert 0 < process.free_memory() < math.inf
-    monkeypatch.setattr(process, "_available", fails)  # not even by calls of the system: it is said
+    monkeypatch.setattr(process.os, "sysconf", fails)  # not even by calls of the system: it is said
     assert process.free_memory() == math.inf
     told = check_cost("x", Forecast(1.0, 4096.0, 0.0), Limits())
     assert told.endswith("how much memory is free is not known")

@@ -670,7 +670,14 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
         if not np.mean(squares[inliers]) > floor:
             return np.ones((3, x.size)), np.zeros(x.size, dtype=bool)
         if x.size >= SCATTER_FREE:
-            size = np.exp(_trend(x[inliers], squares[inliers]) * x)
+            # Exponent b of variance ~ a^b: the maximum of the Gaussian likelihood, one size parameter profiled out
+            seen, centred = squares[inliers], x[inliers] - x[inliers].mean()
+            trend = minimize_scalar(
+                lambda b, seen=seen, centred=centred: float(np.log(np.mean(seen * np.exp(-b * centred)))),
+                bounds=(-SCATTER_MOST_TREND, SCATTER_MOST_TREND),
+                method="bounded",
+            )
+            size = np.exp(float(trend.x) * x)
         relative = squares / size
         # theory: the sum of two squares is exponential, of median log 2; outliers hide in a mean that holds them
         unit = np.median(relative) / math.log(2) if round_ == 0 else np.mean(relative[inliers])
@@ -698,17 +705,6 @@ def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) ->
     if largest <= floor:
         return np.ones((3, 1))
     return np.maximum(np.array([[radius], [delta], [P]]) / largest, SCATTER_TRACE)
-
-
-def _trend(x: Array, squares: Array) -> float:
-    """Exponent b of variance ~ a^b: the maximum of the Gaussian likelihood, one size parameter profiled out."""
-    centred = x - x.mean()
-    minimum = minimize_scalar(
-        lambda b: float(np.log(np.mean(squares * np.exp(-b * centred)))),
-        bounds=(-SCATTER_MOST_TREND, SCATTER_MOST_TREND),
-        method="bounded",
-    )
-    return float(minimum.x)
 
 
 def correlation_length(residuals: Array) -> float:
@@ -768,23 +764,17 @@ class _Data:
     shift: Array | None = None
 
     @cached_property
-    def _starts(self) -> Array:
-        # bins of one size: where some hold one point and some two, the noise left in them differs as it does not along
-        # the record, and correlation is estimated too small
-        return np.arange(0, self.x.size, -(-self.x.size // INTEGRAL_MOST_BINS))
-
-    @cached_property
-    def counts(self) -> Array:
-        """How many points are in each bin."""
-        return np.diff(np.append(self._starts, self.x.size))
+    def bins(self) -> tuple[Array, Array]:
+        """The first point of each bin, and how many points are in it."""
+        # of one size: where some hold one point and some two, the noise left in them differs as it does not along the
+        # record, and correlation is estimated too small
+        starts = np.arange(0, self.x.size, -(-self.x.size // INTEGRAL_MOST_BINS))
+        return starts, np.diff(np.append(starts, self.x.size))
 
     def mean(self, values: Array) -> Array:
         """Means over the bins, of values (..., n)."""
-        return np.add.reduceat(values, self._starts, axis=-1) / self.counts
-
-    def spread(self, values: Array) -> Array:
-        """Values of the bins, (bins,), for every point, (n,)."""
-        return np.repeat(values, self.counts)
+        starts, counts = self.bins
+        return np.add.reduceat(values, starts, axis=-1) / counts
 
 
 def integral(series: Series) -> Slopes:
@@ -1001,7 +991,7 @@ class _Task:
         delta and log P, at the coefficients ``c``."""
         data, rates = self.data, self.model.columns(c, self.at, self.basis).rates
         k, m = rates * data.mean(data.lever)
-        return whitener(data.mean(variances), k, m) * np.sqrt(data.counts), rates
+        return whitener(data.mean(variances), k, m) * np.sqrt(data.bins[1]), rates
 
     def by_shift(self, fit: PenalisedFit, variances: Array) -> Array:
         """By how much the coefficients (p,) of the ``fit`` move with the error that all rows share."""
@@ -1014,7 +1004,7 @@ class _Task:
         """The scatter of a, delta and P as the residuals of ``fit`` show it: variances, outliers."""
         grid = self.model.on_grid(fit.c)
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
-        k, m = (self.data.lever * self.data.spread(rate) for rate in columns.rates)
+        k, m = (self.data.lever * np.repeat(rate, self.data.bins[1]) for rate in columns.rates)
         return estimate(self.data.x, self.difference(grid), k, m, fit.spent, INTEGRAL_FLOOR**2)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Annotated, ClassVar
@@ -89,11 +89,16 @@ def folded(x: Array, f: Array, noise: float) -> tuple[Array, Array]:
     quadratic, linear, _ = np.polyfit(x, f, 2)
     middle, reach = (-linear / (2 * quadratic) if quadratic > 0 else 0.0), float(np.ptp(x)) / SMOOTHING_AXIS
     low, high = max(middle - reach, float(x[0]) / 2), min(middle + reach, float(x[-1]) / 2)
+    return about(_golden_section(misfit, low, high, 2 * SMOOTHING_STEPS))
+
+
+def _golden_section(misfit: Callable[[float], float], low: float, high: float, steps: int) -> float:
+    """About where a ``misfit`` with one minimum between two places is least."""
     ratio = (math.sqrt(5) - 1) / 2
-    for _ in range(2 * SMOOTHING_STEPS):
+    for _ in range(steps):
         left, right = high - ratio * (high - low), low + ratio * (high - low)
         low, high = (low, right) if misfit(left) < misfit(right) else (left, high)
-    return about((low + high) / 2)
+    return (low + high) / 2
 
 
 @lru_cache(maxsize=REMEMBERED)  # a case is read and built several times, which takes a second each
@@ -177,12 +182,8 @@ class _Fit:
         best = min((self.tried(place, flat, strengths) for place in places.tolist()), key=lambda fit: fit.cp)
         (place,) = set(best.corners) - set(self.corners)
         low, high = max(place - apart, float(self.x[1])), min(place + apart, float(self.x[-2]))
-        ratio = (math.sqrt(5) - 1) / 2
-        for _ in range(SMOOTHING_STEPS):
-            left, right = high - ratio * (high - low), low + ratio * (high - low)
-            closer = self.tried(left, flat, strengths).cp < self.tried(right, flat, strengths).cp
-            low, high = (low, right) if closer else (left, high)
-        return min(best, self.tried((low + high) / 2, flat, strengths), key=lambda fit: fit.cp)
+        found = _golden_section(lambda corner: self.tried(corner, flat, strengths).cp, low, high, SMOOTHING_STEPS)
+        return min(best, self.tried(found, flat, strengths), key=lambda fit: fit.cp)
 
     def with_flat_end(self) -> _Fit:
         """The fit with a flat end up to the first corner, where the points allow one."""
@@ -192,7 +193,7 @@ class _Fit:
         return other if other.chi2 < self.chi2 + SMOOTHING_FLAT else self
 
     # ------------------------------------------------------------------ columns: offset, jumps of slope, f'' at nodes
-    @cached_property
+    @property
     def segments(self) -> list[Array]:
         """The nodes of f'' between corners."""
         least, most = SMOOTHING_KNOTS
@@ -202,7 +203,7 @@ class _Fit:
             np.linspace(low, high, max(round(count * (high - low)), 2) + 1) for low, high in itertools.pairwise(edges)
         ]
 
-    @cached_property
+    @property
     def knots(self) -> Array:
         return np.concatenate([self.segments[0], *(nodes[1:] for nodes in self.segments[1:])])
 
@@ -572,7 +573,10 @@ class TableProfile(Indenter):
             if len(self.r) < TABLE_FEW:
                 largest[:, i], shares[:, i] = _most(seen, i // 2, i), 1 / np.array(TABLE_FEW_FACTORS)
                 continue
-            near, wider = (_most(part, *self._beside(x, k, steps)) for part, steps in ((seen, 1), (before, 2)))
+            near, wider = np.empty(3), np.empty(3)
+            for most, part, steps in ((near, seen, 1), (wider, before, 2)):  # among the points around the radius
+                ends = self.r[max(k - 1 - steps, 0)], self.r[min(k + steps, len(self.r) - 1)]
+                most[:] = _most(part, *np.clip(np.searchsorted(x, ends), 0, x.size - 1).tolist())
             near[2], wider[2] = seen[2, i], before[2, i]
             orders = np.divide(wider, near, out=np.full(3, np.inf), where=near > 0) - 1
             largest[:, i], shares[:, i] = near, TABLE_SAFETY / np.clip(orders, TABLE_FLATTEST, TABLE_STEEPEST)
@@ -593,12 +597,6 @@ class TableProfile(Indenter):
             near, wider = abs(others[0] - error), abs(others[1] - others[0])
             error = min(TABLE_SAFETY * near**2 / max(wider - near, TINY), error)
         return math.pi / 2 * error
-
-    def _beside(self, x: Array, k: int, steps: int) -> tuple[int, int]:
-        """The first and the last of the radii ``x`` [m] within so many points around those beside the point ``k``."""
-        ends = self.r[max(k - 1 - steps, 0)], self.r[min(k + steps, len(self.r) - 1)]
-        first, last = np.clip(np.searchsorted(x, ends), 0, x.size - 1)
-        return int(first), int(last)
 
     @cached_property
     def thinned(self) -> tuple[TableProfile, ...]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -568,14 +568,14 @@ class Surface:
         """Whether radial displacements are among the m."""
         return len(self.C) > self.radii.size
 
-    @cached_property
+    @property
     def normal(self) -> Array:
         """Rows of C that are downward displacements (n,)."""
         if not self.sticks:
             return np.arange(self.radii.size)
         return np.cumsum(np.where(self.radii > 0, 2, 1)) - np.where(self.radii > 0, 2, 1)
 
-    @cached_property
+    @property
     def last(self) -> Array:
         """Last row of C of each node (n,)."""
         return np.append(self.normal[1:], len(self.C)) - 1
@@ -708,7 +708,7 @@ class TransversePointForce:
 
     material: TransverselyIsotropic
 
-    @cached_property
+    @property
     def _terms(self) -> list[tuple[complex, complex, complex]]:
         """Roots s_j [-], ratios m_j [-] and the factor c_j [1/Pa] of both terms."""
         C11, _, C13, C33, C44 = self.material.stiffness

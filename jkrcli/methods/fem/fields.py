@@ -191,12 +191,12 @@ class ContactState:
     errors: dict[str, Array]
     lines: dict[str, TractionLine]
 
-    @cached_property
+    @property
     def mises(self) -> Array:
         """Von Mises' equivalent stress [Pa], (n,)."""
         return von_mises(self.stress)
 
-    @cached_property
+    @property
     def quadratic(self) -> Array:
         """Nodes of the triangles (m, 6): vertices, then the middles of the sides 01, 12, 20."""
         return np.column_stack([self.grid.cells, self.middles])
@@ -216,7 +216,7 @@ class ContactState:
         r, z = np.abs(self.grid.points[node]).tolist()
         return float(self.mises[node]), r, z
 
-    @cached_property
+    @property
     def interpolation_error(self) -> dict[str, float]:
         """Largest error of displacements and of von Mises' stress where they are ``shown``, relative to their largest
         values there."""
@@ -228,12 +228,12 @@ class ContactState:
             "von_mises": float(self.errors["mises"][near].max() / self.mises[nodes].max()),
         }
 
-    @cached_property
+    @property
     def imbalance(self) -> dict[str, float]:
         """Compressive force that passes through each line less the load, relative to the line's ``size``."""
         return {name: (line.load - self.P) / line.size for name, line in self.lines.items()}
 
-    @cached_property
+    @property
     def error(self) -> dict[str, float]:
         """Mean error of each line's tractions zz within three contact radii, relative to their mean size."""
         return {name: line.error(STATE_NEAR * self.a) for name, line in self.lines.items()}
@@ -349,12 +349,6 @@ def _triangles(n: int) -> Array:
     return np.array(corners)
 
 
-def _quadratic(x: Array, y: Array) -> Array:
-    """Shape functions of a quadratic triangle, (places, 6): vertices, then the middles of the sides 01, 12, 20."""
-    z = 1 - x - y
-    return np.column_stack([z * (2 * z - 1), x * (2 * x - 1), y * (2 * y - 1), 4 * z * x, 4 * x * y, 4 * y * z])
-
-
 @dataclass(frozen=True, eq=False)
 class _Written:
     """What is written of a layer: ``points`` (n, 2), ``triangles`` (m, 6), ``u`` (n, 2), ``stress`` (4, n), and
@@ -392,7 +386,9 @@ def _written(
     # Of each triangle the lattice of all its places in between: vertices, middles, and the nine others
     coarse = {(int(i), int(j)): k for k, (i, j) in enumerate(_PLACES[n])}
     inner = _PLACES[n] / n
-    shapes = _quadratic(*inner.T)
+    x, y = inner.T
+    z = 1 - x - y  # shape functions of a quadratic triangle: vertices, then the middles of the sides 01, 12, 20
+    shapes = np.column_stack([z * (2 * z - 1), x * (2 * x - 1), y * (2 * y - 1), 4 * z * x, 4 * x * y, 4 * y * z])
     mean_mises, mises = von_mises(means), von_mises(values)
     fields = {"displacement": (u, mean_u), "stress": (values, means), "mises": (mises[None], mean_mises[None])}
     triangles: list[Array] = []

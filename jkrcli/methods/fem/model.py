@@ -65,22 +65,22 @@ class SurfaceContact:
     def z(self) -> Array:
         return self._solved[1]
 
-    @cached_property
+    @property
     def S(self) -> Array:
         """Stiffness dP/d(delta) of the contact sets {0..k} [N/m]."""
         return np.cumsum(self.y**2)[self.surface.last]
 
-    @cached_property
+    @property
     def T(self) -> Array:
         """Load that the profile takes off: P = S delta - T for the contact set {0..k} [N]."""
         return np.cumsum(self.y * self.z)[self.surface.last]
 
-    @cached_property
+    @property
     def delta(self) -> Array:
         """Depth at which node k touches with zero force, all nodes inside it in contact [m]."""
         return (self.z / self.y)[self.surface.normal]
 
-    @cached_property
+    @property
     def P(self) -> Array:
         """Load at that depth [N]."""
         S, T = np.cumsum([self.y**2, self.y * self.z], axis=1)[:, self.surface.normal]
@@ -119,13 +119,13 @@ class StuckContact(SurfaceContact):
         e[self.surface.normal] = 1.0
         return solve_triangular(self.L, e, lower=True)
 
-    @cached_property
+    @property
     def _ramps(self) -> Array:
         """What the rows of each node read of a field that begins to act there (n, 2) [m times y]."""
         y = self.y[np.column_stack([self.surface.normal, self.surface.last])]
         return np.einsum("nij,nj->ni", self.rows[: len(y)], y)
 
-    @cached_property
+    @property
     def edges(self) -> Array:
         """Radius of the edge of the contact when each node touches (n,) [m]."""
         return self.surface.radii + self._ramps[:, 0] / self.y[self.surface.normal]

@@ -185,7 +185,7 @@ class Region:
         """The layer of every depth ``z``."""
         return np.searchsorted(np.array(self.tops[1:]), z, side="right")
 
-    @cached_property
+    @property
     def mixed(self) -> tuple[bool, ...]:
         """Which layers have a pressure unknown."""
         limit = REGION_NEARLY_INCOMPRESSIBLE
@@ -285,7 +285,6 @@ LINE_MOST = 10_000  # intervals between two stops; choice: no solve of the cost 
 SAMPLES = np.unique(np.concatenate([np.linspace(0, 1, 65), np.geomspace(1e-5, 1, 65), 1 - np.geomspace(1e-5, 1, 65)]))
 
 
-@cache
 def lobatto(degree: int) -> Array:
     """Gauss-Lobatto points on [-1, 1], ends included; of degree 0 the centre."""
     if degree == 0:
@@ -524,7 +523,7 @@ class Mesh:
         """Stiffnesses at the Gauss points along z."""
         return self.region.moduli(self.z.rule[0])
 
-    @cached_property
+    @property
     def shape(self) -> tuple[int, int]:
         """Number of nodes along z and along r."""
         return self.z.nodes.size, self.r.nodes.size
@@ -533,13 +532,13 @@ class Mesh:
     def nodes(self) -> int:
         return self.shape[0] * self.shape[1]
 
-    @cached_property
+    @property
     def joined(self) -> tuple[Array, Array]:
         """Inner edges along r and along z at which a pressure is continuous: not at interfaces."""
         layer = self.region.layer_at((self.z.edges[1:] + self.z.edges[:-1]) / 2)
         return np.ones(self.r.degrees.size - 1, dtype=bool), layer[1:] == layer[:-1]
 
-    @cached_property
+    @property
     def used(self) -> Array:
         """Which pressure functions along z belong to layers with a pressure."""
         return np.any(self.z.pressure(self.joined[1])[self.moduli.mixed] != 0, axis=0)
@@ -549,7 +548,7 @@ class Mesh:
         """Pressure functions at the Gauss points along r and along z; none along z where no layer needs them."""
         return self.r.pressure(self.joined[0]), self.z.pressure(self.joined[1])[:, self.used]
 
-    @cached_property
+    @property
     def constrained(self) -> Array:
         """Mask (2, z, r) of the displacements that the supports or the axis prescribe."""
         mask = np.zeros((2, *self.shape), dtype=bool)
@@ -644,13 +643,13 @@ class Mesh:
         strains = V @ slope_r, V @ hoop, D @ u_z, D @ u_r + V @ slope_z, Q @ p
         return [strain.reshape(len(strain), points, strain.shape[1] // points) for strain in strains]
 
-    @cached_property
+    @property
     def free(self) -> Array:
         """Numbers of the unknowns that nothing prescribes."""
         constrained = np.flatnonzero(self.constrained.ravel())
         return np.setdiff1d(np.arange(self.stiffness.shape[0]), constrained)
 
-    @cached_property
+    @property
     def order(self) -> Array:
         """The ``free`` unknowns in the order of their elimination: nested dissection of the elements; pressures inside
         an element after the displacements there, others after the last displacement that they couple to, so that no
@@ -664,7 +663,8 @@ class Mesh:
             inside = np.outer(self.z.inside(self.joined[1])[self.used], self.r.inside(self.joined[0])).ravel()
             after = np.where(inside, np.minimum.reduceat(coupled, starts), np.maximum.reduceat(coupled, starts))
             ranks = np.append(2 * ranks, 2 * after + 1)
-        return self.free[np.argsort(ranks[self.free], kind="stable")]
+        free = self.free
+        return free[np.argsort(ranks[free], kind="stable")]
 
     def solve(self, loads: Array, prescribed: Array) -> Array:
         """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) elsewhere."""

@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -101,7 +101,13 @@ def _entries(transform: Transform, panels: fredholm.Panels, mirrored: bool) -> A
     plain[left, :, right, :] = blocks.transpose(0, 2, 1)
     if not mirrored:
         each = np.arange(count)
-        s, weights = _alone(order, 2 * points)
+        # int tau(s) sum over x - t = +s and -s of l_i(x) l_j(t), over w_i w_j: nodes s, weights (s, i, j)
+        s, v = fredholm.crowded_rule(2 * points, 3)
+        nodes, w = fredholm.rule(order)
+        inside = np.outer(1 - s, (nodes + 1) / 2)
+        first, second = fredholm.lagrange(order, inside), fredholm.lagrange(order, inside + s[:, None])
+        overlap = np.einsum("q,s,sqi,sqj->sij", w / 2, v * (1 - s), first, second, optimize=True)
+        weights = (overlap + overlap.transpose(0, 2, 1)) / np.outer(w / 2, w / 2)
         plain[each, :, each, :] = np.tensordot(transform(width[:, None] * s), weights, 1)
     return plain.reshape(panels.x.size, -1)
 
@@ -122,22 +128,10 @@ def _columns(transform: Transform, panels: fredholm.Panels, mirrored: bool) -> A
     return plain.reshape(panels.x.size, -1)
 
 
-@cache
 def _projection(order: int, points: int) -> Array:
     """(1/w_i) int l_i f = sum over the crowded nodes q of f_q times this (q, i)."""
     u, v = fredholm.crowded_rule(points, 3)
     return v[:, None] * fredholm.lagrange(order, u) / (fredholm.rule(order)[1] / 2)
-
-
-@cache
-def _alone(order: int, points: int) -> tuple[Array, Array]:
-    """Nodes s and weights (s, i, j) of int tau(s) sum over x - t = +s and -s of l_i(x) l_j(t), over w_i w_j."""
-    s, v = fredholm.crowded_rule(points, 3)
-    nodes, w = fredholm.rule(order)
-    inside = np.outer(1 - s, (nodes + 1) / 2)
-    first, second = fredholm.lagrange(order, inside), fredholm.lagrange(order, inside + s[:, None])
-    overlap = np.einsum("q,s,sqi,sqj->sij", w / 2, v * (1 - s), first, second, optimize=True)
-    return s, (overlap + overlap.transpose(0, 2, 1)) / np.outer(w / 2, w / 2)
 
 
 # How a result is refined and checked, and what is refused.

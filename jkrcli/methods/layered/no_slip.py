@@ -76,17 +76,13 @@ def coulomb_waves(eta: float, rho: Array) -> tuple[Array, Array]:
         table = np.array(rows).T
         row = np.rint(rho[~near] - centres[0]).astype(int)
         ahead = rho[~near] - centres[row]
-        F[~near], slope[~near] = (_horner(terms, row, ahead) for terms in (table, polynomial.polyder(table)))
+        for wave, terms in ((F, table), (slope, polynomial.polyder(table))):  # sums of terms[m, row] ahead^m
+            total = terms[-1][row]
+            for term in terms[-2::-1]:
+                total *= ahead
+                total += term[row]
+            wave[~near] = total
     return F, slope
-
-
-def _horner(table: Array, row: Array, ahead: Array) -> Array:
-    """Sum of table[m, row] ahead^m."""
-    total = table[-1][row]
-    for terms in table[-2::-1]:
-        total *= ahead
-        total += terms[row]
-    return total
 
 
 def coulomb_series(eta: float) -> Array:
@@ -211,7 +207,7 @@ class StuckDisc:
         largest = float(np.max(np.abs(np.diag(K)), initial=0.0))
         return cls(panels, kernel.Lambda, kernel.eta, np.cumsum(y**2)[last], residual, largest)
 
-    @cached_property
+    @property
     def dS(self) -> Array:
         each = np.arange(self.S.size)
         return np.sum(self.residual[each, each] ** 2, axis=1)
@@ -259,7 +255,7 @@ class Pieces:
         crowd = np.isin(edges, [b for b in kinks if b > 0])
         return cls(np.append(edges, largest), crowd, count)
 
-    @cached_property
+    @property
     def nodes(self) -> Array:
         """All nodes (n,) [m]."""
         u = (radau(self.count)[0] + 1) / 2
@@ -426,7 +422,7 @@ class StuckSpectrum(LayeredSpectrum):
         zz, zr, rr = self._half_spaces
         return zr / math.sqrt(zz * rr)
 
-    @cached_property
+    @property
     def _half_spaces(self) -> tuple[float, float, float]:
         """Compliances F_zz, F_zr, F_rr of the half-spaces of both materials that touch [1/Pa]."""
         zz, zr, rr = half_space_compliances(self.specimen.materials[0])
@@ -451,19 +447,20 @@ class StuckSpectrum(LayeredSpectrum):
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:
         """Ends lo, hi [1/m] of panels that resolve all three, and the largest value on each (panels, 1)."""
-        ends = [resolved(partial(self._acting, row), *self.octaves)[:2] for row in range(3)]
+        thinnest = min((body.layers[0].thickness for body, _ in self.bodies), default=math.inf)
+
+        def acting(row: int, k: Array) -> Array:
+            """A positive compliance less 1: g_zz, g_rr, or what acts on pressure and shear together.
+
+            F_rr over a sliding base goes like 1/k, and acts times k^2 for small k.
+            """
+            zz, zr, rr = self.deviations(k) + np.array([[1.0], [self.beta], [1.0]])
+            share = k * thinnest / np.sqrt(1 + (k * thinnest) ** 2)
+            return (zz, zz + 2 * share * zr + share**2 * rr, share**2 * rr)[row] - 1
+
+        ends = [resolved(partial(acting, row), *self.octaves)[:2] for row in range(3)]
         edges = np.unique(np.concatenate([np.ravel(pair) for pair in ends]))
         return edges[:-1], edges[1:], self((edges[1:] + edges[:-1]) / 2)[:, None]
-
-    def _acting(self, row: int, k: Array) -> Array:
-        """A positive compliance less 1: g_zz, g_rr, or what acts on pressure and shear together.
-
-        F_rr over a sliding base goes like 1/k, and acts times k^2 for small k.
-        """
-        zz, zr, rr = self.deviations(k) + np.array([[1.0], [self.beta], [1.0]])
-        y = k * min((body.layers[0].thickness for body, _ in self.bodies), default=math.inf)
-        share = y / np.sqrt(1 + y**2)
-        return (zz, zz + 2 * share * zr + share**2 * rr, share**2 * rr)[row] - 1
 
     def stuck_kernel(self, reach: float, order: int) -> StuckKernel:
         """Kernel for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""

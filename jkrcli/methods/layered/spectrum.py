@@ -126,16 +126,16 @@ class LayerMedium:
         c = nu_zp / (1 - nu_p) * (E_p / E_z)
         return cls(c, G_z / E_z * (1 - 2 * nu_zp * c), E_p / G_z / (1 - nu_p**2))
 
-    @cached_property
-    def _root(self) -> Any:
+    @property
+    def root(self) -> Any:
         """Product s1 s2 of the roots."""
         return np.sqrt(self.c**2 + self.e * self.beta)
 
     @property
     def squares(self) -> tuple[Any, Any]:
         """Squares A^2 and D^2 of the sum and the difference of the roots."""
-        middle = self.e - 2 * self.c
-        return middle + 2 * self._root, middle - 2 * self._root
+        middle, twice = self.e - 2 * self.c, 2 * self.root
+        return middle + twice, middle - twice
 
     @property
     def slowest(self) -> float:
@@ -146,9 +146,10 @@ class LayerMedium:
     @property
     def half_space(self) -> list[float]:
         """Minors of the half-space: where the Riccati equation of F stands still."""
-        rz = (self.c - self._root) / self.e
+        root = self.root
+        rz = (self.c - root) / self.e
         rr = np.sqrt((1 - 2 * rz) / self.e)
-        zz = rr * self._root
+        zz = rr * root
         return [1.0, rr, zz, rz, rr * zz - rz**2]
 
     def powers(self, m: Array) -> Iterator[Array]:
@@ -675,7 +676,7 @@ class LayeredSpectrum:
         rest = _deviation(self.bodies, k)
         return rest if self.tail is None else rest - self.tail(k)
 
-    @cached_property
+    @property
     def bodies(self) -> tuple[tuple[Specimen, float], ...]:
         """What is not a half-space, with its share of the compliance."""
         return weighed_stacks(self.specimen, self.indenter)

@@ -484,11 +484,17 @@ def transform(series: Series, slopes: Slopes | str, w: float) -> AdhesiveCurve:
     return AdhesiveCurve(Nonadhesive.of(series, slopes) if isinstance(slopes, str) else Nonadhesive(series, slopes), w)
 
 
+@dataclass(frozen=True, eq=False)
 class EquilibriumCurve(ABC):
     """A curve of equilibria of adhesive contact along their place on it [m], which grows with the contact: the contact
-    radius a, or what a subclass says. What is read off such a curve is the same whatever attracts the surfaces."""
+    radius a, or what a subclass says. What is read off such a curve is the same whatever attracts the surfaces.
+
+    Known by now: ``_critical`` points by stiffness, places ``_radii_at`` a position by a stiffness.
+    """
 
     ranged: ClassVar[bool] = False  # whether adhesion has a range, so that surfaces may attract without contact
+    _critical: dict[float, tuple[CriticalPoint, ...]] = field(default_factory=dict, init=False, repr=False)
+    _radii_at: dict[tuple[float, float], tuple[float, ...]] = field(default_factory=dict, init=False, repr=False)
     if TYPE_CHECKING:  # fields of some, properties of others
 
         @property
@@ -639,11 +645,6 @@ class EquilibriumCurve(ABC):
         """The stiffnesses [N/m] whose critical points are known by now."""
         return tuple(self._critical)
 
-    @cached_property
-    def _critical(self) -> dict[float, tuple[CriticalPoint, ...]]:
-        """The critical points known by now, by stiffness."""
-        return {}
-
     def radii(self, *, P: float | None = None, delta: float | None = None) -> tuple[float, ...]:
         """All places [m] on the curve at which the load is ``P`` [N], or the displacement ``delta`` [m]."""
         if P is not None and delta is None:
@@ -663,11 +664,6 @@ class EquilibriumCurve(ABC):
         new = [pair for pair in dict.fromkeys(pairs) if pair not in self._radii_at]
         zeros_of_pairs = self._zeros(self._at, [stiffness for _, stiffness in new], [x for x, _ in new])
         self._radii_at.update(zip(new, (tuple(place for place, _ in zeros) for zeros in zeros_of_pairs), strict=True))
-
-    @cached_property
-    def _radii_at(self) -> dict[tuple[float, float], tuple[float, ...]]:
-        """The places found by now, by position and stiffness."""
-        return {}
 
     def _zeros(
         self, values: Callable[[Array], tuple[Array, Array]], devices: Sequence[float], levels: Sequence[float]

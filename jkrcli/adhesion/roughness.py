@@ -27,7 +27,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 import numpy as np
 
@@ -95,7 +95,7 @@ class PowerSpectrum:
         g = np.ones_like(q) if problem is None else relative_compliance(problem, q)
         return float(2 * math.pi * np.sum(weights * q ** (power + 1) * self.at(q) / g))
 
-    @cached_property
+    @property
     def rms(self) -> float:
         """Root mean square of the heights [m]: rms^2 = 2 pi int q C dq."""
         return math.sqrt(max(self.moment(1), 0.0))
@@ -182,22 +182,19 @@ class Roughness:
     def spectrum(self) -> PowerSpectrum:
         """The spectrum; InputError where a table cannot be one."""
         if self.psd is None:
-            assert self.rms is not None
-            assert self.longest is not None
-            assert self.shortest is not None
-            assert self.hurst is not None
-            q = 2 * math.pi / np.array([self.longest, self.shortest])
-            law = PowerSpectrum(q, q ** (-2 - 2 * self.hurst) / q[0] ** (-2 - 2 * self.hurst) * self.longest**4)
-            return replace(law, C=law.C * (self.rms / law.rms) ** 2)
+            rms, longest, shortest, hurst = cast("list[float]", [self.rms, self.longest, self.shortest, self.hurst])
+            q = 2 * math.pi / np.array([longest, shortest])
+            law = PowerSpectrum(q, q ** (-2 - 2 * hurst) / q[0] ** (-2 - 2 * hurst) * longest**4)
+            return replace(law, C=law.C * (rms / law.rms) ** 2)
         table = read_spectrum(Path(self.psd), self.convention)
         return self._compared(table).within(self.shortest, self.longest)
 
     def _compared(self, table: PowerSpectrum) -> PowerSpectrum:
         """The ``table`` with a remark where its rms is not the one that is given."""
-        if self.rms is None or abs(table.rms / self.rms - 1) < ROUGH_RMS:
+        if self.rms is None or abs((rms := table.rms) / self.rms - 1) < ROUGH_RMS:
             return table
-        off = f"rms of {self.psd} is {show(table.rms, 'length')}, {show(self.rms, 'length')} is given"
-        if abs(math.log(table.rms / self.rms)) < math.log(ROUGH_WRONG):
+        off = f"rms of {self.psd} is {show(rms, 'length')}, {show(self.rms, 'length')} is given"
+        if abs(math.log(rms / self.rms)) < math.log(ROUGH_WRONG):
             return replace(table, remarks=(*table.remarks, off))
         others = {name: read_spectrum(Path(str(self.psd)), name, units=False) for name in CONVENTIONS}
         fit = [name for name, other in others.items() if abs(other.rms / self.rms - 1) < ROUGH_RMS]

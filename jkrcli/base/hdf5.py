@@ -355,19 +355,14 @@ def attributes_among(item: h5py.Group | h5py.Dataset, names: Sequence[str]) -> d
     for name in names:
         if h5py.h5a.exists(holder, encoded := name.encode()):
             stored = h5py.h5a.open(holder, encoded)
-            kind, space = stored.get_type(), stored.get_space()
-            sort, count = kind.get_class(), space.get_simple_extent_npoints()
+            kind, count = stored.get_type(), stored.get_space().get_simple_extent_npoints()
+            sort = kind.get_class()
             is_text = sort == STRING
             each = REFERENCE if is_text and kind.is_variable_str() else kind.get_size()
             fits = each <= (process.TEXT if is_text else WIDEST) and 0 < count <= MOST_VALUES
             if sort not in KINDS or not fits or stored.get_storage_size() != count * each:
                 raise ValueError(f"the attribute {name} is damaged")
-            values = np.empty(space.get_simple_extent_dims(), _dtype_of(kind))
-            stored.read(values, _in_memory(values.dtype))
-            if values.dtype.hasobject:  # texts of any length
-                texts = [text.decode("utf-8", "surrogateescape") for text in values.flat]
-                values = np.array(texts, dtype=object).reshape(values.shape)
-            found[name] = _plain(values[()])
+            found[name] = _plain(item.attrs[name])
     return found
 
 
@@ -383,22 +378,15 @@ def values_of(data: h5py.h5d.DatasetID, shape: tuple[int, ...] | None, kind: h5p
     where there are values."""
     if shape is None or 0 in shape:
         return h5py.Dataset(data)[()]
-    values = np.empty(shape, _dtype_of(kind))
+    # of most numbers Python's type, which h5py takes long to find; of texts and enumerations NumPy compares no details
+    values = np.empty(shape, float if kind == h5py.h5t.IEEE_F64LE else kind.dtype)
+    held = h5py.h5t.py_create(values.dtype) if values.dtype.metadata else _of_numbers(values.dtype)
     # HDF5 converts: what a file holds need not be as wide as NumPy's type (truth values, short floats)
-    data.read(h5py.h5s.ALL, h5py.h5s.ALL, values, _in_memory(values.dtype))
+    data.read(h5py.h5s.ALL, h5py.h5s.ALL, values, held)
     return values
-
-
-def _dtype_of(kind: h5py.h5t.TypeID) -> np.dtype[Any]:
-    """NumPy's type of values of a file: of most numbers that of Python's, which h5py takes long to find."""
-    return np.dtype(float) if kind == h5py.h5t.IEEE_F64LE else kind.dtype
-
-
-def _in_memory(dtype: np.dtype[Any]) -> h5py.h5t.TypeID:
-    """HDF5's type of values as NumPy holds them; of texts and enumerations NumPy compares no details."""
-    return h5py.h5t.py_create(dtype) if dtype.metadata else _of_numbers(dtype)
 
 
 @cache
 def _of_numbers(dtype: np.dtype[Any]) -> h5py.h5t.TypeID:
+    """HDF5's type of numbers as NumPy holds them."""
     return h5py.h5t.py_create(dtype)

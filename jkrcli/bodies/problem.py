@@ -265,11 +265,10 @@ class TransverselyIsotropic:
 
     def __post_init__(self) -> None:
         read_fields(self)
-        if not self.nu_zp**2 < self._nu_zp_squared_limit:
+        if not self.nu_zp**2 < (square := (1 - self.nu_p) * self.E_z / (2 * self.E_p)):
             raise InputError(
-                f"nu_zp: must lie between -{math.sqrt(self._nu_zp_squared_limit):.4g} and "
-                f"{math.sqrt(self._nu_zp_squared_limit):.4g} for a positive strain energy "
-                f"(2 nu_zp^2 E_p/E_z < 1 - nu_p), got {self.nu_zp:g}"
+                f"nu_zp: must lie between -{math.sqrt(square):.4g} and {math.sqrt(square):.4g} for a positive strain "
+                f"energy (2 nu_zp^2 E_p/E_z < 1 - nu_p), got {self.nu_zp:g}"
             )
 
     @property
@@ -277,10 +276,6 @@ class TransverselyIsotropic:
         """``transversely isotropic, E = 1 GPa in the plane, 2 GPa along z``."""
         in_plane, along = show(self.E_p, "modulus"), show(self.E_z, "modulus")
         return f"transversely isotropic, E = {in_plane} in the plane, {along} along z"
-
-    @property
-    def _nu_zp_squared_limit(self) -> float:
-        return (1 - self.nu_p) * self.E_z / (2 * self.E_p)
 
     @property
     def stiffness(self) -> tuple[float, float, float, float, float]:
@@ -855,11 +850,8 @@ NOT_TOGETHER = {
     'surface = "sticking" or the relaxation',
     ("relaxation", "tension"): "specimen.relaxation: contact of a viscoelastic specimen is not derived with surface "
     "tension: leave specimen.surface_tension out, or the relaxation",
-    (
-        "relaxation",
-        "rim",
-    ): "specimen.relaxation: contact of a viscoelastic specimen with a sharp-edged flat punch is not "
-    "derived: leave the relaxation out, or give indenter.flat_radius and edge_radius",
+    ("relaxation", "rim"): "specimen.relaxation: contact of a viscoelastic specimen with a sharp-edged flat punch is "
+    "not derived: leave the relaxation out, or give indenter.flat_radius and edge_radius",
     ("tension", "sticking"): "specimen.surface_tension: contact without slip is not derived with surface tension: "
     'leave it out, or take specimen.surface = "sliding"',
 }

@@ -166,7 +166,7 @@ class Compared:
         if own is None:
             return None
         a, fits = self.rows, self.found is None or self.found.fit > AHEAD_FITS
-        stretch = self._stretch(own, a) if self.found is None else self.found.stretch
+        stretch = _stretch(own, a, 0.0) if self.found is None else self.found.stretch
         as_it_is = self._loads(own, 0.0, fits)
         if abs(stretch) < AHEAD_WRONG or (as_it_is is not None and _same(as_it_is)):
             return as_it_is
@@ -188,16 +188,6 @@ class Compared:
         error = math.hypot((max(parts) - min(parts)) / 2, HALF_WIDTH * scatter)
         fits = fits and error < math.log(AHEAD_LOADS)
         return Loads(math.exp(middle), max(error, 1e-4), math.exp(-stretch), fits)
-
-    @staticmethod
-    def _stretch(own: Series, rows: RawSeries) -> float:
-        """Log of the body's displacements over those of the rows at equal radii, the median over the larger half."""
-        there = (rows.a >= np.median(rows.a)) & (rows.a > own.a[0]) & (rows.a <= own.a[-1]) & (rows.delta > 0)
-        if not there.any():
-            return 0.0
-        x = np.log(rows.a[there] - own.a0)
-        gap = cubic_spline(np.log(own.a - own.a0), np.log(own.delta))(x) - np.log(rows.delta[there])
-        return float(np.median(gap))
 
 
 def _same(loads: Loads) -> bool:
@@ -271,7 +261,10 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
     chosen = chosen[np.unique(np.linspace(0, chosen.size - 1, AHEAD_ROWS).astype(int))] if chosen.size else chosen
     delta, e = rows.delta[chosen], nodes.element[chosen]
     beyond = cubic_spline(np.log(own.delta), np.log(own.a - own.a0))
-    offset = _stretch(own, nodes)
+    # 0 where the displacements are the same, as far as a radius is known
+    offset = _stretch(own, rows, nodes.element / 2)
+    if abs(offset) <= AHEAD_WRONG + 3 * float(np.median(nodes.element / rows.a)):
+        offset = 0.0
     x = np.log(delta) + offset
     a = own.a0 + np.exp(beyond(x))
     z, lever = nodes.counted(a) - nodes.number[chosen], (a - own.a0) * beyond(x, 1) / e
@@ -362,15 +355,15 @@ def _fitted(a: Array, e: Array, z: Array, errors: Array, powers: int) -> tuple[f
     return float(coefficients[0]), float(np.hypot(np.sqrt(unit * covariance[0, 0]), 0.03))
 
 
-def _stretch(own: Series, nodes: NodeRadii) -> float:
-    """Log of the body's displacements over those of the series, about; 0 where they are the same."""
-    a, delta, e = nodes.rows.a, nodes.rows.delta, nodes.element
-    there = (a + e / 2 > own.a[0]) & (a <= own.a[-1]) & (a >= np.median(a))
+def _stretch(own: Series, rows: RawSeries, ahead: Array | float) -> float:
+    """Log of the body's displacements over those of the rows at equal radii, the edge ``ahead`` of theirs [m]: the
+    median over the larger half; 0 where the body's solution has none of these."""
+    a = rows.a + ahead
+    there = (rows.a >= np.median(rows.a)) & (a > own.a[0]) & (rows.a <= own.a[-1]) & (rows.delta > 0)
+    if not there.any():
+        return 0.0
     log_delta = cubic_spline(np.log(own.a - own.a0), np.log(own.delta))
-    gap = log_delta(np.log(a[there] + e[there] / 2 - own.a0)) - np.log(delta[there])
-    middle = float(np.median(gap)) if gap.size else 0.0
-    coarse = float(np.median(e / a))  # a radius is not known better
-    return middle if abs(middle) > AHEAD_WRONG + 3 * coarse else 0.0
+    return float(np.median(log_delta(np.log(a[there] - own.a0)) - np.log(rows.delta[there])))
 
 
 def _log_likelihood(z: Array, lever: Array, count: Array, c: Array, stretch: Array, scatter: float) -> Array:
@@ -488,7 +481,11 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     rho = 0.0 if lag1 < 2 / np.sqrt(2 * n) else min(lag1 + (3 + 4 * lag1) / n, DEPARTURE_LONGEST)
     target, design = decorrelated(white, rho).ravel(), decorrelated(basis.reshape(-1, n), rho).reshape(6, -1)
     parabolas, line, modulus = slice(0, 6), slice(3, 5), slice(3, 4)  # rows of the design
-    (both, full), (drift, straight), (_, none) = (_fit(design[rows], target) for rows in (parabolas, line, modulus))
+    fits = []  # coefficients and least sum of squares
+    for rows in (parabolas, line, modulus):
+        coefficients = np.linalg.lstsq(design[rows].T, target, rcond=None)[0]
+        fits.append((coefficients, float(np.sum((target - coefficients @ design[rows]) ** 2))))
+    (both, full), (drift, straight), (_, none) = fits
     free = target.size - 6
     chance, of_line = (
         float(f_tail(more, free, (none - left) / more / max(full / free, 1e-300)))
@@ -499,9 +496,3 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     if of_line <= DEPARTURE_OF_LINE:
         return np.zeros(n), drift @ powers[:2]
     return None
-
-
-def _fit(design: Array, target: Array) -> tuple[Array, float]:
-    """Coefficients and least sum of squares of ``target`` (m,) by the rows of ``design``."""
-    coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
-    return coefficients, float(np.sum((target - coefficients @ design) ** 2))

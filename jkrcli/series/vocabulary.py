@@ -185,8 +185,14 @@ def is_within_noise(size: Array, delta: Array, P: Array) -> bool:
 
     Rows that are unloading at the end, repeat a displacement only, or stand in another order are no noise.
     """
-    if size.size < NOISY_ROWS_FEWEST or not all(_rises(column) for column in (size, delta, P)):
+    if size.size < NOISY_ROWS_FEWEST:
         return False
+    for column in (size, delta, P):  # whose ranks follow the rows, but for the few that lie farthest off: outliers
+        ranks, rows = np.argsort(np.argsort(column, kind="stable"), kind="stable"), np.arange(column.size)
+        most = column.size - int(NOISY_ROWS_HIDDEN * column.size)
+        followed = np.argsort(np.abs(ranks - rows), kind="stable")[:most]
+        if not float(np.corrcoef(rows[followed], ranks[followed])[0, 1]) > NOISY_ROWS_ORDERED:
+            return False
     hidden = (delta <= 0) | (P <= 0)
     first = near_first_touch(hidden)
     if max(first, hidden[first:].sum()) - 1 >= NOISY_ROWS_HIDDEN * size.size:
@@ -204,11 +210,3 @@ def near_first_touch(hidden: Array) -> int:
     near = np.maximum(n - WINDOW, 0)
     share = np.minimum(before[n] / n, (before[n] - before[near]) / (n - near))
     return int(np.max(np.flatnonzero(hidden & (share >= DENSE)), initial=-1)) + 1
-
-
-def _rises(column: Array) -> bool:
-    """Whether the ranks of a column (n,) follow its rows, but for the few that lie farthest off: those of outliers."""
-    ranks, rows = np.argsort(np.argsort(column, kind="stable"), kind="stable"), np.arange(column.size)
-    most = column.size - int(NOISY_ROWS_HIDDEN * column.size)
-    followed = np.argsort(np.abs(ranks - rows), kind="stable")[:most]
-    return float(np.corrcoef(rows[followed], ranks[followed])[0, 1]) > NOISY_ROWS_ORDERED

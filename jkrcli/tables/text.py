@@ -264,26 +264,18 @@ def read_table(
     lines, values = _rows(others, dialect, gaps=not finite)
     if decimal is None:
         _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
-    missing = {} if finite else _missing(values)
-    gone = np.zeros(values.shape, dtype=bool)
-    for i, number in missing.items():
-        gone[:, i] = values[:, i] == number
+    # By columns, a number of nines that stands for none: farther from all others than these are apart
+    missing, gone = dict[int, float](), np.zeros(values.shape, dtype=bool)
+    for i in [] if finite else np.flatnonzero(np.isin(values, NINES).any(axis=0)).tolist():
+        column = values[np.isfinite(values[:, i]), i]
+        for number in NINES[np.isin(NINES, column)].tolist():
+            others = column[column != number]
+            if others.size >= NINES_ROWS and np.min(np.abs(others - number)) > np.ptp(others):
+                missing[i], gone[:, i] = number, values[:, i] == number
     values = np.where(gone, np.nan, values)
     table = _table(path, others, dialect, lines, values, finite, is_note)
     failed = table.failed | set(lines[gone.any(axis=1)].tolist())
     return replace(table, failed=failed, missing=missing, alone=alone)
-
-
-def _missing(values: Array) -> dict[int, float]:
-    """By columns, a number of nines that stands for none: farther from all others than these are apart."""
-    found = {}
-    for i in np.flatnonzero(np.isin(values, NINES).any(axis=0)):
-        column = values[np.isfinite(values[:, i]), i]
-        for number in NINES[np.isin(NINES, column)]:
-            others = column[column != number]
-            if others.size >= NINES_ROWS and np.min(np.abs(others - number)) > np.ptp(others):
-                found[int(i)] = float(number)
-    return found
 
 
 def _table(

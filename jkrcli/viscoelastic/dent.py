@@ -103,11 +103,6 @@ class DentedProfile:
         total[np.arange(a.size), panel] = last
         return total.reshape(a.size, basis.size)
 
-    def integral(self, moments: Array) -> Array:
-        """int_0^a F [m^2] from the ``moments``."""
-        basis = self.points.basis
-        return moments.reshape(-1, basis.count, basis.order)[:, :, 0] @ np.sqrt(np.diff(basis.panels.edges))
-
     def arcs(self, a: Array, b: Array) -> Array:
         """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b, by x = c cos(psi), which passes over bends."""
         nodes, weights = rule(DENT_ARC)

@@ -225,19 +225,6 @@ def test_change_of_units(log_length: float, log_force: float) -> None:
     assert np.allclose(scaled.g / force, plain.g, rtol=0, atol=1e-7)
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "message"),
-    [
-        ([1, 2, 3], [1, 2, 3], "needs at least 4 points, got 3"),
-        ([1, 2, 2, 3], [1, 2, 3, 4], "x must increase, point 3 is 2 after 2"),
-        ([1, 2, 3, 4], [1, 2, np.nan, 4], "must be finite"),
-    ],
-)
-def test_wrong_data_are_refused(x: list[float], y: list[float], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        smoothing_spline(np.array(x, dtype=float), np.array(y, dtype=float))
-
-
 def test_bounds_of_the_smoothing_parameter() -> None:
     """A noisy straight line takes all smoothing there is, a smooth curve without noise takes none."""
     x, noise = np.arange(40.0), np.random.default_rng(1).standard_normal(40)

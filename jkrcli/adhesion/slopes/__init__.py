@@ -66,24 +66,23 @@ class Slopes:
 
     def scaled(self, factor: float) -> Slopes:
         """The slopes of the same bodies with all moduli multiplied by ``factor``; ``delta`` does not change."""
-        P = None if self.P is None else self.P * factor
-        by = np.array([1.0, factor, factor, factor])
-        covariance = None if self.covariance is None else self.covariance * np.outer(by, by)
-        by = np.append(by, [1.0, factor])
-        joint = None if self.joint is None else self.joint * np.outer(by, by)
         against = None if self.against is None else (self.against[0].scaled(factor), self.against[1].scaled(factor))
         other = None if self.other is None else self.other.scaled(factor)
-        S, dS = self.S * factor, self.dS * factor
-        return replace(self, S=S, dS=dS, P=P, covariance=covariance, joint=joint, against=against, other=other)
+        return replace(self._times(1.0, factor, factor, factor, 1.0, factor), against=against, other=other)
 
     def under_profile(self, factor: float) -> Slopes:
         """The slopes of the same bodies under an indenter whose profile is ``factor`` times as high."""
-        delta, P = (None if values is None else values * factor for values in (self.delta, self.P))
-        by = np.array([factor, factor, 1.0, 1.0, factor, 1.0])
+        other = None if self.other is None else self.other.under_profile(factor)
+        return replace(self._times(factor, factor, 1.0, 1.0, factor, 1.0), other=other)
+
+    def _times(self, *factors: float) -> Slopes:
+        """The slopes with delta, P, S, S', d(delta_H)/da and S'' multiplied by a factor each."""
+        by = np.array(factors)
+        delta, P = (None if one is None else one * each for one, each in zip((self.delta, self.P), by[:2], strict=True))
         covariance = None if self.covariance is None else self.covariance * np.outer(by[:4], by[:4])
         joint = None if self.joint is None else self.joint * np.outer(by, by)
-        other = None if self.other is None else self.other.under_profile(factor)
-        return replace(self, delta=delta, P=P, covariance=covariance, joint=joint, other=other)
+        S, dS = self.S * by[2], self.dS * by[3]
+        return replace(self, delta=delta, P=P, S=S, dS=dS, covariance=covariance, joint=joint)
 
     @property
     def dS_err(self) -> Array | None:

@@ -14,7 +14,8 @@ flagged.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -171,17 +172,7 @@ def smoothing_spline(
     cross-validation score ("gcv") over a continuous range. The data are brought to unit mean spacing and unit range
     first, so that the result does not depend on the units.
     """
-    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    weights = np.ones(x.size) if weights is None else np.asarray(weights, dtype=float)
-    if x.ndim != 1 or x.shape != y.shape or x.shape != weights.shape:
-        raise InputError(f"smoothing spline: x, y and weights differ in shape: {x.shape}, {y.shape}, {weights.shape}")
-    if x.size < 4:
-        raise InputError(f"smoothing spline: needs at least 4 points, got {x.size}")
-    if not (np.isfinite(x).all() and np.isfinite(y).all() and (weights > 0).all()):
-        raise InputError("smoothing spline: x and y must be finite and the weights > 0")
-    if (np.diff(x) <= 0).any():
-        i = int(np.argmax(np.diff(x) <= 0)) + 1
-        raise InputError(f"smoothing spline: x must increase, point {i + 1} is {x[i]:g} after {x[i - 1]:g}")
+    weights = np.ones(x.size) if weights is None else weights
     width = (x[-1] - x[0]) / (x.size - 1)
     height = float(np.ptp(y)) or 1.0
     smoother = _Smoother((x - x[0]) / width, 1 / weights)
@@ -314,27 +305,16 @@ def loocv(
     }.get(spline.at_bound or "", "")
     reason = f"{KEPT if keep_S else REEVALUATED}; lambda = {spline.smoothing_lambda:.2g}{bound}"
     derived = not (keep_S or smooth_dS)
-    return Slopes(S, dS, "loocv", error, spline.smoothing_lambda, flags, reason, covariance=covariance, derived=derived)
+    name = f"{criterion}{'-kept' if keep_S else '-smoothed' if smooth_dS else ''}"
+    return Slopes(S, dS, name, error, spline.smoothing_lambda, flags, reason, covariance=covariance, derived=derived)
 
 
-def gcv(series: Series) -> Slopes:
-    """Find S and S' as ``loocv`` does, the smoothing chosen by generalised cross-validation (GCV)."""
-    return replace(loocv(series, "gcv"), method="gcv")
-
-
-def loocv_kept(series: Series) -> Slopes:
-    """Find S' as ``loocv`` does and keep S of the cubic spline: the paper's examples."""
-    return replace(loocv(series, keep_S=True), method="loocv-kept")
-
-
-def loocv_smoothed(series: Series) -> Slopes:
-    """Find S and S' as ``loocv`` does and smooth S' once more."""
-    return replace(loocv(series, smooth_dS=True), method="loocv-smoothed")
-
-
-def gcv_kept(series: Series) -> Slopes:
-    """Find S' as ``gcv`` does and keep S of the cubic spline."""
-    return replace(loocv(series, "gcv", keep_S=True), method="gcv-kept")
+# With the smoothing chosen by generalised cross-validation (GCV), S of the cubic spline kept as in the paper's
+# examples, or S' smoothed once more
+gcv = partial(loocv, criterion="gcv")
+loocv_kept = partial(loocv, keep_S=True)
+gcv_kept = partial(loocv, criterion="gcv", keep_S=True)
+loocv_smoothed = partial(loocv, smooth_dS=True)
 
 
 def interpolated_slope(delta: Array, P: Array) -> Array:

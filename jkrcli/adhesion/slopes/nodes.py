@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -80,7 +79,7 @@ class NodeRadii:
     radii: Array
     before: float
 
-    @cached_property
+    @property
     def element(self) -> Array:
         """Distance (n,) [m] from the node of each row to the next one."""
         return self.radius(self.number + 1.0) - self.rows.a

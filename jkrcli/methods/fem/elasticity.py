@@ -708,9 +708,9 @@ class TransversePointForce:
 
     material: TransverselyIsotropic
 
-    @property
-    def _terms(self) -> list[tuple[complex, complex, complex]]:
-        """Roots s_j [-], ratios m_j [-] and the factor c_j [1/Pa] of both terms."""
+    def _terms(self, r: Array, z: Array) -> tuple[Array, ...]:
+        """Roots s_j [-], ratios m_j [-] and factors c_j [1/Pa] of both terms, then the depth s_j z downwards and the
+        distance from the force that each sees at ``r`` and ``z`` [m], (2, ...)."""
         C11, _, C13, C33, C44 = self.material.stiffness
         middle = (C11 * C33 - C13**2 - 2 * C13 * C44) / (2 * C33 * C44)
         apart = np.sqrt(complex(middle**2 - C11 / C33))
@@ -719,26 +719,19 @@ class TransversePointForce:
         s = np.sqrt(np.array([middle + apart, middle - apart]))
         m = (C13 + C44) * s / (C33 * s**2 - C44)
         c = np.linalg.solve(np.array([s + m, C13 - C33 * m * s]), np.array([0.0, -1 / (2 * np.pi)]))
-        return list(zip(s, m, c, strict=True))
+        s, m, c = (each.reshape(2, *[1] * np.ndim(r)) for each in (s, m, c))
+        return s, m, c, -s * z, np.sqrt(r**2 + (s * z) ** 2)
 
     def displacement(self, r: Array, z: Array) -> tuple[Array, Array]:
         """u_r, u_z [m/N], u_z upwards."""
-        along_r, along_z = np.zeros(np.shape(r), complex), np.zeros(np.shape(r), complex)
-        for s, m, c in self._terms:
-            deep, rho = -s * z, np.sqrt(r**2 + (s * z) ** 2)
-            along_r += c * r / (rho * (rho + deep))
-            along_z -= c * m / rho
-        return along_r.real, along_z.real
+        _, m, c, deep, rho = self._terms(r, z)
+        return np.sum(c * r / (rho * (rho + deep)), axis=0).real, -np.sum(c * m / rho, axis=0).real
 
     def side_traction(self, r: Array, z: Array) -> tuple[Array, Array]:
         """sigma_rr, sigma_rz [1/m^2]: the traction on a cylinder r = const, outward normal, z upwards."""
-        C11, C12, C13, _, C44 = self.material.stiffness
-        s_rr, s_rz = np.zeros(np.shape(r), complex), np.zeros(np.shape(r), complex)
-        for s, m, c in self._terms:
-            deep, rho = -s * z, np.sqrt(r**2 + (s * z) ** 2)
-            s_rr += c * ((C11 * s - C13 * m * s**2) * -z / rho**3 - (C11 - C12) / (rho * (rho + deep)))
-            s_rz += C44 * c * (s + m) * r / rho**3
-        return s_rr.real, s_rz.real
+        (C11, C12, C13, _, C44), (s, m, c, deep, rho) = self.material.stiffness, self._terms(r, z)
+        s_rr = c * ((C11 * s - C13 * m * s**2) * -z / rho**3 - (C11 - C12) / (rho * (rho + deep)))
+        return np.sum(s_rr, axis=0).real, np.sum(C44 * c * (s + m) * r / rho**3, axis=0).real
 
 
 def point_force(material: Elastic | TransverselyIsotropic) -> Boussinesq | TransversePointForce:

@@ -8,7 +8,6 @@ mesh is graded towards the contact's edge, where the stresses of an adhesive con
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
@@ -201,7 +200,7 @@ class ContactState:
         """Nodes of the triangles (m, 6): vertices, then the middles of the sides 01, 12, 20."""
         return np.column_stack([self.grid.cells, self.middles])
 
-    @cached_property
+    @property
     def shown(self) -> Array:
         """Whether each triangle is within three contact radii, and further from the edge than a twentieth of one."""
         corners = self.grid.points[self.grid.cells]

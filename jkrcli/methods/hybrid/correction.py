@@ -18,7 +18,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -313,7 +313,7 @@ class LineElements:
     edges: Array
     degrees: Array
 
-    @cached_property
+    @property
     def nodes(self) -> Array:
         """Positions of the unknowns, increasing."""
         inner = [
@@ -526,7 +526,7 @@ class Mesh:
     @property
     def shape(self) -> tuple[int, int]:
         """Number of nodes along z and along r."""
-        return self.z.nodes.size, self.r.nodes.size
+        return int(self.z.degrees.sum()) + 1, int(self.r.degrees.sum()) + 1
 
     @property
     def nodes(self) -> int:
@@ -572,7 +572,7 @@ class Mesh:
         def over_z(left: Array, weight: Array | float, right: Array) -> Array:
             return _integral(left, self.z.rule[1] * weight, right)
 
-        product = _Product(_touching(V_z, V_z), _touching(V, V))
+        product = partial(_products, _touching(V_z, V_z), _touching(V, V))
         rr = product(
             (over_z(V_z, C11, V_z), slope + hoop),
             (over_z(V_z, C12, V_z), cross + cross.T),
@@ -583,11 +583,11 @@ class Mesh:
         Q, Q_z = self.pressure
         if not Q_z.shape[1]:
             return bmat([[rr, rz], [rz.T, zz]], format="csr")
-        coupling = _Product(_touching(Q_z, V_z), _touching(Q, V))
+        coupling = partial(_products, _touching(Q_z, V_z), _touching(Q, V))
         p_r = coupling((over_z(Q_z, 1.0, V_z), _integral(Q, w * r, D) + _integral(Q, w, V)))
         p_z = coupling((over_z(Q_z, 1.0, D_z), _integral(Q, w * r, V)))
         inverse = over_z(Q_z, self.moduli.inverse_lame, Q_z)
-        pp = _Product(_touching(Q_z, Q_z), _touching(Q, Q))((inverse, _integral(Q, w * r, Q)))
+        pp = _products(_touching(Q_z, Q_z), _touching(Q, Q), (inverse, _integral(Q, w * r, Q)))
         return bmat([[rr, rz, -p_r.T], [rz.T, zz, -p_z.T], [-p_r, -p_z, -pp]], format="csr")
 
     def work(self, U: Array) -> tuple[Array, Array]:
@@ -691,22 +691,16 @@ class Mesh:
         return known
 
 
-@dataclass(frozen=True, eq=False)
-class _Product:
+def _products(z: Array, r: Array, *terms: tuple[Array, Array]) -> coo_matrix:
     """Sums of Kronecker products of a matrix along z and one along r, from the entries where functions overlap."""
+    from scipy.sparse import coo_matrix
 
-    z: Array
-    r: Array
-
-    def __call__(self, *terms: tuple[Array, Array]) -> coo_matrix:
-        from scipy.sparse import coo_matrix
-
-        (rows_z, columns_z), (rows_r, columns_r) = np.nonzero(self.z), np.nonzero(self.r)
-        values = sum(np.multiply.outer(A[rows_z, columns_z], B[rows_r, columns_r]) for A, B in terms)
-        rows = np.add.outer(rows_z * self.r.shape[0], rows_r)
-        columns = np.add.outer(columns_z * self.r.shape[1], columns_r)
-        shape = (self.z.shape[0] * self.r.shape[0], self.z.shape[1] * self.r.shape[1])
-        return coo_matrix((np.ravel(values), (rows.ravel(), columns.ravel())), shape=shape)
+    (rows_z, columns_z), (rows_r, columns_r) = np.nonzero(z), np.nonzero(r)
+    values = sum(np.multiply.outer(A[rows_z, columns_z], B[rows_r, columns_r]) for A, B in terms)
+    rows = np.add.outer(rows_z * r.shape[0], rows_r)
+    columns = np.add.outer(columns_z * r.shape[1], columns_r)
+    shape = z.shape[0] * r.shape[0], z.shape[1] * r.shape[1]
+    return coo_matrix((np.ravel(values), (rows.ravel(), columns.ravel())), shape=shape)
 
 
 def _pairs(stress: Array, strain: Array) -> Array:

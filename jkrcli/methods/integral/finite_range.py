@@ -82,13 +82,9 @@ class ContactDiscs(ABC):
 
     @property
     @abstractmethod
-    def flat(self) -> tuple[Array, Array]:
-        """The flat end of each radius pressed by 1: (pi/2) phi at its edge [-], which is positive, and S/(2 E*) [m]."""
-
-    @property
-    @abstractmethod
-    def profile(self) -> tuple[Array, Array]:
-        """The counterparts of ``flat`` for the right-hand side F."""
+    def sides(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """The flat end of each radius pressed by 1, (pi/2) phi at its edge [-], positive, and S/(2 E*) [m]; and
+        the counterparts for the right-hand side F."""
 
     @abstractmethod
     def rims(self, b: Array, s: Array | float) -> Rims:
@@ -106,7 +102,7 @@ class ContactDiscs(ABC):
     @property
     def nonadhesive(self) -> tuple[Array, Array, Array, Array]:
         """delta_H [m], P_H [N], S [N/m], S' [N/m^2]."""
-        (edge, S), (z, Q), factor = self.flat, self.profile, 2 * self.E_star
+        ((edge, S), (z, Q)), factor = self.sides, 2 * self.E_star
         delta = z / edge
         return delta, factor * (delta * S - Q), factor * S, factor * edge**2
 
@@ -155,8 +151,6 @@ class AbelImage(Protocol):
 
     def moments(self, a: Array) -> Array: ...
 
-    def integral(self, moments: Array) -> Array: ...
-
     def arcs(self, a: Array, b: Array) -> Array: ...
 
 
@@ -200,24 +194,20 @@ class Discs(ContactDiscs):
         return self.applied(self.beta), self.applied(self.phi_F)
 
     @cached_property
-    def flat(self) -> tuple[Array, Array]:
-        M_beta, _ = self._applied
+    def sides(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        M_beta, M_F = self._applied
         edge = 1 - np.sum(self.ends * M_beta, axis=1)
-        return edge, self.a - np.sum(self.beta * M_beta, axis=1)
-
-    @cached_property
-    def profile(self) -> tuple[Array, Array]:
-        _, M_F = self._applied
-        inside = self.abel.integral(self.phi_F) - np.sum(self.beta * M_F, axis=1)
-        return self.abel.F(self.a) - np.sum(self.ends * M_F, axis=1), inside
+        inside = self.basis.integral(self.phi_F) - np.sum(self.beta * M_F, axis=1)
+        z = self.abel.F(self.a) - np.sum(self.ends * M_F, axis=1)
+        return (edge, self.a - np.sum(self.beta * M_beta, axis=1)), (z, inside)
 
     def rims(self, b: Array, s: Array | float) -> Rims:
-        (rho, kappa), (edge, S), (z, Q) = tension_moments(self.basis, self.a, b), self.flat, self.profile
+        (rho, kappa), ((edge, S), (z, Q)) = tension_moments(self.basis, self.a, b), self.sides
         (M_beta, M_F), M_rho = self._applied, self.applied(rho)
         delta = (z - s * (np.sum(self.ends * M_rho, axis=1) + np.sqrt(b * (2 * self.a + b)))) / edge
         smooth = delta[:, None] * M_beta - M_F - np.reshape(s, (-1, 1)) * M_rho
         gap = self.abel.arcs(self.a, b) - delta * angle(b, self.a + b) - s * b + np.sum(kappa * smooth, axis=1)
-        pulled = np.sum(self.beta * M_rho, axis=1) - self.abel.integral(rho)
+        pulled = np.sum(self.beta * M_rho, axis=1) - self.basis.integral(rho)
         P = 2 * self.E_star * (delta * S - Q + s * pulled)
         return Rims(self.a, self.a + b, delta, P, 2 / math.pi * gap)
 
@@ -306,7 +296,7 @@ class Attraction:
     def reach(self) -> float:
         return float(self.basis.panels.edges[-1])
 
-    @cached_property
+    @property
     def is_half_space(self) -> bool:
         """Whether K = 0."""
         return not self.kernel.any()

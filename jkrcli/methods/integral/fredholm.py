@@ -480,6 +480,10 @@ class LegendrePanels:
         panel = self.panel_of(x)
         return self.scattered(np.arange(x.size), panel, self.local(x, panel), x.size)
 
+    def integral(self, moments: Array) -> Array:
+        """The integrals of functions from the integrals of all polynomials times these, ``moments`` (n, size)."""
+        return moments.reshape(-1, self.count, self.order)[:, :, 0] @ np.sqrt(self.widths)
+
     def scattered(self, row: Array, panel: Array, values: Array, rows: int) -> Array:
         """Values (m, order) of the polynomials of each one's ``panel`` added up in (rows, size)."""
         total = np.zeros((rows, self.count, self.order))
@@ -524,11 +528,6 @@ class AbelMoments:
         """Integrals of b F over intervals of one panel each, (intervals, order)."""
         x, w = crowded(lo, hi, self.inner)
         return np.einsum("pn,pnq->pq", w * self.F(x), self.basis.local(x, np.broadcast_to(panel[:, None], x.shape)))
-
-    def integral(self, moments: Array) -> Array:
-        """int_0^a F [m^2] from the ``moments``."""
-        by_panel = moments.reshape(-1, self.basis.count, self.basis.order)[:, :, 0]
-        return by_panel @ np.sqrt(np.diff(self.basis.panels.edges))
 
     def arcs(self, a: Array, b: Array) -> Array:
         """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b."""

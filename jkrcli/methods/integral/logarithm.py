@@ -133,20 +133,13 @@ class EdgedDiscs(ContactDiscs):
         return self.body.indenter.abel(x)
 
     @cached_property
-    def flat(self) -> tuple[Array, Array]:
-        return self._ended(0, lambda group: group.flat)
-
-    @cached_property
-    def profile(self) -> tuple[Array, Array]:
-        return self._ended(1, lambda group: group.shaped)
-
-    def _ended(self, side: int, density: Callable[[Edged], Array]) -> tuple[Array, Array]:
-        """(pi/2) phi at the edges, and its integrals [m] for a right-hand side in units of one."""
-        values, integrals = np.empty_like(self.a), np.empty_like(self.a)
+    def sides(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        ends, integrals = np.empty((2, 2, self.a.size))
         for group in self.groups:
-            values[group.rows] = group.ends[side]
-            integrals[group.rows] = math.pi / 2 * np.sum(group.w * density(group), axis=1)
-        return values, integrals
+            ends[:, group.rows] = group.ends
+            for integral, phi in zip(integrals, (group.flat, group.shaped), strict=True):
+                integral[group.rows] = math.pi / 2 * np.sum(group.w * phi, axis=1)
+        return (ends[0], integrals[0]), (ends[1], integrals[1])
 
     def rims(self, b: Array, s: Array | float) -> Rims:
         b, s = np.broadcast_to(b, self.a.shape), np.broadcast_to(s, self.a.shape)

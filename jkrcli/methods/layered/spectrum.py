@@ -601,17 +601,14 @@ def deviation(specimen: Specimen, k: Array, indenter: Solid | None = None) -> Ar
     With an elastic ``indenter`` g belongs to both bodies together, normalised by E* of the surfaces: compliances add,
     C = 2 g/(E* k) = 2 g_1/(E*_1 k) + 2 g_2/(E*_2 k), so that g - 1 = sum (E*/E*_i)(g_i - 1); a half-space adds none.
     """
-    return _deviation(weighed_stacks(specimen, indenter), k)
+    bodies = weighed_stacks(specimen, indenter)
+    return sum((share * compliance(body, k)[1] for body, share in bodies), np.zeros(np.shape(k)))
 
 
 def weighed_stacks(specimen: Specimen, indenter: Solid | None) -> tuple[tuple[Specimen, float], ...]:
     """The bodies whose compliance is not that of a half-space, each with E*/E*_i."""
     bodies, E_star = stacks(specimen, indenter), contact_modulus(specimen.surface, indenter)
     return tuple((body, E_star / body.surface.E_star) for body in bodies)
-
-
-def _deviation(bodies: Sequence[tuple[Specimen, float]], k: Array) -> Array:
-    return sum((share * compliance(body, k)[1] for body, share in bodies), np.zeros(np.shape(k)))
 
 
 def compliance(specimen: Specimen, k: Array) -> Array:
@@ -673,7 +670,7 @@ class LayeredSpectrum:
     least: float = SPECTRUM_GRADED_FLOOR
 
     def __call__(self, k: Array) -> Array:
-        rest = _deviation(self.bodies, k)
+        rest = deviation(self.specimen, k, self.indenter)
         return rest if self.tail is None else rest - self.tail(k)
 
     @property

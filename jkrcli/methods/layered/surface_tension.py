@@ -75,7 +75,9 @@ class Angles:
 
     ``edge`` (n,): psi(0) = edge . psi. Distances are those for a = 1: ``apart, across`` (n, n): |x - t|, x + t, with
     weights ``plain, mirrored``, zero where a panel is near; ``distance`` (m, points) of the m near panels, with
-    ``weights`` (m, points, order), for the node ``row`` and the panel ``column``.
+    ``weights`` (m, points, order), for the node ``row`` and the panel ``column``. ``nearest``: the least distance at
+    which a singular kernel counts; ``below``: the pairs of nodes i >= j, and ``pair`` (n, n): the number of each in
+    either order among them.
     """
 
     edges: Array
@@ -91,6 +93,9 @@ class Angles:
     weights: Array
     row: Array
     column: Array
+    nearest: float
+    below: tuple[Array, Array]
+    pair: Array
 
     @classmethod
     @lru_cache(maxsize=32)
@@ -131,28 +136,18 @@ class Angles:
         basis = np.stack([np.ones(n), *powers, *(power * np.log(t) for power in powers)], axis=1)
         to_edge = np.zeros(tau.size)
         to_edge[:n] = np.linalg.pinv(basis * root[:, None])[0] * root
-        return cls(edges, order, tau, w, to_edge, apart, across, plain, mirrored, *rest)
-
-    @cached_property
-    def nearest(self) -> float:
-        """The least distance at which a singular kernel counts, over a."""
-        return float(min(self.distance.min(), self.apart[self.plain > 0].min(initial=np.inf)))
-
-    @cached_property
-    def pairs(self) -> tuple[tuple[Array, Array], Array]:
-        """The pairs of nodes i >= j, and the number of each pair in either order (n, n) among them."""
-        below, pair = np.tril_indices(self.tau.size), np.empty((self.tau.size, self.tau.size), dtype=int)
+        nearest = float(min(distance.min(), apart[plain > 0].min(initial=np.inf)))
+        below, pair = np.tril_indices(tau.size), np.empty((tau.size, tau.size), dtype=int)
         pair[below] = pair.T[below] = np.arange(below[0].size)
-        return below, pair
+        return cls(edges, order, tau, w, to_edge, apart, across, plain, mirrored, *rest, nearest, below, pair)
 
     def matrices(self, singular: Function, smooth: Function, a: float) -> Array:
         """Matrices (m, n, n) of the sums of two kernels k(s) [1/m] of s [m], which give m values each, at the contact
         radius ``a`` [m]."""
-        below, pair = self.pairs  # |x - t| and x + t are those of t and x too
-        apart, across = a * self.apart[below], a * self.across[below]
-        K = self.plain * singular(np.maximum(apart, a * self.nearest))[:, pair]
-        K += self.mirrored * singular(across)[:, pair]
-        K += self.w * (smooth(apart) + smooth(across))[:, pair]
+        apart, across = a * self.apart[self.below], a * self.across[self.below]  # the same of t and x
+        K = self.plain * singular(np.maximum(apart, a * self.nearest))[:, self.pair]
+        K += self.mirrored * singular(across)[:, self.pair]
+        K += self.w * (smooth(apart) + smooth(across))[:, self.pair]
         near = np.einsum("kmq,mqj->kmj", singular(a * self.distance), self.weights)
         for one, part in zip(K.reshape(*K.shape[:2], -1, self.order), near, strict=True):
             np.add.at(one, (self.row, self.column), part)
@@ -451,7 +446,7 @@ class TenseTipSpectrum(LayeredSpectrum):
         own = self.tail.ratio * excess / ((1 + y * g) * (1 + y))
         return sum((compliance(body, k)[1] for body in of_tip), own)
 
-    @cached_property
+    @property
     def tail(self) -> TensionTail:  # type: ignore[override]
         assert self.indenter is not None
         kappa, surface = self.specimen.tension_length, self.specimen.surface

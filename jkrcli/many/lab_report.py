@@ -98,7 +98,13 @@ class LabReport:
         """The report by its headings."""
         names = self.whole.names if self.samples else []
         differ = f", and whether they differ between {', '.join(names)}" if len(names) > 1 else ""
-        pictures = [_picture(figure(), words) for words, figure in self.figures.items()]
+        from ..report import plots
+
+        pictures = list[Picture]()
+        with tempfile.TemporaryDirectory() as folder:
+            for words, figure in self.figures.items():
+                plots.save(drawn := figure(), [path := Path(folder) / "figure.png"])
+                pictures.append(Picture(path.read_bytes(), float(drawn.get_figwidth()), words))
         shown: list[tuple[str, Sequence[Block]]] = [("Figures", [pictures])] if pictures else []
         versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
         sums = [[str(path), hashlib.sha256(path.read_bytes()).hexdigest()] for path in self.files]
@@ -137,7 +143,10 @@ class LabReport:
                     "{:.3g} to {:.3g}".format(*ends) if ends else "" for ends in (each.interval, each.g_interval)
                 )
                 size = "" if each.g is None else f"{each.g:.2g}"
-                parts = [_part(each.parts.get(kind), each.ratio) for kind in ("statistical", *COMMON)]
+                # half-widths, or that they are next to nothing
+                sizes = [each.parts.get(kind) for kind in ("statistical", *COMMON)]
+                least = LITTLE * each.ratio
+                parts = ["" if one is None else f"{one:.2g}" if one > least else f"< {least:.1g}" for one in sizes]
                 pairs.append([each.sample, each.against, f"{each.ratio:.3g}", *parts, ratio, size, g])
             heads = ["sample", "n", f"{symbol} ({unit}), median", "quartiles", "geometric mean", level]
             blocks.append(Table([*heads, *(f"{kind} ±" for kind in COMMON)], rows))
@@ -191,19 +200,6 @@ class LabReport:
         parts = (f"## {title}\n\n" + "\n\n".join(filter(None, (_markdown(block) or pictures for block in blocks)))
                  for title, blocks in self.sections)  # fmt: skip
         return "\n\n".join([f"# {self.title}", *parts, f"<!-- jkr {__version__} -->\n"])
-
-
-def _part(size: float | None, of: float) -> str:
-    """A half-width, or that it is next to nothing ``of`` a value."""
-    return "" if size is None else f"{size:.2g}" if size > LITTLE * of else f"< {LITTLE * of:.1g}"
-
-
-def _picture(figure: Figure, words: str) -> Picture:
-    from ..report import plots
-
-    with tempfile.TemporaryDirectory() as folder:
-        plots.save(figure, [path := Path(folder) / "figure.png"])
-        return Picture(path.read_bytes(), float(figure.get_figwidth()), words)
 
 
 def _html(block: Block) -> str:

@@ -124,7 +124,7 @@ class Samples(Result):
     causes: Sequence[Mapping[tuple[str, str, str], float]] = ()
     own: Collection[str] = ()
 
-    @cached_property
+    @property
     def names(self) -> list[str]:
         """The samples in the order in which they were given."""
         return list(dict.fromkeys(self.table["sample"]))
@@ -242,8 +242,8 @@ class Samples(Result):
         every, fitted = Counter[str](), sum(len(self.believed(sample)) for sample in self.names)
         for sample in self.names:
             every += self.left_out(sample)
-        shown = [f"{count} {reason}" for reason, count in every.most_common(REASONS_SHOWN)]
-        why = f", {every.total()} left out ({', '.join(shown)}{', ...' * (len(every) > len(shown))})" * bool(every)
+        reasons = [f"{count} {reason}" for reason, count in every.most_common(REASONS_SHOWN)]
+        why = f", {every.total()} left out ({', '.join(reasons)}{', ...' * (len(every) > len(reasons))})" * bool(every)
         total = counted(fitted + every.total(), "curve")
         head = f"{counted(len(self.names), 'sample')}: {fitted} of {total} fitted{why}"
         wide = max(map(len, self.names))
@@ -257,10 +257,17 @@ class Samples(Result):
         common = f"; beside these: {'; '.join(kinds)}" * bool(kinds)
         lines = [f"{head}; geometric means at {100 * self.level:g} %{common}"]
         for sample in self.names:
-            values = ", ".join(self._value(name, sample) for name in self.quantities if sample in self.spreads[name])
+            values = []
+            for name in (name for name in self.quantities if sample in self.spreads[name]):
+                one, (factor, unit) = self.spreads[name][sample], self.unit(name)
+                text = f"{shown(one.median / factor)} {unit} (median)"
+                if one.mean is not None and one.interval is not None:
+                    low, high = (shown(end / factor) for end in one.interval)
+                    text = f"{shown(one.mean / factor)} ({low} to {high}) {unit}"
+                values.append(f"{SYMBOLS.get(name, name)} = {text}")
             believed = len(self.believed(sample))
             of_all = f"{believed} of {believed + self.left_out(sample).total()}"
-            lines.append(f"  {sample:<{wide}}  {of_all}: {values}")
+            lines.append(f"  {sample:<{wide}}  {of_all}: {', '.join(values)}")
         for sample in self.names[1:]:
             parts = [f"{SYMBOLS.get(name, name)} x {one.ratio:.2f} ({one.interval[0]:.2f} to {one.interval[1]:.2f})"
                      for name, each in self.differences.items() for one in each
@@ -271,13 +278,6 @@ class Samples(Result):
     def unit(self, name: str) -> tuple[float, str]:
         """The one unit in which a quantity is shown of all samples, in SI and as it is called."""
         return scale(max((abs(one.median) for one in self.spreads[name].values()), default=1.0), QUANTITIES[name])
-
-    def _value(self, name: str, sample: str) -> str:
-        one, symbol, (factor, unit) = self.spreads[name][sample], SYMBOLS.get(name, name), self.unit(name)
-        if one.mean is None or one.interval is None:
-            return f"{symbol} = {shown(one.median / factor)} {unit} (median)"
-        low, high = (shown(end / factor) for end in one.interval)
-        return f"{symbol} = {shown(one.mean / factor)} ({low} to {high}) {unit}"
 
     def figure(self, *names: str) -> Figure:
         """A box and all points of each sample, a panel for each quantity, or each of ``names``."""

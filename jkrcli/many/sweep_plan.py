@@ -389,7 +389,14 @@ class Wanted:
         told: dict[str, Any] = {}
         for section in dict.fromkeys(name.split(".")[0] for name in self.names):
             told |= {f"{section}.{key}": value for key, value in SECTIONS[section][0](result).items()}
-        values = [_value(name, told[name]) for name in self.names]
+        values = list[Value | Unknown]()
+        for name in self.names:
+            value = told[name]
+            if isinstance(value, Unknown):  # the reason, but for what bodies of this kind never have
+                value = Unknown("") if name.startswith(OF_THE_KIND) and name != STRAINS else value
+            elif not isinstance(value, int | str):
+                value = float(value) if math.isfinite(value) else Unknown(f"{name} is not finite")
+            values.append(value)
         for k in self.stiffness:
             values += _point("device", result.curve.pull_off(result.curve.series.control_of_force(k))).values()
         # ``ALONG`` of the curve at each of the contact radii [m]; index H: without adhesion
@@ -401,15 +408,6 @@ class Wanted:
         for place, out in zip(self.radii, beyond.tolist(), strict=True):
             values += [Unknown(curve.beyond_words(place))] * len(ALONG) if out else next(rows)
         return values
-
-
-def _value(name: str, value: Any) -> Value | Unknown:
-    """A number or word, or why there is none."""
-    if isinstance(value, Unknown):
-        return Unknown("") if name.startswith(OF_THE_KIND) and name != STRAINS else value
-    if isinstance(value, int | str):
-        return value
-    return float(value) if math.isfinite(value) else Unknown(f"{name} is not finite")
 
 
 def names_of(words: Sequence[str], source: str) -> tuple[str, ...]:
@@ -471,7 +469,7 @@ class Plan:
         """All keys that vary."""
         return tuple(key for axis in self.axes for key in axis.keys)
 
-    @cached_property
+    @property
     def key_columns(self) -> tuple[str, ...]:
         """The names of their columns: the key and its SI unit."""
         tables, folder = self.recipe.tables, self.recipe.folder
@@ -494,22 +492,12 @@ class Plan:
         """Solves that all cases together need at least: values that may cancel (w, moduli, a load over them) or be cut
         off with their layer count as none."""
         cut = LAYER_COUNT in self.keys
-        # Those values of a row of an axis that make another body, whatever the moduli and the number of layers are.
-        return math.prod(
-            len(
-                {
-                    repr(
-                        [
-                            value
-                            for key, value in zip(axis.keys, row, strict=True)
-                            if key.endswith(FIRM) and not (cut and "layers" in key)
-                        ]
-                    )
-                    for row in axis.rows
-                }
-            )
-            for axis in self.axes
-        )
+        # Of each axis, how many differ in what makes another body, whatever the moduli and the number of layers are.
+        solves = 1
+        for axis in self.axes:
+            firm = [i for i, key in enumerate(axis.keys) if key.endswith(FIRM) and not (cut and "layers" in key)]
+            solves *= len({repr([row[i] for i in firm]) for row in axis.rows})
+        return solves
 
     def identity(self, number: int) -> str:
         """A hash of everything that the row of a case depends on: what journals know it by."""

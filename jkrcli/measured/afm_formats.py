@@ -119,7 +119,7 @@ class File:
             raise InputError(f"{self.path}: holds no deflection (channels: {', '.join(channels)})")
         return channels
 
-    @cached_property
+    @property
     def samples(self) -> tuple[int, tuple[int, int]]:
         """How many rows each direction has room for, and how many of approach and retraction are filled."""
         numbers = [int(word) for word in re.findall(r"\d{1,9}", self._of(CHANNEL).get("samps/line", ""))]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -416,7 +416,14 @@ def _begins(record: FittedRecord, model: ChangedModel, starts: Sequence[tuple[fl
     have several minima."""
     change, x, last = model.change, _unknowns(record, model, record.fit.x), model.stretches[-1]
     if isinstance(change, BodyChange) and change.coupled:
-        yield from ([begin] for begin in _valleys(record, model, starts))
+        # what the fit without becomes, at those amounts that leave no more than the ones next to them
+        near, starts = _about(record), sorted(starts)
+        ends = alone(beside([_followed(near, change, start[0]) for start in starts]))
+        left = np.array([math.inf, *(math.inf if end is None else end[0] for end in ends), math.inf])
+        lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
+        for start, end, low in zip(starts, ends, lowest, strict=True):
+            if end is not None and low:
+                yield [np.append(_unknowns(record, model, end[1]), start)]
         return
     if isinstance(change, LoadsChange) and change.where == "last":
         i = model.names.index(f"q:{last.kind}")
@@ -433,18 +440,6 @@ def _about(record: FittedRecord) -> Linearised:
     """A fit without alternatives, on the rows that are off the folds."""
     (near,) = linearised([(tables([record], ())[0], record.off_folds)])
     return near
-
-
-def _valleys(record: FittedRecord, model: ChangedModel, starts: Iterable[tuple[float, ...]]) -> Iterator[Array]:
-    """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
-    more than the ones next to them."""
-    near, starts = _about(record), sorted(starts)
-    ends = alone(beside([_followed(near, model.change, start[0]) for start in starts]))
-    left = np.array([math.inf, *(math.inf if end is None else end[0] for end in ends), math.inf])
-    lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
-    for start, end, low in zip(starts, ends, lowest, strict=True):
-        if end is not None and low:
-            yield np.append(_unknowns(record, model, end[1]), start)
 
 
 def _unknowns(record: FittedRecord, model: ChangedModel, x: Array) -> Array:

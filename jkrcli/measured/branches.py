@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -78,7 +78,7 @@ class Bodies:
             return cls(nodes, which, nodes[0].u[None], nodes[0].functions[None])
         return cls(nodes, which, np.array([one.u for one in nodes]), np.array([one.functions for one in nodes]))
 
-    @cached_property
+    @property
     def step(self) -> Array:
         """The distance of neighbouring nodes of each curve."""
         return (self.u[:, -1] - self.u[:, 0])[self.which] / (self.u.shape[1] - 1)
@@ -188,7 +188,7 @@ class Branches:
         return SolveError(f"no contact is stable at this w up to a = {most}: take a smaller w, or check the radius and "
                           "the units")  # fmt: skip
 
-    @cached_property
+    @property
     def cells(self) -> Array:
         """Between nodes, (6, curves * (nodes - 1)): where they begin, the inverse width, and the load's coefficients of
         a cubic."""
@@ -202,7 +202,7 @@ class Branches:
         c2[:] = rise - c1 - c3
         return cells.reshape(6, -1)
 
-    @cached_property
+    @property
     def rates(self) -> Array:
         """The derivatives of the load at fixed z by ln s and q = w/s, times zeta, which are straight between nodes:
         where these begin, and their changes, (4, curves * (nodes - 1))."""
@@ -322,7 +322,6 @@ class DeviceBranch:
         return (left + (right - left) * x) / zeta
 
 
-@lru_cache(maxsize=REMEMBERED)
 def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
     return Branches.of([(family, s, q, k)]).one(0)
@@ -398,7 +397,7 @@ class Rest:
         unstable = self.u < fold
         return np.where(unstable, self.end, lost), np.where(unstable, -np.inf, self.end)
 
-    @cached_property
+    @property
     def lines(self) -> Array:
         """The straight lines over D - z [m], what they begin with and rise by, (2, 6, curves): the load and its
         derivatives by ln s, q of the edge that moves (none), z, the root of q before, and the position of the turn."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -121,7 +120,7 @@ class Curve:
         """The times [s], which were measured."""
         return self.column("t")
 
-    @cached_property
+    @property
     def device(self) -> Array:
         """Position of the device [m], its deflection added again; needs displacement and load."""
         return self.depth if self.stiffness is None else self.depth + self.load / self.stiffness

@@ -45,7 +45,15 @@ def read(path: Path, reading: Reading | None = None) -> list[Curve]:
 def from_columns(columns: Mapping[str, Any], reading: Reading | None = None) -> Curve:
     """The curve in arrays or the columns of a data frame: by their names as those of a table ("delta_um", "P (nN)"),
     SI where they name no unit; InputError as of a file."""
-    arrays = {str(key): _cells(columns[key]) for key in columns.keys()}  # noqa: SIM118 - of a data frame, too
+    arrays = dict[str, Array]()
+    for key in columns.keys():  # noqa: SIM118 - of a data frame, too
+        # its cells, numbers or words, nan where masked or missing
+        values = columns[key]
+        cells = np.array(values, dtype=object)
+        missing = values.isna() if hasattr(values, "isna") else np.ma.getmaskarray(values) if np.ma.isMA(values) else []
+        blank = np.array([cell is None or cell is np.ma.masked for cell in cells.flat], dtype=bool).reshape(cells.shape)
+        cells[blank | np.asarray(missing, dtype=bool) if len(missing) else blank] = math.nan
+        arrays[str(key)] = cells
     if not arrays:
         raise InputError("data: holds no columns")
     if len({array.shape for array in arrays.values()}) != 1 or next(iter(arrays.values())).ndim != 1:
@@ -58,15 +66,6 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None) -> 
     if others or not isinstance(curve, Curve):
         raise curve if isinstance(curve, InputError) else InputError("data: holds several curves, one is wanted")
     return _by_convention(curve, reading, stiffness)
-
-
-def _cells(values: Any) -> Array:
-    """The cells of a column, numbers or words, nan where masked or missing."""
-    cells = np.array(values, dtype=object)
-    missing = values.isna() if hasattr(values, "isna") else np.ma.getmaskarray(values) if np.ma.isMA(values) else []
-    blank = np.array([cell is None or cell is np.ma.masked for cell in cells.flat], dtype=bool).reshape(cells.shape)
-    cells[blank | np.asarray(missing, dtype=bool) if len(missing) else blank] = math.nan
-    return cells
 
 
 def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:

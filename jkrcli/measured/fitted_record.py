@@ -71,7 +71,7 @@ class FittedRecord:
         """Their derivatives by the unknowns, (rows, unknowns)."""
         return self.model.residuals(self.fit.x, 0.0)[1]
 
-    @cached_property
+    @property
     def regular(self) -> Array:
         """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
         rows = []
@@ -82,7 +82,7 @@ class FittedRecord:
             rows.append(~touching | (z > first + span) if part.jumped else np.abs(z - first) > span)
         return np.concatenate(rows)
 
-    @cached_property
+    @property
     def off_folds(self) -> Array:
         """Which rows are not right at the fold that a stretch jumps at: there the load rises with a root of the
         distance, so that a fold misplaced by less than from row to row leaves many times the noise, in a model that is
@@ -111,22 +111,22 @@ class FittedRecord:
         """Contact radius [m] of all rows, 0 where they are free."""
         return self.fit.a
 
-    @cached_property
+    @property
     def a_max(self) -> float:
         """Largest contact radius [m]."""
         return float(self.a.max())
 
-    @cached_property
+    @property
     def modulus(self) -> float:
         """Factor of the body's moduli."""
         return math.exp(self.values["ln_s"])
 
-    @cached_property
+    @property
     def E_star(self) -> float:
         """E* of the body as fitted [Pa]."""
         return self.modulus * self.body.problem.E_star
 
-    @cached_property
+    @property
     def work(self) -> float:
         """The largest w of the directions [J/m^2], 0 where none adheres."""
         return max(0.0, *(self.values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
@@ -143,20 +143,20 @@ class FittedRecord:
         """The range z0 [m] of which the ring is ``CHANGE_SMALL`` a_max wide there: d = pi E* z0^2/(4 w)."""
         return math.sqrt(4 * CHANGE_SMALL * self.a_max * self.work / (math.pi * self.E_star))
 
-    @cached_property
+    @property
     def P_H(self) -> Array:
         """Load [N] of all rows at their contact radii without adhesion."""
         load, touching = np.zeros(self.a.size), np.flatnonzero(self.a)
         load[touching] = self.modulus * self.model.family.values(np.log(self.a[touching]))[2]
         return load
 
-    @cached_property
+    @property
     def loads(self) -> Array:
         """Loads of the contact [N] at all rows, of the model."""
         lines = np.concatenate([base_line(part, self.values)[0] for part in self.model.stretches])
         return np.concatenate([part.P for part in self.model.stretches]) + self.residuals - lines
 
-    @cached_property
+    @property
     def depth(self) -> Array:
         """Position of the device beyond its zero [m], at all rows."""
         return np.concatenate([self.model.depth(part, self.values) for part in self.model.stretches])
@@ -166,12 +166,12 @@ class FittedRecord:
         """P', the derivative of the loads by the position of the device [N/m], its turn where it is."""
         return self.model.by_position(self.fit.x)
 
-    @cached_property
+    @property
     def at_fixed_position(self) -> Array:
         """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
         return 1 - self.by_position / self.model.k
 
-    @cached_property
+    @property
     def reach(self) -> float:
         """How far the device moves in contact [m]."""
         return max(part.reach for part in self.model.stretches)

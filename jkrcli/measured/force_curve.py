@@ -97,17 +97,17 @@ class DirectionReadings:
         steps = np.abs(np.diff(self.z))
         return median(steps) or float(np.mean(steps))
 
-    @cached_property
+    @property
     def span(self) -> float:
         """Range of the loads [N]."""
         return float(np.ptp(self.P))
 
-    @cached_property
+    @property
     def along(self) -> Array:
         """Way of the device from the first row on [m]."""
         return self.z - self.z[0]
 
-    @cached_property
+    @property
     def contact(self) -> Array:
         """The numbers of the rows in contact, where these are known."""
         return np.flatnonzero(self.touching)
@@ -261,7 +261,7 @@ class ForceCurveModel:
         few = replace(self, stretches=tuple(part.thinned() for part in self.stretches))
         return few if few.names == self.names else self
 
-    @cached_property
+    @property
     def rows(self) -> Array:
         """The rows of the record in all stretches."""
         return np.concatenate([part.rows for part in self.stretches])
@@ -297,7 +297,7 @@ class ForceCurveModel:
         of = term.moved if term.law == RELAXED else term.at
         return any(column.any() for place in places for column in of(place, term.values)[1])
 
-    @cached_property
+    @property
     def most(self) -> float:
         """Largest q: of a curve that is pulled off at the end of the series."""
         _, (_, _, dH, dV), _ = on_grid(self.family)
@@ -335,7 +335,7 @@ class ForceCurveModel:
         """Those of some ``values`` by name, in order."""
         return np.array([values[name] for name in self.names])
 
-    @cached_property
+    @property
     def noise(self) -> float:
         """The largest noise of a base line [N]."""
         return max(part.line.noise for part in self.stretches)
@@ -416,8 +416,7 @@ class ForceCurveModel:
 
     def free(self, columns: Array) -> list[Array]:
         """Of columns of all rows, those of each stretch that surely are free, whatever the model says."""
-        ends = np.cumsum([part.rows.size for part in self.stretches])[:-1]
-        parts = zip(self.stretches, np.split(columns, ends), strict=True)
+        parts = zip(self.stretches, np.split(columns, self.ends[1:-1]), strict=True)
         return [column[: round(FORCE_CURVE_SURELY * part.line.rows)] for part, column in parts]
 
     @cached_property
@@ -435,8 +434,9 @@ class ForceCurveModel:
     def assembled(self, values: Values, on_path: Sequence[OnPath]) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows and its derivatives (unknowns, rows), from the loads of the contact in
         each stretch and their derivatives."""
-        off, rates = np.empty(self.ends[-1]), np.zeros((len(self.names), self.ends[-1]))
-        for part, (columns, _), first, last in zip(self.stretches, on_path, self.ends[:-1], self.ends[1:], strict=True):
+        ends = self.ends
+        off, rates = np.empty(ends[-1]), np.zeros((len(self.names), ends[-1]))
+        for part, (columns, _), first, last in zip(self.stretches, on_path, ends[:-1], ends[1:], strict=True):
             line, by_line = base_line(part, values)
             off[first:last] = line + columns[0] - part.P
             by = {} if self.in_place_of_path(part) else self._by_names(part, values, columns)
@@ -459,7 +459,7 @@ class ForceCurveModel:
         """The place of each unknown among all, by name."""
         return {name: i for i, name in enumerate(self.names)}
 
-    @cached_property
+    @property
     def ends(self) -> list[int]:
         """Where the rows of each stretch begin among all, and their number."""
         return list(itertools.accumulate((part.P.size for part in self.stretches), initial=0))
@@ -850,12 +850,12 @@ class ForceCurveFit:
         """Contact radius [m] of the rows of each stretch, 0 where they are free, and which of them rest."""
         return [radii_at(*edges) for edges in self.model.edges(self.x)]
 
-    @cached_property
+    @property
     def a(self) -> Array:
         """Contact radius [m] of all rows, 0 where they are free."""
         return np.concatenate([a for a, _ in self.radii])
 
-    @cached_property
+    @property
     def weighted(self) -> Array:
         """Derivatives by the unknowns and, last, residuals of all rows in units of the noise, (unknowns + 1, rows)."""
         off, J = self.model.residuals(self.x, 0.0)

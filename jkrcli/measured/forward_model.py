@@ -109,11 +109,8 @@ class Family:
 
     def values(self, u: Array) -> Array:
         """(D, T, H, V) alone, (4, n)."""
-        return np.exp(self._values(u).T)
-
-    @cached_property
-    def _values(self) -> PiecewisePolynomial:
-        return PiecewisePolynomial(self.logs.x, np.ascontiguousarray(self.logs.c[..., :FUNCTIONS]))
+        logs = PiecewisePolynomial(self.logs.x, np.ascontiguousarray(self.logs.c[..., :FUNCTIONS]))
+        return np.exp(logs(u).T)
 
     def at_nodes(self, u: Array) -> Array:
         """The same as ``at`` at evenly spaced nodes, (4, 3, nodes)."""

@@ -88,13 +88,13 @@ class Side:
     deep: Array
     pressed: Array
 
-    @cached_property
+    @property
     def noise(self) -> float:
         """Standard deviation of a row [N], at least what a converter and what matters leave."""
         least = FREE_SEEN * max(float(np.ptp(self.y)), abs(self.jump)) if self.y.size else 0.0
         return max(row_noise(self.y), self.code / math.sqrt(12), least)
 
-    @cached_property
+    @property
     def rounds(self) -> bool:
         """Whether noise is too small to move rows between levels of a converter."""
         return row_noise(self.y) < self.code
@@ -294,7 +294,7 @@ class FreeRows:
         """The load [N] of all terms at all rows."""
         return self._sum(self.terms)
 
-    @cached_property
+    @property
     def of_signal(self) -> Array:
         """What of it is no force, but an error of the signal [N]: a virtual deflection or a drift."""
         return self._sum([term for term in self.terms if term.law not in (*LAWS, LEVEL)])

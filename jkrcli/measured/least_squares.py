@@ -171,14 +171,10 @@ class State:
         return self.rates()
 
     @cached_property
-    def squares(self) -> Array:
-        """J^T J."""
-        return self.jacobian.T @ self.jacobian
-
-    @cached_property
-    def slopes(self) -> Array:
-        """J^T r, the derivatives of the cost."""
-        return self.jacobian.T @ self.residuals
+    def products(self) -> tuple[Array, Array]:
+        """J^T J, and J^T r, the derivatives of the cost."""
+        J = self.jacobian
+        return J.T @ J, J.T @ self.residuals
 
     @cached_property
     def cost(self) -> float:
@@ -380,7 +376,7 @@ def steps_within(asked: Sequence[tuple[LeastSquares, Array, State, Array, float]
         problems, starts, at, lengths, radii = zip(*(asked[place] for place in places), strict=True)
         x, units, radius = np.array(starts), np.array(lengths), np.array(radii)
         low, high = np.array([problem.bounds for problem in problems]).transpose(1, 0, 2)
-        squares, slopes = np.array([state.squares for state in at]), np.array([state.slopes for state in at])
+        squares, slopes = map(np.array, zip(*(state.products for state in at), strict=True))
         units = np.maximum(units, np.sqrt(np.diagonal(squares, axis1=1, axis2=2)))
         unit = 1 / np.where(units > 0, units, 1.0)
         seen = np.diagonal(squares, axis1=1, axis2=2) > 0  # no row depends on the others here
@@ -617,18 +613,14 @@ class Intervals:
             return self.meaning(x)[item.name], self._rates(x)[item.name]
 
         y = self.least.profile(outcome, step, 0.5 * width**2 * variance)
-        if y is None or self._ends_on_bound(item, y, width > 0):
+        if y is None:
+            return None
+        # a log that ends where the search may not go ends nothing that the data leave, but for an end of the user's
+        i, given = int(np.argmax(rate)), 0 < (item.high if width > 0 else item.low) < math.inf
+        own = item.kind == "log" and abs(rate[i] - 1) < NOTICEABLE and np.count_nonzero(rate) == 1
+        if own and not given and abs(y - self.least.problem.bounds[1 if width > 0 else 0][i]) < NOTICEABLE:
             return None
         return 0.0 if item.kind == "positive" and y < SAME * (sigma or 0.0) else item.outer(y)
-
-    def _ends_on_bound(self, item: Parameter, y: float, above: bool) -> bool:
-        """Whether a log ends where the search may not go, which is no end of what the data leave, but for that which
-        the user gave."""
-        i, rate = int(np.argmax(self.rates[item.name])), self.rates[item.name]
-        own = item.kind == "log" and abs(rate[i] - 1) < NOTICEABLE and np.count_nonzero(rate) == 1
-        if not own or 0 < (item.high if above else item.low) < math.inf:
-            return False
-        return abs(y - self.least.problem.bounds[1 if above else 0][i]) < NOTICEABLE
 
 
 # ---------------------------------------------------------------------- samples
@@ -648,17 +640,16 @@ def _samples(
     numbers: list[int],
 ) -> list[Array | Exception | None]:  # fmt: skip
     """The samples of some ``numbers``, searched side by side."""
-    changes = (change(np.random.default_rng([seed, number])) for number in numbers)
-    return together([_sampling(least, changed, cost) for changed in changes])
 
+    def sampling(changed: Callable[[State], State]) -> Flow[Array | None]:
+        here = changed(least.state)
+        near = least.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
+        problem = replace(least.problem, model=_Changed(least.problem.model, changed), converged=cost, cost=cost)
+        with contextlib.suppress(JkrError):
+            return (yield from problem.searching(near)).x
+        return None
 
-def _sampling(least: Least, changed: Callable[[State], State], cost: float) -> Flow[Array | None]:
-    here = changed(least.state)
-    near = least.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
-    problem = replace(least.problem, model=_Changed(least.problem.model, changed), converged=cost, cost=cost)
-    with contextlib.suppress(JkrError):
-        return (yield from problem.searching(near)).x
-    return None
+    return together([sampling(change(np.random.default_rng([seed, number]))) for number in numbers])
 
 
 @dataclass(frozen=True, eq=False)
@@ -836,7 +827,6 @@ def _slow(f: Array, corner: Array, power: Array) -> Array:
     return np.divide(corner**power, shape, out=shape)
 
 
-@lru_cache(maxsize=TOGETHER)  # of arrays as long as a record
 def frequencies(rows: int) -> Array:
     """Those of the cosine transform, per row."""
     return np.arange(rows) / (2 * rows)
@@ -877,18 +867,13 @@ class TimeOrder:
         known = columns.T[..., self.order]
         series = np.zeros((*known.shape[:-1], int(self.places[-1]) + 1))
         series[..., self.places] = known
-        for i, count, slow in zip(self.ends, self.missing, _slow_shares(noise, self.missing), strict=True):
+        slow_shares = (1 - noise.A / noise(0.5 / np.array(self.missing))).tolist() if self.missing else ()
+        for i, count, slow in zip(self.ends, self.missing, slow_shares, strict=True):
             beside, at = max(count, COLOURED_BESIDE), int(self.places[i])
             parts = known[..., max(i - beside, 0) : i], known[..., i : i + beside]
             first, last = (slow * part.sum(axis=-1, keepdims=True) / part.shape[-1] for part in parts)
             series[..., at - count : at] = first + np.arange(1, count + 1) / (count + 1) * (last - first)
         return series.T
-
-
-@lru_cache(maxsize=REMEMBERED)
-def _slow_shares(noise: Spectrum, rows: tuple[int, ...]) -> tuple[float, ...]:
-    """How much of a ``noise`` over so many rows is slow."""
-    return tuple((1 - noise.A / noise(0.5 / np.array(rows))).tolist())
 
 
 def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
@@ -929,9 +914,11 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
 
     beside, (covariance, level) = of(every), (of(every), float(np.mean(every))) if seen is None else of_spectrum(noise)
     rise = _rise(beside, covariance)
-    if seen is not None and rise < COLOURED_HIDDEN**2:
-        hidden = _hidden(seen, noise, weight if weight.slow else all_rows)
-        if hidden is not noise:
+    colour = weight if weight.slow else all_rows
+    if seen is not None and rise < COLOURED_HIDDEN**2 and not noise.slow and colour.slow and colour.A:
+        # noise slower than the free rows are long shows in all: of this colour, if it is as likely in them
+        hidden = colour.times(noise.A / colour.A)
+        if seen.unlikely(hidden) <= seen.unlikely(noise):
             noise, (covariance, level) = hidden, of_spectrum(hidden)
             rise = _rise(beside, covariance)
     tau, excess = _rise(covariance, of(level)), math.sqrt(max(rise, 1.0))
@@ -961,15 +948,6 @@ def _rise(one: Array, other: Array) -> float:
     pairs = zip(one.diagonal().tolist(), other.diagonal().tolist(), strict=True)
     factors = [more / less for more, less in pairs if less > 0]
     return statistics.median(factors) if factors else 1.0
-
-
-def _hidden(seen: Periodogram, noise: Spectrum, every: Spectrum) -> Spectrum:
-    """The noise of free rows that were ``seen``; where their own ``noise`` is not slow, of the colour of
-    ``every`` row if it is as likely in them: noise slower than they are long shows in the others."""
-    if noise.slow or not every.slow or not every.A:
-        return noise
-    likely = every.times(noise.A / every.A)
-    return likely if seen.unlikely(likely) <= seen.unlikely(noise) else noise
 
 
 def _of_base_lines(runs: Sequence[Array], rounding: float) -> Periodogram:
@@ -1017,8 +995,9 @@ class Octaves:
     @classmethod
     def of(cls, f: Array, taken: Array) -> Octaves:
         """Of frequencies ``f`` in increasing order; ``taken``: how much of each wave the fit has. An octave of which
-        too little is left joins the next."""
-        lowest, begins = float(f[np.searchsorted(f, 0.0, side="right")]), _octaves(f.size)
+        too little is left joins the next; the last is up to two wide, as half of one tells little."""
+        lowest = float(f[np.searchsorted(f, 0.0, side="right")])
+        begins = np.append(0, 2 ** np.arange(max(math.ceil(math.log2(f.size)) - 1, 0)))
         left = np.empty((2, f.size))
         np.subtract(1.0, np.minimum(taken, 1.0), out=left[0])
         np.divide(left[0], np.maximum(f, lowest / 2), out=left[1])
@@ -1035,14 +1014,14 @@ class Octaves:
         """The mean squares of waves, of ``power`` each, in octaves."""
         return np.add.reduceat(power, self.first) / self.count
 
-    @cached_property
+    @property
     def slow(self) -> tuple[Array, Array]:
         """Slow parts at the centres, (shapes, octaves), over what they are at the lowest, (shapes,)."""
         corner, power = _shapes(self.lowest)
         slow = _slow(self.centre, corner[:, None], power[:, None])
         return slow / slow[:, :1], slow[:, 0]
 
-    @cached_property
+    @property
     def hidden(self) -> tuple[Array, Array, Array]:
         """White spectra 1 or 1 + r with one slow part r: 1/(1 + r), (spectra, octaves), n ln(1 + r) of all n waves, and
         the heights of r by its shape, (spectra,)."""
@@ -1093,7 +1072,12 @@ class Periodogram:
         """Spectra with their chances after the data: white or with one slow part, those of one correlation time and
         those of 1/f being as likely before."""
         (corner, power), (level, rise, over_A) = _shapes(self.octaves.lowest), self.octaves.hidden
-        before, shape = _before()
+
+        # chances before the data, of white noise and of each shape at each height, and the number of its shape
+        corners, powers, heights = COLOURED_CORNERS, len(COLOURED_POWERS), len(COLOURED_HEIGHTS)
+        kinds = np.repeat([1 / corners, 1 / powers], [corners, powers]) / 2
+        before = np.append(COLOURED_WHITE, np.tile((1 - COLOURED_WHITE) / heights * kinds, heights))
+        shape = np.append(0, np.tile(np.arange(corners + powers), heights))
 
         # the likeliest A of A (1 + r) is the mean square over 1 + r, and minus twice the logarithm of Whittle's
         # likelihood there n ln A + the sum of ln(1 + r), but for a constant
@@ -1105,16 +1089,6 @@ class Periodogram:
         return Possible(chance[kept] / chance[kept].sum(), A[kept], (A * over_A)[kept], shape[kept], corner, power)
 
 
-@lru_cache(maxsize=1)
-def _before() -> tuple[Array, Array]:
-    """Chances of spectra, white or with one slow part, before the data, and the number of its shape."""
-    corners, powers, heights = COLOURED_CORNERS, len(COLOURED_POWERS), len(COLOURED_HEIGHTS)
-    kinds = np.repeat([1 / corners, 1 / powers], [corners, powers]) / 2
-    chance = np.append(COLOURED_WHITE, np.tile((1 - COLOURED_WHITE) / heights * kinds, heights))
-    return chance, np.append(0, np.tile(np.arange(corners + powers), heights))
-
-
-@lru_cache(maxsize=REMEMBERED)
 def _shapes(lowest: float) -> tuple[Array, Array]:
     """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
     first, powers = COLOURED_SEEN * lowest, np.array(COLOURED_POWERS)
@@ -1135,12 +1109,6 @@ def _falling(mean: Array, count: Array) -> list[tuple[float, float]]:
         pools.append(pool)
     least = COLOURED_SINGULAR * float(mean.max())
     return [(max(level, least), waves) for level, waves in pools]
-
-
-@lru_cache(maxsize=REMEMBERED)
-def _octaves(n: int) -> Array:
-    """The first of ``n`` frequencies of each octave, of which the last is up to two wide: half of one tells little."""
-    return np.append(0, 2 ** np.arange(max(math.ceil(math.log2(n)) - 1, 0)))
 
 
 def _unlikely(mean: Array, S: Array, count: Array) -> Array:

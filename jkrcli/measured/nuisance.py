@@ -98,7 +98,7 @@ class Hypothesis:
         return held.of(*(replace(term, values=tuple(values[name] for name in term.names),
                                  errors=tuple(error[name] for name in term.names)) for term in fitted))  # fmt: skip
 
-    @cached_property
+    @property
     def cost(self) -> float:
         """What its terms cost, of -2 ln L: those of their odds, and of how much of what is likely of them
         before the data is left (Laplace's approximation); of sizes by Cauchy's distribution, whose tail is heavy."""

@@ -99,7 +99,7 @@ class Answer(Reported):
         """The value called ``name``, SI."""
         return self.estimate(name).value
 
-    @cached_property
+    @property
     def correlation(self) -> Array | None:
         """Correlation coefficients of the free parameters; 0 of one that has no variance, as a w whose root is 0."""
         if self.covariance is None:
@@ -201,7 +201,7 @@ class Parameter:
         if not self.inner(self.low) < self.inner(self.high):
             raise InputError(f"{self.name}: bounds must increase and leave room, got {self.low:g} to {self.high:g}")
 
-    @cached_property
+    @property
     def kind(self) -> Kind:
         """The scale on which it is fitted and intervals are made: "log", the signed "root", or as it is; "positive"
         where it cannot be less than 0, "limit" where it may come out so, though it is not.
@@ -279,7 +279,7 @@ class Unknowns:
         """The units of the unknowns, 1 of logs."""
         return np.array([self.units.get(name, 1.0) for name in self.names])
 
-    @cached_property
+    @property
     def fixed(self) -> dict[str, float]:
         """The values of the others by name, SI."""
         return {p.name: float(p.value) for p in self.parameters if not p.free and p.value is not None}
@@ -315,8 +315,9 @@ class Unknowns:
     def meaning(self, x: Array) -> dict[str, float]:
         """All parameters on their scales."""
         own = x[: len(self.free)] * self.scales
-        fixed = {p.name: p.inner(self.fixed[p.name]) for p in self.parameters if not p.free}
-        return fixed | dict(zip(self.names, own.tolist(), strict=True))
+        fixed = self.fixed
+        held = {p.name: p.inner(fixed[p.name]) for p in self.parameters if not p.free}
+        return held | dict(zip(self.names, own.tolist(), strict=True))
 
 
 def parameters_of(
@@ -367,7 +368,7 @@ class Nameable:
     E_star: float
     aliases: Mapping[str, str] = field(default_factory=dict)
 
-    @cached_property
+    @property
     def allowed(self) -> dict[str, Ranged]:
         """The ranges of all names."""
         others = {name: self.ranges[own] for name, own in self.aliases.items()}

@@ -577,7 +577,14 @@ def preparing(body: FittedBody, curve: Curve, settings: Settings) -> Flow[Prepar
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
     if unread := sorted(set(settings.noise) - set(points.values)):
         raise InputError(f"{curve.where}: --noise {unread[0]}: the file has no {unread[0]}: leave it out")
-    settings, words = _determined_by(settings, points)
+    # What the measured columns do not determine is fixed
+    absent, words = set() if "delta" in points.columns else {"delta0", "compliance"}, tuple[str, ...]()
+    fixed = dict.fromkeys(absent if "P" in points.columns else absent | {"P0"}, 0.0)
+    if "P" not in points.columns and {"modulus", "w"} <= {p.name for p in settings.free}:
+        words = ("a and delta alone determine w/E* only: the moduli of the case are kept",)
+        fixed["modulus"] = 1.0
+    parameters = (replace(p, free=False, value=fixed[p.name]) if p.name in fixed else p for p in settings.parameters)
+    settings = replace(settings, parameters=tuple(parameters))
     edges = set() if points.edges is None else set(points.edges)
     settings = settings.of_a_cycle(ADVANCING in edges) if RECEDING in edges else settings
     return Prepared(curve, points, settings, requested, (*curve.flags[len(original.flags) :], *words))
@@ -680,18 +687,6 @@ def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[Fitt
     assert isinstance(member, RestingMember)
     least = modulus * (member.unit * float(part.u.max())) ** 2
     return tuple(FittedValue("w", least, True, "work", None, least) if item.name == "w" else item for item in estimates)
-
-
-def _determined_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:
-    """The settings with the parameters fixed that the measured columns do not determine, and words on them."""
-    absent = set() if "delta" in points.columns else {"delta0", "compliance"}
-    fixed = dict.fromkeys(absent if "P" in points.columns else absent | {"P0"}, 0.0)
-    words: tuple[str, ...] = ()
-    if "P" not in points.columns and {"modulus", "w"} <= {p.name for p in settings.free}:
-        words = ("a and delta alone determine w/E* only: the moduli of the case are kept",)
-        fixed["modulus"] = 1.0
-    parameters = (replace(p, free=False, value=fixed[p.name]) if p.name in fixed else p for p in settings.parameters)
-    return replace(settings, parameters=tuple(parameters)), words
 
 
 # --------------------------------------------------------------------------------------------------

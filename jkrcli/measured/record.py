@@ -194,7 +194,17 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Cur
     told = math.isfinite(settings.range_at_most)
     record = FittedRecord(body, fit, Known(settings.longest_range, settings.tension_at_most, settings.level, told))
     remarks = list[str]()
-    alternatives = yield from record_alternatives(record, partial(_with_size, result.sizes or {}, remarks))
+
+    def with_size(scores: RecordAlternatives) -> RecordAlternatives:
+        # Neither the misfit nor what those that are named would change has a size, as in readings without noise
+        changes = [one.change(name) for one in scores.named for name in ("E_star", "w")]
+        if not changes or is_misfit(result.sizes or {}) or max(map(abs, changes)) > NO_CHANGE:
+            return scores
+        names = ", ".join(f"{one.name} ({one.change('E_star'):+.2%})" for one in scores.named)
+        remarks.append(f"a negligible misfit would be removed by (change of E*): {names}")
+        return scores.undecided()
+
+    alternatives = yield from record_alternatives(record, with_size)
     over_time, answer = offered("relaxation under adhesion"), None
     if over_time:
         alternatives, answer, words = over_time(record, curve, alternatives)
@@ -217,17 +227,6 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Cur
         result, estimates=estimates, sizes=sizes, flags=(*result.flags, *new), verdict=verdict,
         warnings=(*warnings, *remarks[:1], *result.warnings),
     )  # fmt: skip
-
-
-def _with_size(sizes: Values, remarks: list[str], scores: RecordAlternatives) -> RecordAlternatives:
-    """The alternatives, none of them named where neither the misfit nor what those would change has a size, as in
-    readings without noise: then a remark."""
-    changes = [one.change(name) for one in scores.named for name in ("E_star", "w")]
-    if not changes or is_misfit(sizes) or max(map(abs, changes)) > NO_CHANGE:
-        return scores
-    names = ", ".join(f"{one.name} ({one.change('E_star'):+.2%})" for one in scores.named)
-    remarks.append(f"a negligible misfit would be removed by (change of E*): {names}")
-    return scores.undecided()
 
 
 def replace_by_best_alternative(
@@ -261,18 +260,13 @@ def _with_ties(item: FittedValue, tied: Sequence[FittedAlternative], results: Ma
     moves = {}
     for one in tied[1:]:
         shift = (one.E_star / best.E_star - 1) * item.value if of_modulus else one.w - best.w
-        moves[one.name] = max(abs(shift), _beyond(item, results[one.name]))
+        moves[one.name] = abs(shift)
+        same = next((other for other in results[one.name].estimates if other.name == item.name), item)
+        if item.low is not None and item.high is not None and same.low is not None and same.high is not None:
+            moves[one.name] = max(abs(shift), item.low - same.low, same.high - item.high)
     moves |= dict(item.model or {})
     worst = max(moves, key=lambda name: moves[name], default="")
     return replace(item, model={worst: moves[worst]}) if worst else item
-
-
-def _beyond(item: FittedValue, other: Fit) -> float:
-    """How far the interval of the same estimate of an ``other`` fit reaches beyond its own."""
-    same = next((one for one in other.estimates if one.name == item.name), None)
-    if same is None or item.low is None or item.high is None or same.low is None or same.high is None:
-        return 0.0
-    return max(item.low - same.low, same.high - item.high, 0.0)
 
 
 def _flags(alternatives: RecordAlternatives, fit: ForceCurveFit) -> Iterator[tuple[str, str]]:
@@ -599,7 +593,15 @@ def _intervals(
     t: float, pool: Pool | None,
 ) -> Intervals:  # fmt: skip
     """Intervals of the parameters at the outcome ``here``, of which some are ``fixed``."""
-    quantities = [_quantity(name, f"r:{APPROACH}" in best.names) for name in here]
+    # Moduli by their logs, w as it may come out below 0, an advancing one before an edge that rests by its signed root
+    quantities = []
+    for name in here:
+        dimension, scale = DIMENSIONS.get(name, "modulus"), LINEAR
+        if name == "modulus" or dimension == "modulus":
+            scale = LOG
+        elif dimension == "work":
+            scale = ROOT if name == WORKS[APPROACH] and f"r:{APPROACH}" in best.names else LIMIT
+        quantities.append(Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus"))
     fixed_values = {name: value for name, value in here.items() if name in fixed}
     bent = [item for item in quantities if item.kind in (LOG, ROOT)]
 
@@ -613,17 +615,6 @@ def _intervals(
         samples = bootstrap(best.least, partial(_renewed, best), cost, settings.samples, settings.seed, pool)
     profiled = settings.confidence == "profile" and best.ended
     return Intervals(best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples)
-
-
-def _quantity(name: str, rests: bool) -> Parameter:
-    """Moduli by their logs, w as it may come out below 0, an advancing one before an edge ``rests`` by its signed
-    root."""
-    dimension, scale = DIMENSIONS.get(name, "modulus"), LINEAR
-    if name == "modulus" or dimension == "modulus":
-        scale = LOG
-    elif dimension == "work":
-        scale = ROOT if name == WORKS[APPROACH] and rests else LIMIT
-    return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
 
 
 def _resting(item: FittedValue, best: ForceCurveFit, t: float, intervals: Intervals) -> FittedValue:
@@ -868,8 +859,12 @@ def _of_directions(
     joint: ForceCurveFit, result: Fit,
 ) -> Flow[Fit]:  # fmt: skip
     """The ``result`` of both directions by one modulus, or each by its own where they differ."""
-    if len(joint.model.stretches) < 2 or joint.model.positions or not _apart(joint):
+    if len(joint.model.stretches) < 2 or joint.model.positions or "ln_s" not in joint.names:
         return result  # one direction alone tells no error of positions
+    if joint.sigma <= FIT_ENOUGH * joint.model.noise:
+        other = another_modulus(joint)  # which the data may need on the way back
+        if not (differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)):
+            return result
     _, into = yield from of(APPROACH)
     deeper, back = yield from of(RETRACT)
     error = math.hypot(*(one.error("ln_s") * one.spread.excess for one in (into, back)))
@@ -1005,8 +1000,12 @@ def _fitted(
                     other = yield from fitting(model, end.x, True, settings.loss)
                     if other.sigma < whole.sigma:
                         best = yield from _without_window(other, model, settings)
-    model = best.model
-    zero_works = {kind: 0.0 for part in model.stretches if _repels(best, kind := part.kind)}
+    # w that comes out below 0 by more than noise and misfit explain is of another body: 0 is as near as it can come
+    model, zero_works = best.model, dict[str, float]()
+    for part in model.stretches:
+        own = next((name for name in (f"q:{part.kind}", f"r:{part.kind}") if name in best.names), None)
+        if own is not None and best.value(own) < -FLAG_SURE * best.error(own) * best.spread.excess:
+            zero_works[part.kind] = 0.0
     if zero_works:
         model = replace(model, works={**model.works, **zero_works})
         best = yield from fitting(model, best.unknowns(model), loss=settings.loss)
@@ -1024,23 +1023,6 @@ def _without_window(best: ForceCurveFit, model: ForceCurveModel, settings: Setti
 def _again(begin: Values, model: ForceCurveModel, settings: Settings) -> Flow[ForceCurveFit]:
     """The fit of a ``model`` from values of its unknowns on that are near."""
     return fitting(model, model.unknowns({**model.by_terms, **begin}), True, settings.loss)
-
-
-def _repels(best: ForceCurveFit, kind: str) -> bool:
-    """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
-    as it can come."""
-    name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in best.names), None)
-    return name is not None and best.value(name) < -FLAG_SURE * best.error(name) * best.spread.excess
-
-
-def _apart(best: ForceCurveFit) -> bool:
-    """Whether the data need another modulus on the way back than on the way in."""
-    if "ln_s" not in best.names:
-        return False
-    if best.sigma > FIT_ENOUGH * best.model.noise:
-        return True
-    other = another_modulus(best)
-    return differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)
 
 
 def beside(back: Fit, into: Fit, both: Fit) -> Fit:

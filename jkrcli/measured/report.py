@@ -67,7 +67,7 @@ class Fits(Several):
     sample: Sequence[str] = ()
     own: Sequence[str] = ()
 
-    @cached_property
+    @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         table = columns(self.outcomes)
         if not self.sample:
@@ -82,7 +82,7 @@ class Fits(Several):
         parts = [_causes(item) for item in self.outcomes]
         return summed_up and summed_up({**self.columns, **kinds}, parts, {*self.own, *OWN_OF_A_CURVE})
 
-    @cached_property
+    @property
     def fits(self) -> list[Fit]:
         return [item for item in self.outcomes if isinstance(item, Fit)]
 
@@ -351,22 +351,20 @@ def brief(items: Sequence[FittedValue], level: float) -> str:
     the kinds of several parts stand behind all values, where all have the same."""
     parts = [_parts(item, level) for item in items]
     kinds = list(parts[0]) if len(parts[0]) > 1 and len(set(map(tuple, parts))) == 1 else []
-    values = ", ".join(_value(item, each, not kinds) for item, each in zip(items, parts, strict=True))
-    values += f" ({', '.join(kinds)})" * bool(kinds)
+    told = []
+    for item, each in zip(items, parts, strict=True):
+        symbol = SYMBOLS.get(item.name, item.name)
+        none = item.error is None or item.low is item.high is None  # an error beyond any interval tells nothing
+        why = "" if not none else " (not determined by the data)" if item.free else " (fixed)"
+        told.append(f"{symbol} > {show(item.value, item.dimension, 3)} (lower bound)" if _is_least(item) else
+                    f"{symbol} = {with_errors(item, each, not kinds)}{why}")  # fmt: skip
+    values = ", ".join(told) + f" ({', '.join(kinds)})" * bool(kinds)
     return values + f", at {100 * level:g} %" * any(item.error is not None for item in items)
 
 
 def _is_least(item: FittedValue) -> bool:
     """Whether the value is a lower bound: nothing but its own low end is known."""
     return item.error is None and item.high is None and item.low == item.value
-
-
-def _value(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
-    if _is_least(item):
-        return f"{SYMBOLS.get(item.name, item.name)} > {show(item.value, item.dimension, 3)} (lower bound)"
-    none = item.error is None or item.low is item.high is None  # an error beyond any interval tells nothing
-    why = "" if not none else " (not determined by the data)" if item.free else " (fixed)"
-    return f"{SYMBOLS.get(item.name, item.name)} = {with_errors(item, parts, named)}{why}"
 
 
 def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
@@ -603,7 +601,7 @@ class Work(Result):
         law = None if law_along is None else law_along(curves)
         return cls(path, curves, skipped, adhesive(solution, unit, typical(curves), modulus_factor), law)
 
-    @cached_property
+    @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """All rows of all curves, a curve at a time; None where there is no value. Quantities that no curve has make
         no column, but for the error of w: that is empty where the noise is not known."""

@@ -440,11 +440,11 @@ class Distances:
             return columns[0]
         return np.concatenate(columns, axis=-1)[..., np.argsort(np.concatenate([part.places for part in self.parts]))]
 
-    @cached_property
+    @property
     def residuals(self) -> Array:
         return self._together([part.residuals for part in self.parts])
 
-    @cached_property
+    @property
     def a(self) -> Array:
         """Contact radii of the foot points [m]."""
         return self._together([part.a for part in self.parts])
@@ -1091,9 +1091,16 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
 def _by_cost(objective: Objective, starts: Sequence[Values]) -> Sequence[Values]:
     """Starts sorted by their cost; where layers or a range vary, after a fit of the other parameters alone. Half way,
     in the logarithm of the range, from the lowest to its neighbours on both sides there are more."""
+
+    def cost(x: Values) -> float:
+        """The sum of squares; infinite where a range takes the surfaces beyond the body."""
+        with contextlib.suppress(*[JkrError] * objective.ranged):
+            return float(np.sum(objective.distances(x, rated=False).residuals ** 2))
+        return math.inf
+
     own = [p.name for p in objective.unknowns.free if p.of_body or p.name in RANGES]
     if not own or len(own) == len(objective.unknowns.free):
-        return sorted(starts, key=partial(_cost, objective))
+        return sorted(starts, key=cost)
     minima = _minima(objective, starts, own)
     for _ in range(SEARCH_HALVINGS if objective.ranged and minima else 0):
         law = next(p.name for p in objective.parameters if p.name in RANGES)
@@ -1102,10 +1109,3 @@ def _by_cost(objective: Objective, starts: Sequence[Values]) -> Sequence[Values]
         middle, others = ordered[best].x, (*ordered[max(best - 1, 0) : best], *ordered[best + 1 : best + 2])
         minima += _minima(objective, [{**middle, law: (middle[law] + other.x[law]) / 2} for other in others], own)
     return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else starts
-
-
-def _cost(objective: Objective, x: Values) -> float:
-    """The sum of squares; infinite where a range takes the surfaces beyond the body."""
-    with contextlib.suppress(*[JkrError] * objective.ranged):
-        return float(np.sum(objective.distances(x, rated=False).residuals ** 2))
-    return math.inf

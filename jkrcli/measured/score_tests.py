@@ -96,7 +96,7 @@ class Score:
             return high if high >= low else -low
         return rate * self.most if rate else 0.0
 
-    @cached_property
+    @property
     def most(self) -> float:
         """The largest amount that is known to be possible and not excluded by the data."""
         if math.isinf(self.error) or self.least == self.known:
@@ -331,7 +331,6 @@ def _excess(fit: ForceCurveFit, left: float) -> float:
     return excess if excess > SCORE_MISFIT else 1.0
 
 
-@lru_cache(maxsize=REMEMBERED)
 def _octaves(n: int) -> Array:
     """The first of ``n`` frequencies of each octave."""
     return np.append(0, 2 ** np.arange(math.ceil(math.log2(n))))
@@ -426,12 +425,12 @@ class Linearised:
     def record(self) -> FittedRecord:
         return self.table.record
 
-    @cached_property
+    @property
     def left(self) -> float:
         """chi^2 of what is left of the residuals."""
         return float(self.gram[0, 0] - self.along[:, 0] @ self.along[:, 0])
 
-    @cached_property
+    @property
     def x(self) -> Array:
         """The unknowns where the derivatives of chi^2 vanish, as they need not in the fit itself, at the kink of a
         fold."""
@@ -456,7 +455,7 @@ class Linearised:
             return columns * self.weights
         return self.record.model.whitened((columns * self.rows).T, noise).T
 
-    @cached_property
+    @property
     def weights(self) -> Array:
         """Of each row, of noise that is white."""
         return self.rows / math.sqrt(self.record.fit.spread.noise.A)

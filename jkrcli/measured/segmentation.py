@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -244,7 +244,7 @@ class ForceCurve:
         sides = alone(_directions(curve.device, curve.load, parts, code))
         return replace(self, curve=curve, directions=sides)
 
-    @cached_property
+    @property
     def ignored(self) -> Array:
         """The rows that count for nothing."""
         within = np.zeros(0, dtype=int) if self.held is None else self.held.spoilt
@@ -717,7 +717,6 @@ def _over_first(operation: np.ufunc, values: Array, starts: Array, rows: Array) 
     return operation.reduceat(values, edges[:-1] if edges[-1] == values.size else edges)[::2]
 
 
-@lru_cache(maxsize=REMEMBERED)
 def _cuts(rows: int) -> Array:
     """The numbers of rows before the cuts that are tried."""
     return np.unique(np.linspace(max(5, round(RECORD_FAR * rows)), rows - 4, min(rows, CUTS)).astype(int))

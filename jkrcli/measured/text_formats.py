@@ -6,7 +6,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -439,7 +438,7 @@ class Columns:
     in_head: Mapping[str, float]
     chosen: Mapping[str, int]
 
-    @cached_property
+    @property
     def position(self) -> instruments.Position | None:
         """The kind of position that the displacement is; None: as prepared."""
         return instruments.position_of(self.table.names[self.chosen["delta"]]) if "delta" in self.chosen else None
@@ -456,7 +455,7 @@ class Columns:
         in_header = split_name(self.table.names[self.chosen["P"]])[1] if "P" in self.chosen else ""
         return self.reading.units.get("P") or in_header
 
-    @cached_property
+    @property
     def bent(self) -> tuple[str, int] | None:
         """Whether the load's column is a deflection: "length" or "voltage" and its unit's power of ten, by the unit."""
         if self.unit_of_load in instruments.VOLTS:

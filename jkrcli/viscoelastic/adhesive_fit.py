@@ -21,6 +21,7 @@ from ..adhesion.curve import Nonadhesive
 from ..adhesion.finite_range import AttractedBody
 from ..base.errors import InputError, SolveError
 from ..base.numerics import Array
+from ..measured.choices import Values
 from ..measured.curve import Curve
 from ..measured.forward_model import FittedBody
 from ..measured.least_squares import SEARCH_MISFIT, Intervals, Least, LeastSquares, covariance
@@ -244,6 +245,13 @@ def rough(fine: Adhering) -> Adhering:
     return replace(fine, width=SEARCH[0], tolerance=SEARCH[1], sigma=sigma, jumps=jumps, left_out=cycle.near(NEAR))
 
 
+def length_of(body: FittedBody, fixed: Values, w: float, modulus: float, zone: float) -> float:
+    """The range of adhesion [m] with which a ``zone`` is so wide [m], unless it, or the stress, is ``fixed``."""
+    if "stress" in fixed:
+        return fixed.get("range", w / fixed["stress"])
+    return fixed.get("range", math.sqrt(zone * w / (ZONE_SLOPE * modulus * body.problem.E_star)) or LIKELY_RANGE)
+
+
 def _starts(model: Adhering) -> list[Array]:
     """The best of some values, with each of some ratios and times: the pull-off force tells w in a very fast cycle,
     where it is elastic, from rest, where it is the ratio times that of the relaxed modulus, and between; the load at
@@ -266,8 +274,7 @@ def _starts(model: Adhering) -> list[Array]:
         for _ in range(ROUNDS):
             modulus = fixed.get("modulus", limits.modulus(depth - zero, load, work))
             w = fixed.get("w", work(modulus))
-            of_zone = math.sqrt(zone * radius * w / (ZONE_SLOPE * modulus * body.problem.E_star))
-            length = fixed.get("range", w / fixed["stress"] if "stress" in fixed else of_zone or LIKELY_RANGE)
+            length = length_of(body, fixed, w, modulus, zone * radius)
             zero = shows + min(length, depth - shows)
         values = {"w": w, "stress": w / length, "range": length, "delta0": zero}
         values |= {"P0": cycle.base[0], "tilt": cycle.base[1]}

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..adhesion.finite_range import AttractedBody
 from ..base.numerics import TINY, Array
-from ..bodies.problem import Modes, PowerRelaxation, Relaxation
+from ..bodies.problem import Modes, PowerRelaxation
 from ..measured.forward_model import FittedBody
 from ..measured.least_squares import State
 from ..measured.parameters import Unknowns
@@ -74,7 +74,15 @@ class Adhering:
         values = self.unknowns.values(theta)
         m, w = self.instant(theta), values["w"]
         stress = values["stress"] if "stress" in values else w / values["range"]
-        modes = _few(self.settings.relaxation(values), float(np.ptp(self.cycle.t)))
+        # the law with r(0) = 1; a power law by few exponentials
+        law, lasting = self.settings.relaxation(values), float(np.ptp(self.cycle.t))
+        modes = law.modes(lasting, POWER_STEP) if isinstance(law, PowerRelaxation) else law.modes(lasting)
+        if isinstance(law, PowerRelaxation):
+            slow, kept = modes.rates * lasting < POWER_SLOWEST, modes.weights > POWER_LEAST * modes.weights.sum()
+            weight = modes.weights[slow].sum()
+            weights = np.append(weight, modes.weights[kept & ~slow])
+            rates = np.append(modes.weights[slow] @ modes.rates[slow] / weight, modes.rates[kept & ~slow])
+            modes = Modes(0.0, weights / weights.sum(), rates)
         rate = law_over(self.settings.rate, values, m) if self.settings.rate else None
         return Trial(w / m, stress / m, self.cycle.stiffness / m, modes, values["delta0"], rate)
 
@@ -262,15 +270,3 @@ def likely_before(name: str, lasting: float) -> tuple[float, float] | None:
 
 def is_time(name: str) -> bool:
     return name.rstrip("0123456789") in LIKELY_TIMES
-
-
-def _few(law: Relaxation, lasting: float) -> Modes:
-    """The law with r(0) = 1, up to the time ``lasting`` [s]; a power law by few exponentials."""
-    if not isinstance(law, PowerRelaxation):
-        return law.modes(lasting)
-    modes = law.modes(lasting, POWER_STEP)
-    slow, kept = modes.rates * lasting < POWER_SLOWEST, modes.weights > POWER_LEAST * modes.weights.sum()
-    weight = modes.weights[slow].sum()
-    weights = np.append(weight, modes.weights[kept & ~slow])
-    rates = np.append(modes.weights[slow] @ modes.rates[slow] / weight, modes.rates[kept & ~slow])
-    return Modes(0.0, weights / weights.sum(), rates)

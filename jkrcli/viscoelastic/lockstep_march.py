@@ -65,20 +65,17 @@ FEWEST = 4.0  # choice: steps of a piece of the program at least, times the root
 CRACK = np.geomspace(1e-7, 1e9, 260)  # theory: b/v over a time of retardation, beyond which nothing changes
 
 
-def _integral_of_dawson(y: Array) -> Array:
-    """int_0^y D(q) dq."""
-    q = np.linspace(0, 1, 4001) ** 2 * 40
-    total = np.concatenate([[0], np.cumsum((dawsn(q[1:]) + dawsn(q[:-1])) / 2 * np.diff(q))])
-    return np.where(y < 40, np.interp(y, q, total), total[-1] + np.log(np.maximum(y, 1) / 40) / 2)
-
-
 def passing(y: Array) -> tuple[Array, Array, Array]:
     """1 - e(y) of a crack that opens, and of one that closes, and 1 - d(y): how much of exp(-q t) is gone in a zone
     that passes in the time y/q."""
     root, k = np.sqrt(y), np.arange(1, 20)
     # D(x)/x = 1 - 2 x^2/3 + 4 x^4/15 - ..., and (2/x^2) int_0^x D term by term: what is left of 1 counts
     terms = -np.cumprod(-2 * np.minimum(y, 0.5)[..., None] / (2 * k + 1), axis=-1)
-    opening = np.where(y < 0.5, np.sum(terms / (k + 1), axis=-1), 1 - 2 / y * _integral_of_dawson(root))
+    # int_0^x D(q) dq, which rises with the logarithm beyond
+    q = np.linspace(0, 1, 4001) ** 2 * 40
+    total = np.concatenate([[0], np.cumsum((dawsn(q[1:]) + dawsn(q[:-1])) / 2 * np.diff(q))])
+    integral = np.where(root < 40, np.interp(root, q, total), total[-1] + np.log(np.maximum(root, 1) / 40) / 2)
+    opening = np.where(y < 0.5, np.sum(terms / (k + 1), axis=-1), 1 - 2 / y * integral)
     edge = np.where(y < 0.5, np.sum(terms, axis=-1), 1 - dawsn(root) / root)
     return opening, 2 * edge - opening, edge
 
@@ -307,16 +304,19 @@ class March:
         root = np.sqrt(b * (2 * a + b))
         theta = np.arctan2(root, a)
         psi = theta[:, None] * GAUSS[0]
-        x = np.concatenate([c[:, None] * np.cos(psi), a[:, None]], axis=1)
-        y = x / d[:, None]
-        i = np.minimum(y.astype(int), self.g.shape[1] - 2)
-        flat = (at * self.g.shape[1])[:, None] + i
-        line = self.g.ravel()
-        g = line[flat]
-        begin = g[:, -1]
-        g = g + (y - i) * (line[flat + 1] - g)
+        x, line = np.concatenate([c[:, None] * np.cos(psi), a[:, None]], axis=1), self.g.ravel()
+
+        def along(x: Array) -> tuple[Array, Array, Array]:
+            # g at radii, the numbers of the cells that these lie in, and the parts of those that are before them
+            y = x / d[:, None]
+            i = np.minimum(y.astype(int), self.g.shape[1] - 2)
+            cell = (at * self.g.shape[1])[:, None] + i
+            begin = line[cell]
+            return begin + (y - i) * (line[cell + 1] - begin), cell, y - i
+
+        g, cell, part = along(x)
         ga, arc = g[:, -1], theta * (g[:, :-1] @ GAUSS[1])
-        inside = self.cum.ravel()[flat[:, -1]] + (y[:, -1] - i[:, -1]) * d * (begin + ga) / 2
+        inside = self.cum.ravel()[cell[:, -1]] + part[:, -1] * d * (line[cell[:, -1]] + ga) / 2
         sector = (c**2 * theta - a * root) / 2
         if not kernel.kappa.size:
             delta = ga - s0 / G * root
@@ -327,11 +327,7 @@ class March:
         M, beta = kernel.disc(a)
         # int_0^a u g by Gauss, more nodes near the edge
         x = a[:, None] * INNER_GAUSS[0]
-        y = x / d[:, None]
-        i = np.minimum(y.astype(int), self.g.shape[1] - 2)
-        flat = (at * self.g.shape[1])[:, None] + i
-        inner = line[flat] + (y - i) * (line[flat + 1] - line[flat])
-        gamma = a[:, None] * np.matmul((inner * INNER_GAUSS[1])[:, None], kernel.between(kernel.u, x))[:, 0]
+        gamma = a[:, None] * np.matmul((along(x)[0] * INNER_GAUSS[1])[:, None], kernel.between(kernel.u, x))[:, 0]
         rho = (c**2 * theta)[:, None] * np.matmul((GAUSS[1] * np.sin(psi) ** 2)[:, None], uz)[:, 0]
         known = -G[:, None] * gamma - s0[:, None] * rho
         edge = np.matmul(ua[:, None], M)[:, 0]

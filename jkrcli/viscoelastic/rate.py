@@ -200,7 +200,7 @@ class Motion(device_path.Piece):
         t, a = self._states(np.array([self._last_reported]))
         return float(t[0]), float(a[0])
 
-    @cached_property
+    @property
     def _last_reported(self) -> float:
         """The s up to which states are reported."""
         tau, end = self.steps[0], float(self.nodes[-1])
@@ -458,7 +458,7 @@ class RateContact(device_path.Contact):
     def edge(self) -> device_path.Edge:
         return device_path.Edge(self.body, self.stiffness)
 
-    @cached_property
+    @property
     def advancing(self) -> AdhesiveCurve:
         """The equilibria of the advancing edge."""
         return AdhesiveCurve(self.body, self.w_advance)
@@ -521,7 +521,7 @@ class History(device_path.Path):
     contact: RateContact
     beside: History | None = None
 
-    @cached_property
+    @property
     def turn(self) -> float:
         """The time [s] at which the contact last stopped to grow; that of the begin where it never grew."""
         grew = [piece.last[0] for piece in self.pieces if piece.phase == device_path.ADVANCE]
@@ -549,7 +549,7 @@ class History(device_path.Path):
         ramp = next((piece.ramp for piece in reversed(self.pieces) if piece.ends == "lost"), None)
         return None if ramp is None or self.lost is None or ramp.rate != 0 else self.lost.t - ramp.t
 
-    @cached_property
+    @property
     def error(self) -> dict[str, Estimate]:
         """Relative error of the integration of "P" and "t" at pull-off and of the time at which contact is "lost", both
         counted from the turn, and of the "balance": work of the device against stored energy and work of the edge."""
@@ -570,7 +570,7 @@ class History(device_path.Path):
         changed = abs(here - there) / size / (HISTORY_COARSER - 1) if size else 0.0
         return max(changed, HISTORY_FLOOR * self.contact.tolerance)
 
-    @cached_property
+    @property
     def fastest(self) -> float:
         """The largest speed [m/s] of the receding edge up to pull-off."""
         end, speeds = self.pull_off, [0.0]
@@ -603,7 +603,7 @@ class History(device_path.Path):
         """Work of the receding edge, int G dA [J]."""
         return sum(piece.dissipated for piece in self.pieces if piece.phase == device_path.RECEDE)
 
-    @cached_property
+    @property
     def energy_lost(self) -> Estimate:
         """Work that the device does over the whole program [J]: the area of the loop where contact is lost."""
         if self.contact.stiffness == LOAD_CONTROL:
@@ -612,7 +612,7 @@ class History(device_path.Path):
             return Unknown("contact is not lost")
         return self.work
 
-    @cached_property
+    @property
     def balance(self) -> float:
         """The energy that is missing, |work of the device - stored - int G dA| over the largest of the three [-]:
         that of the motion with the largest share."""

@@ -825,7 +825,7 @@ class RelaxedHistory:
         t = np.sort(np.append(self._times(numerics.LOOKED_AT), self.turn))
         return max(self._timed(t), key=lambda state: state.P)
 
-    @cached_property
+    @property
     def corners(self) -> tuple[TimedState, ...]:
         """The states at the corners of the program while there is contact."""
         t = np.unique(self._pieces)

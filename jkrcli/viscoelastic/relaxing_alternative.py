@@ -62,11 +62,14 @@ class RelaxingAnswer:
             share = own[name].value / (before[name].value or math.inf)
             inputs = {key: share * error for key, error in (before[name].systematic or {}).items()}
             own[name] = wider(own[name], inputs, t)
-        E_star, elastic = own["E_star"], before["E_star"].value
-        others = [
-            own.pop(item.name, _like(E_star, item.name, item.value / elastic) if item.dimension == "modulus" else item)
-            for item in plain.estimates if item.name not in OF_ONE_MODULUS
-        ]  # fmt: skip
+        E_star, elastic, others = own["E_star"], before["E_star"].value, list[FittedValue]()
+        for item in (item for item in plain.estimates if item.name not in OF_ONE_MODULUS):
+            if item.dimension == "modulus":  # of a part of the body, as many times E* as it was
+                ends = E_star.error, E_star.low, E_star.high
+                error, low, high = (None if end is None else item.value / elastic * end for end in ends)
+                value = item.value / elastic * E_star.value
+                item = replace(E_star, name=item.name, value=value, error=error, low=low, high=high)
+            others.append(own.pop(item.name, item))
         here = replace(fit, off=np.where(np.isfinite(self.off), self.off, fit.off))
         return replace(
             plain, estimates=(*others, *own.values()), free=tuple(item.name for item in self.estimates if item.free),
@@ -79,12 +82,6 @@ class RelaxingAnswer:
 
 
 OF_ONE_MODULUS = ("w_approach",)  # estimates that a history has none of
-
-
-def _like(E_star: FittedValue, name: str, factor: float) -> FittedValue:
-    """The modulus ``name`` of a part of the body, ``factor`` times E*, as they all are."""
-    error, low, high = (None if one is None else factor * one for one in (E_star.error, E_star.low, E_star.high))
-    return replace(E_star, name=name, value=factor * E_star.value, error=error, low=low, high=high)
 
 
 def with_relaxation(

@@ -80,7 +80,7 @@ class CycledAtSpeed(History, Result):
             raise InputError(f"{body.path}: {history.out_of_series}")
         return cls(**_fields(history), body=body, program=program, **more)
 
-    @cached_property
+    @property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
         return self.table(self.points)
 
@@ -232,7 +232,7 @@ class CycledRelaxing(RelaxedHistory, Result):
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
         return whole
 
-    @cached_property
+    @property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
         return self.table(self.points)
 
@@ -303,7 +303,7 @@ class CycledAdhering(AdhesiveHistory, Result):
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
         return cls(**_fields(history), file=file, limits=limits, points=points, relaxed=relaxed)
 
-    @cached_property
+    @property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
         columns, rate = self.table(self.points), self.rate
         return columns | (rate.columns(columns["t_s"]) if isinstance(rate, RateLawCourse) else {})

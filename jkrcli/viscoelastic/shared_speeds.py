@@ -25,14 +25,13 @@ from ..measured.forward_model import FittedBody
 from ..measured.least_squares import SEARCH_MISFIT, Intervals, Least, LeastSquares, State, covariance
 from ..measured.lockstep import together
 from ..measured.parameters import Answer, Unknowns
-from .adhesive_fit import FARTHEST, FINE, GIVEN_UP, ZONES, ElasticLimits, misses, prepared, rough
-from .adhesive_loads import LIKELY_RANGE, ZONE, Adhering
+from .adhesive_fit import FARTHEST, FINE, GIVEN_UP, ZONES, ElasticLimits, length_of, misses, prepared, rough
+from .adhesive_loads import ZONE, Adhering
 from .law_posterior import MARCH_ERROR, law_near
 from .lockstep_march import Marched
 from .rate import RateLaw
 from .rate_fit import law_of
 from .relaxation_fit import RANGE, check_body
-from .relaxing_adhesion import ZONE_SLOPE
 from .timed_record import BESIDE, MISFIT, UNSETTLED, RelaxationFit, RelaxationSettings
 from .whole_record import BASE_FEWEST, MEAN
 
@@ -154,8 +153,7 @@ class Records:
             modulus, zeros = 1.0, touch
             for _ in range(2):
                 w = fixed.get("w", share * limits.work(modulus, slowest.cycle.pulled))
-                of_zone = math.sqrt(zone * radius * w / (ZONE_SLOPE * modulus * body.problem.E_star))
-                length = fixed.get("range", w / fixed["stress"] if "stress" in fixed else of_zone or LIKELY_RANGE)
+                length = length_of(body, fixed, w, modulus, zone * radius)
                 zeros = touch + np.minimum(length, depths - touch)
 
                 def work(_: float, w: float = w) -> float:

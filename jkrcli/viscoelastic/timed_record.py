@@ -430,7 +430,7 @@ class TimedRecord:
         some = evenly(self.t.size, FIT_SOME)
         return replace(self, t=self.t[some], imposed=self.imposed[some], response=self.response[some])
 
-    @cached_property
+    @property
     def spacing(self) -> float:
         """The time from row to row [s]."""
         return float(np.median(np.diff(self.t)))

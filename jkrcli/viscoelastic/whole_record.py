@@ -103,7 +103,7 @@ class Cycle:
         """The loads less the base line [N]."""
         return self.P - self.base[0] - self.base[1] * (self.z - self.z[0])
 
-    @cached_property
+    @property
     def tip(self) -> Array:
         """The displacement of the tip [m]."""
         return self.z if math.isinf(self.stiffness) else self.z - self.load / self.stiffness
@@ -115,7 +115,7 @@ class Cycle:
         first = max(self.before.stop, int(seen[0])) if seen.size and self.before.stop else self.before.stop
         return first, self.behind.start
 
-    @cached_property
+    @property
     def touches(self) -> list[float]:
         """Where the tip may be as contact begins, before it jumps [m]: where no jump is seen, contact shows late."""
         first = self.contact[0]

@@ -50,6 +50,13 @@ def test_the_side_of_a_finite_specimen_is_part_of_its_solution() -> None:
     assert any("a/L = 0.2" in line for line in judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0}).warnings)
 
 
+def test_at_the_limits_nothing_is_said() -> None:
+    w = 125**0.5 * (1 + 1e-9)
+    judged = judge(a=0.3, delta=0.1, E_star=1.0, w=w, R=1.0, h=1.0, L=3.0, z0=1.0)  # Tabor (w^2)^(1/3) = 5
+    assert judged.tabor == pytest.approx(5, rel=1e-9)
+    assert judged.warnings == []
+
+
 def test_what_cannot_be_judged_says_why() -> None:
     judged = judge(**{**SOUND, "R": None})
     assert judged.tabor == judged.a_over_R == NO_TIP_RADIUS

@@ -162,6 +162,14 @@ def test_warnings_carry_their_number(jkr) -> None:
     assert "delta/h = 0.269 at the largest contact radius is above 0.1" in jkr("transform", "gel.h5", "--no-plots").err
 
 
+def test_pull_off_outside_the_series_is_said(jkr, tmp_path: Path) -> None:
+    (tmp_path / "shallow.toml").write_text(HALFSPACE.read_text().replace('"3 um"', '"0.1 um"'))
+    jkr("run", "shallow.toml", "--method", "closed-form")
+    outcome = jkr("transform", "shallow.h5", "--no-plots")
+    assert "pull-off under load control: the load is lowest at the largest radius of the solution" in outcome.err
+    assert json.loads((tmp_path / "shallow-w50.json").read_text())["pull_off"]["load"]["P_N"] is None
+
+
 def test_interrupt_leaves_nothing(jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt

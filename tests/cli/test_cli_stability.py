@@ -10,6 +10,7 @@ import pytest
 from conftest import CASES
 
 from jkrcli.adhesion.device_path import GRIPPED, STABLE, UNSTABLE
+from jkrcli.base.units import show
 from jkrcli.cli import call
 from jkrcli.report.tables import read_curve
 
@@ -37,6 +38,22 @@ def _body(solved: Path, tmp_path: Path) -> Path:
 def rows(path: Path) -> list[dict[str, str]]:
     header, *lines = path.read_text().splitlines()
     return [dict(zip(header.split(","), line.split(","), strict=True)) for line in lines]
+
+
+def test_pull_off_in_words(jkr, body: Path) -> None:
+    outcome = jkr("pull-off", "p.h5", "--stiffness", "load", "--stiffness", "rigid", "-v")
+    assert (outcome.code, outcome.err) == (0, "")
+    unit = (50**5 * 1e-16 / (5e9 / 0.84) ** 2) ** (1 / 3)
+    force, rigid = (show(part * PULL_OFF, "load") for part in (1.5, 5 / 6))
+    E_star = 5e9 / 0.84
+    lines = outcome.out.splitlines()
+    assert lines[0].startswith(f"pull-off force {force} (load), {rigid} (displacement) at w = 50 J/m^2; 1.5 pi w R = ")
+    named = zip(lines[4:6] + lines[7:9], ("pull-off", "jump-in, delta = 0") * 2, (3 / 2, 6, 1 / 6, 8 / 3), strict=True)
+    for line, name, cube in named:  # Eq. 18 at a_bar^3 = cube
+        a = (3 * math.pi * 50 * 1e-8 / (4 * E_star) * cube) ** (1 / 3)
+        assert line.startswith(f"    {name}  ")
+        assert line.endswith(f"a = {show(a, 'length')}")
+    assert f"energy lost         {show(7.0922 * unit, 'energy')} (error < 0.01 %)" in lines[9]
 
 
 def test_pull_off_as_json(jkr, body: Path) -> None:

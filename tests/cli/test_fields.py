@@ -328,10 +328,11 @@ def _solved(jkr: Callable) -> Path:
 
 
 def test_the_verb_writes_what_it_says(jkr: Callable, solved: Path) -> None:
-    outcome = jkr("fields", "gel.h5", "--a", "10 um", "--json")
+    outcome = jkr("fields", "gel.h5", "--load", "-2 uN", "--json")
     assert (outcome.code, outcome.err) == (0, "")
     found = json.loads(outcome.out)
-    assert found["P_N"] == pytest.approx(found["P_series_N"], rel=1e-4, abs=0)
+    assert found["P_series_N"] == pytest.approx(-2e-6, rel=1e-9, abs=0)
+    assert found["P_N"] == pytest.approx(-2e-6, rel=1e-4, abs=0)
     assert list(found["lines"]) == ["surface", "base"]
     for name in ("gel-fields.vtu", "gel-fields.csv", "gel-fields.png", "gel-fields.svg"):
         assert is_ours(Path(name)), name

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.cli import VERBS
 from jkrcli.cli import printing as output
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -69,10 +68,6 @@ def test_the_verdict_comes_first(
             pytest.importorskip("plotly")
         whole.clear()
         judge(jkr, line, whole)
-
-
-def test_these_are_verbs() -> None:
-    assert {line[0] for line in (*WORDS, *DEAR)} <= set(VERBS) - {"completion"}
 
 
 def test_errors_are_one_line_in_a_log(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -84,7 +84,6 @@ def test_thirteen_bodies_at_three_tolerances(tolerance: float) -> None:
 
 
 @pytest.mark.first(1)
-@pytest.mark.first(1)
 @pytest.mark.parametrize(
     "options", [{"depth": 20.0, "width": 12.0}, {"contact": "incremental"}], ids=["truncation", "radii of nodes"]
 )

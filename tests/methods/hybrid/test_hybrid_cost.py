@@ -11,9 +11,9 @@ from stopwatch import takes_less_than
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid import Hybrid
-from jkrcli.methods.hybrid.correction import Mesh, lines
-from jkrcli.methods.hybrid.kernel import AdaptiveKernel
+from jkrcli.methods.hybrid import Hybrid, kernel
+from jkrcli.methods.hybrid.correction import Mesh, Region, correction, lines
+from jkrcli.methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement
 from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)
@@ -50,6 +50,35 @@ def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
         Hybrid()(problem)
 
 
+def judged(elements: float, parameters: float, cut: float) -> ErrorEstimates:
+    rows = (np.full((4, 1), error) for error in (elements, parameters, cut))
+    return ErrorEstimates(np.ones(1), *rows)
+
+
+def test_the_largest_error_is_what_is_refined() -> None:
+    sliding = Region.of(stack((1.0, 0.3, 1.0), base=Rigid(False)), 1.0, 1e-6)
+    first = Refinement()
+    finer = first.after(judged(1e-3, 5e-6, 1e-4), 1e-5, sliding)
+    assert (finer.degree, finer.more, finer.sharper) == (first.degree + 2, 0, 1.0)
+    both = first.after(judged(1e-3, 1e-4, 1e-4), 1e-5, sliding)  # or the higher degree would be computed twice
+    assert (both.degree, both.added) == (first.degree + 2, 1)
+    assert both.more >= 1
+    fuller = first.after(judged(1e-6, 1e-4, 1e-5), 1e-5, sliding)
+    assert (fuller.degree, fuller.sharper) == (first.degree, 1.0)
+    assert fuller.more >= 1
+    wider = first.after(judged(1e-6, 1e-6, 2e-5), 1e-5, sliding)
+    assert (wider.degree, wider.more, wider.sharper) == (first.degree, 0, pytest.approx(8.0))
+
+
+def test_what_no_longer_gets_better_is_given_up() -> None:
+    region = Region.of(FINITE["free"], 1.0, 1e-6)
+    step = Refinement().after(judged(1e-2, 0.0, 0.0), 1e-5, region)
+    assert step.after(judged(9e-3, 0.0, 0.0), 1e-5, region) is None  # hopeless
+    near = Refinement().after(judged(2e-5, 0.0, 0.0), 1e-5, region)
+    again = near.after(judged(1.9e-5, 0.0, 0.0), 1e-5, region)
+    assert again.after(judged(1.8e-5, 0.0, 0.0), 1e-5, region) is None
+
+
 def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
     """A blunt profile on a coating 10^4 times as stiff as its base: no pressure in the middle."""
     specimen = stack((1.0, 0.3, 1.0), (1e-3, 0.3, 4.0))
@@ -59,6 +88,16 @@ def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
     assert "tension in the middle of the contact," in found.warnings[0]
     wide = replace(specimen, radius=40.0, side="clamped")
     assert "tension in the middle of the contact," in Hybrid(1e-4)(replace(problem, specimen=wide)).warnings[0]
+
+
+def test_no_correction_is_computed_again_for_more_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a squeezed layer, wide against its depth, which needs more of them than a soft one: ten before."""
+    solved = []
+    monkeypatch.setattr(kernel, "correction", lambda *given: solved.append(given[2]) or correction(*given))
+    problem = Problem(PARABOLOID, stack((1.0, 0.499, 1.0)), Loading("radius", 16.0, 10))
+    Hybrid(1e-6)(problem)
+    assert len(solved) <= 6
+    assert solved.count(max(solved)) == 1
 
 
 def test_levels_say_what_they_cost() -> None:

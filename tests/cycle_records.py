@@ -54,20 +54,3 @@ def spoilt(rng: np.random.Generator, P: np.ndarray, noise: float, kind: str) -> 
     more = np.fft.irfft(shape * np.fft.rfft(rng.normal(size=n)), n)
     size = float(np.std(more))
     return P + noise * more / size if size else P
-
-
-def approached(
-    rng: np.random.Generator, R: float, h: float | None, body: Body = half_space
-) -> tuple[Instrument, float, int]:
-    """A random device and E* [Pa] of an approach alone, and the seed of its noise; w is to be chosen by what that
-    noise shows."""
-    widest = 0.3 * R if h is None else min(0.3 * R, 3 * h)
-    E_star, a = 10 ** rng.uniform(3, 6), np.array([widest * rng.uniform(0.3, 1)])
-    delta, P, S, _ = (float(item[0]) for item in body(a, R))
-    k, rows = E_star * S * 10 ** rng.uniform(-1, 1.5), int(10 ** rng.uniform(math.log10(200), math.log10(5000)))
-    span = delta + E_star * P / k
-    device = Instrument(
-        k, rows, far=span * rng.uniform(0.5, 3), largest=E_star * P, noise=E_star * P * 10 ** rng.uniform(-3, -1.7),
-        offset=E_star * P * rng.uniform(-1, 1), tilt=E_star * P / span * rng.uniform(-0.1, 0.1),
-    )  # fmt: skip
-    return device, E_star, int(rng.integers(1 << 30))

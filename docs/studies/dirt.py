@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from dirty_records import KINDS, Dirty, plain  # type: ignore[import-not-found]
+from dirty_records import Dirty, plain  # type: ignore[import-not-found]
 
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, JkrError
@@ -31,6 +31,8 @@ from jkrcli.measured.procedure import fit
 from jkrcli.measured.result import Fit
 from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
+
+from .dirt_records import KINDS
 
 FAR = 3.0  # half-widths, and 1 % of the truth, beyond which an answer without a flag is silently wrong
 GOOD = 10  # clean records for each dirty one of a kind

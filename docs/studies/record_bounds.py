@@ -19,8 +19,8 @@ from typing import Any
 
 import lens_tables  # type: ignore[import-not-found]
 import numpy as np
-from cycle_records import NOISES, approached, drawn  # type: ignore[import-not-found]
-from force_curves import record  # type: ignore[import-not-found]
+from cycle_records import NOISES, drawn  # type: ignore[import-not-found]
+from force_curves import Body, Instrument, record  # type: ignore[import-not-found]
 from layer_contact import BondedLayer, half_space  # type: ignore[import-not-found]
 
 from jkrcli.adhesion.slopes import slopes
@@ -107,6 +107,23 @@ def judged(held: FittedBody, curve: Curve, truth: dict[str, float], **options: A
         far = abs(item.value - true) > OFF * (item.high - item.value if true > item.value else item.value - item.low)
         silent = max(silent, float(far and not found.flags))
     return told | {"silent": silent}
+
+
+def approached(
+    rng: np.random.Generator, R: float, h: float | None, body: Body = half_space
+) -> tuple[Instrument, float, int]:
+    """A random device and E* [Pa] of an approach alone, and the seed of its noise; w is to be chosen by what that
+    noise shows."""
+    widest = 0.3 * R if h is None else min(0.3 * R, 3 * h)
+    E_star, a = 10 ** rng.uniform(3, 6), np.array([widest * rng.uniform(0.3, 1)])
+    delta, P, S, _ = (float(item[0]) for item in body(a, R))
+    k, rows = E_star * S * 10 ** rng.uniform(-1, 1.5), int(10 ** rng.uniform(math.log10(200), math.log10(5000)))
+    span = delta + E_star * P / k
+    device = Instrument(
+        k, rows, far=span * rng.uniform(0.5, 3), largest=E_star * P, noise=E_star * P * 10 ** rng.uniform(-3, -1.7),
+        offset=E_star * P * rng.uniform(-1, 1), tilt=E_star * P / span * rng.uniform(-0.1, 0.1),
+    )  # fmt: skip
+    return device, E_star, int(rng.integers(1 << 30))
 
 
 def approaches(seed: int, count: int, bodies: dict[Any, FittedBody], exact: dict[Any, Any]) -> None:

@@ -95,6 +95,18 @@ def written(curve: Curve, path: str) -> str:
     return str(write_table(path, "delta (um),P (nN)", curve.device * 1e6, curve.P * 1e9))
 
 
+def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
+    Path("gel.toml").write_text(CASE)
+    files = [written(table(R, seed), f"{seed}.csv") for seed, R in enumerate(RADII)]
+    radii = ("--tip-radius", "2 um", "--tip-radius", "10 um")
+    told = jkr("fit", "gel.toml", *files, "--shared", "E_star,w", "--own", "delta0", *radii, "--json").told
+    found = python.fit("gel.toml", files, shared=["E_star", "w"], own=["delta0"], tip_radii=["2 um", "10 um"])
+    for item in found.shared:
+        assert told["shared"][item.name]["value"] == item.value
+    assert {path.suffix for path in Path().glob("gel-fit.*")} == {".csv", ".json", ".png", ".svg"}
+    assert len(Path("gel-fit.csv").read_text().splitlines()) == 3
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -64,9 +64,11 @@ def scan(path: Path, without: Sequence[str] = (), points: Sequence[tuple[int, in
 
 
 def test_a_map_without_positions_is_one_over_its_columns_and_rows(jkr, tmp_path: Path) -> None:
+    """Named after its file, not after the case."""
+    (case := tmp_path / "tip.toml").write_text(described_body.CASE.format(shape="paraboloid"))
     backwards = [(0, 0), (0, 2), (3, 0), (3, 2)]  # as it was recorded; the table follows the grid
     scan(tmp_path / "scan.h5", POSITIONS, backwards)
-    assert jkr(*BY_FLAGS, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out").ok
+    assert jkr("fit", case, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out").ok
     rows = list(csv.DictReader((tmp_path / "out/scan-fit.csv").open()))
     assert [(int(row["map_column"]), int(row["map_row"])) for row in rows] == list(W)
     assert ([row["status"] for row in rows], rows[3]["flags"]) == (["fitted"] * 3 + ["unusable"], "no contact")
@@ -109,14 +111,6 @@ def test_a_folder_of_files_is_a_map(jkr, tmp_path: Path) -> None:
 def test_an_empty_folder_is_refused(jkr, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     jkr(*BY_FLAGS, tmp_path / "empty").refused("empty: the folder holds no measured curves")
-
-
-def test_a_map_is_named_after_its_file_not_after_the_case(jkr, tmp_path: Path) -> None:
-    case = tmp_path / "tip.toml"
-    case.write_text(described_body.CASE.format(shape="paraboloid"))
-    scan(tmp_path / "scan.h5", ("grid index x", *POSITIONS), [(0, 0), (3, 0)])
-    assert jkr("fit", case, tmp_path / "scan.h5", "--no-plots", "-o", tmp_path / "out").ok
-    assert (tmp_path / "out/scan-fit.csv").exists()
 
 
 def test_curves_without_a_grid_are_drawn_over_their_numbers(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from conftest import write_table
 
+import jkrcli
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.files import is_ours
@@ -91,3 +92,14 @@ def test_from_the_command_line(jkr, tmp_path):
     ):
         jkr(*words, "--free", "surface_tension", *wrong, "--force").refused(said)
     assert jkr(*words, *tips, "--force").code == 0  # each file by its own tip
+
+
+def test_python_fits_as_the_command_does():
+    curves = [record(R, 0.0, 0) for R in (SMALL, LARGE)]
+    solved = jkrcli.solve(START, "closed-form")
+    radii = [SMALL, f"{LARGE * 1e6:g} um"]
+    found = jkrcli.fit(solved, curves, ["surface_tension"], {"w": f"{W} J/m^2"}, tip_radii=radii)
+    plain = tension_fit(START, curves, [SMALL, LARGE], {"w": W})
+    assert found.estimate("E_star").value == plain.estimate("E_star").value
+    with pytest.raises(jkrcli.InputError, match="give one for each of the 2 files, or one for all, got 3"):
+        jkrcli.fit(solved, curves, ["surface_tension"], tip_radii=[SMALL] * 3)

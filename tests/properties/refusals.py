@@ -136,14 +136,9 @@ KINDS = {
     # ------------------------------------------------------------ fem
     "fem: elastic indenter": kind(RIGID_ONLY + "use method layered, or a rigid indenter", fem(indenter=ELASTIC),
         LAYERED, RIGID),
-    "fem: elastic indenter on a cylinder": kind(RIGID_ONLY + "use method hybrid, or a rigid indenter",
-        fem(indenter=ELASTIC, specimen=cylinder("60 um")), HYBRID, RIGID),
     "fem: flat punch": kind("method fem: contact radii of nodes do not meet the sharp edge of a flat punch: use method "
         "layered, or give indenter.flat_radius and edge_radius", fem(indenter=PUNCH), LAYERED, {"indenter": FLAT},
         near=None),
-    "fem: flat punch on a cylinder": kind("method fem: contact radii of nodes do not meet the sharp edge of a flat "
-        "punch: use method hybrid, or give indenter.flat_radius and edge_radius",
-        fem(indenter=PUNCH, specimen=cylinder("60 um")), HYBRID, {"indenter": FLAT}, near=None),
     "fem: first order": kind("method fem: nu = 0.5 needs second-order elements: set mesh.order = 2",
         fem({"order": 1}, specimen=RUBBER), {"mesh": {"order": 2}}),
     "fem: displacements": kind(
@@ -153,25 +148,14 @@ KINDS = {
     "fem: spacing": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"spacing": 1e-6}), {"mesh": {"spacing": 0.15}}),
-    "fem: smallest": kind(
-        "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
-        fem({"smallest": 1e-6, "spacing": 0.04}), {"mesh": {"smallest": 0.1}},
-        jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=4000),
     "fem: points": kind(
         "mesh: {} points between {} and {} of the contact's size, at most {}: take a larger mesh.spacing or "
         "mesh.smallest, or a smaller mesh.width or specimen",
         fem({"width": "1 km"}, specimen=THIN), {"mesh": {"width": "50 um"}}),
-    "fem: growth": kind(
-        "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
-        fem({"growth": 1e-4}), {"mesh": {"growth": 0.15}}),
     "fem: quadrilaterals": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or triangles",
         fem({"element": "quadrilateral"}), {"mesh": {"element": "triangle"}},
         jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=1000),
-    "fem: quadrilaterals on a thin layer": kind(  # of which triangles are more
-        "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
-        fem({"element": "quadrilateral"}, specimen={"layers": [layer("200 nm")]}),
-        {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=2100),
     "fem: zones": kind("method fem: " + TOO_MANY + "take a larger mesh.element_size, or a larger mesh.growth",
         {"method": "fem", "mesh": {**ZONES, "element_size": 1e-12}}, {"mesh": {"element_size": "1 um"}}),
     "fem: a tolerance of too many": kind("method fem: " + TOO_MANY + "use a larger mesh.tolerance, or use the "
@@ -179,15 +163,10 @@ KINDS = {
         {"method": "fem", "specimen": HALF_SPACE, "mesh": {"tolerance": 1e-6}}, {"mesh": {"tolerance": 1e-3}}),
     "fem: refined zone": kind(ZONE, fem({"contact_radius": "3 um"}),
         lambda said: {"mesh": {"contact_radius": float(said[1])}}, {"mesh": {"contact_radius": None}}),
-    "fem: refined zone, thin layer": kind(ZONE,
-        fem({"contact_radius": "0.5 um"}, specimen=THIN, loading={"radius": None, "depth": "30 nm"}),
-        lambda said: {"mesh": {"contact_radius": float(said[1])}}, {"mesh": {"contact_radius": None}}),
     "fem: refined zone within the flat": kind("method fem: mesh.contact_radius: {} m must be "
         "larger than the flat end of the indenter ({} m): give more or leave it out",
         fem({"contact_radius": "1 um"}, specimen=HALF_SPACE, indenter=FLAT), {"mesh": {"contact_radius": None}}),
     "fem: edge, by radius": kind(EDGE, fem(specimen=cylinder("8 um")), {"loading": {"radius": "7.5 um"}}, near=None),
-    "fem: edge, by load": kind(EDGE, fem(specimen=cylinder("8 um"), loading={"radius": None, "load": "1 mN"}),
-        {"loading": {"load": "0.5 uN"}}, near=None),
     "fem: depth within the contact": kind(
         "method fem: mesh.depth: {} m leaves too little of the half-space below contact and layers; give more than {} "
         "m or leave it out", fem({"depth": "15 um"}, specimen=HALF_SPACE),
@@ -203,9 +182,6 @@ KINDS = {
         near=None),
     "fem: below the first vertex": kind(BELOW, fem(loading={"radius": ["1 nm", "10 um"], "points": None}),
         {"mesh": {"smallest": 1e-4}}, lambda said: {"loading": {"radius": [1.01 * float(said[3]), 1e-5]}}),
-    "fem: below the first vertex, zones": kind(BELOW, {"method": "fem", "mesh": {**ZONES, "element_size": "1 um"},
-        "loading": {"load": ["0.1 nN", "1 uN"], "points": None, "radius": None}},
-        {"mesh": {"element_size": "0.2 um"}}, lambda said: {"loading": {"load": [1.01 * float(said[3]), 1e-6]}}),
     "fem: tolerance under a cut": kind(UNREACHED, {"method": "fem", "specimen": HALF_SPACE,
         "mesh": {"tolerance": 1e-3, "depth": "200 um", "width": "120 um"}},
         lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, {"mesh": {"depth": None, "width": None}},
@@ -229,32 +205,16 @@ KINDS = {
         AXIS + FEM_RIGID,
         {**HYBRID, "specimen": cylinder("60 um", {"thickness": "10 um", **ACROSS}), "indenter": ELASTIC},
         fem(**RIGID)),
-    "hybrid: axis at the contact of a wide layer": kind(AXIS + "layered",
-        {**HYBRID, "specimen": {"layers": [{"thickness": "10 um", **ACROSS}]}, "indenter": ELASTIC}, LAYERED),
     "hybrid: side, by radius": kind("method hybrid: " + SIDE,
         {**HYBRID, "specimen": cylinder("10 um"), "loading": {"radius": "9.9 um"}},
         {"loading": {"radius": "9 um"}}, fem(), near=None),
-    "hybrid: side, by load": kind(SIDE,
-        {**HYBRID, "specimen": cylinder("10 um"), "loading": {"radius": None, "load": "2.66 uN"}},
-        {"loading": {"load": "1 uN"}}, fem(), near=None),
-    "hybrid: side, under an elastic indenter": kind("method hybrid: " + SIDE.removesuffix("fem") + FEM_RIGID,
-        {**HYBRID, "specimen": cylinder("10 um"), "loading": {"radius": "9.9 um"}, "indenter": ELASTIC},
-        {"loading": {"radius": "9 um"}}, fem(**RIGID), near=None),
     "hybrid: cost on a cylinder": kind(COST + "fem",
         {**HYBRID, "specimen": cylinder("200 um", layer("1 um", nu=0.3)), "loading": {"radius": "20 um"}},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, fem(),
         jkrcli__methods__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
-    "hybrid: cost under an elastic indenter": kind(COST + FEM_RIGID,
-        {**HYBRID, "specimen": cylinder("200 um", layer("1 um", nu=0.3)), "loading": {"radius": "20 um"},
-         "indenter": ELASTIC},
-        {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, fem(**RIGID), near=None,
-        jkrcli__methods__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
     "hybrid: cost": kind(COST + "layered", {**HYBRID, "specimen": THIN, "loading": {"radius": "20 um"}},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, LAYERED,
         jkrcli__methods__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
-    "hybrid: rows on a cylinder": kind(ROWS + "fem (with a rigid indenter)",
-        {**HYBRID, "specimen": cylinder("200 um", layer("1 um")), "loading": {"radius": "20 um"}},
-        fem(), {"loading": {"radius": "2 um"}}, jkrcli__methods__hybrid__correction__LINE_MOST=15),
     "hybrid: rows": kind(ROWS + "layered or fem",
         {**HYBRID, "specimen": {"layers": [layer("1 um")]}, "loading": {"radius": "20 um"}},
         LAYERED, fem(), {"loading": {"radius": "2 um"}}, jkrcli__methods__hybrid__correction__LINE_MOST=15),
@@ -269,11 +229,6 @@ KINDS = {
         "the last up to {}: prescribe loading.radius, or use method fem",
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}},
         {"loading": {"load": None, "radius": "5 um"}}, fem(), near=None,
-        jkrcli__methods__hybrid__MOST_SOLVES=1, jkrcli__methods__hybrid__REACH_ROOM=0.8),
-    "hybrid: no radius found under an elastic indenter": kind("hybrid: the largest contact radius was not found "
-        "within {} solves, the last up to {}: prescribe loading.radius, or use method " + FEM_RIGID,
-        {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}, "indenter": ELASTIC},
-        {"loading": {"load": None, "radius": "5 um"}}, fem(**RIGID), near=None,
         jkrcli__methods__hybrid__MOST_SOLVES=1, jkrcli__methods__hybrid__REACH_ROOM=0.8),
     "hybrid: beyond a sphere": kind("{}" + BEYOND, {**HYBRID, "indenter": SPHERE},
         {"loading": {"radius": "5 um"}}, {"indenter": {"radius": "1 mm"}}),

@@ -227,21 +227,30 @@ def test_found_in_pressures(r: np.ndarray | None, pressure: np.ndarray | None, l
 
 
 # ---------------------------------------------------------------------- tables and sweeps
-def test_reading_beyond_what_exists(jkr: Callable) -> None:
-    rows = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 9))
-    Path("x.csv").write_text(f"a_m,delta_m,P_N\n{rows}9e-6,8e-8,1e300\n", encoding="utf-8")
-    jkr("import", "x.csv", "--radius", "1 mm", "--E", "1 MPa", "--nu", "0.5").refused(
-        "x.csv: line 10: load must be up to 1e+30, got 1e+300"
-    )
+ROWS = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 9))
+BODY = ("--radius", "1 mm", "--E", "1 MPa", "--nu")
+BASE = """[base.indenter]\nshape = "sphere"\nradius = 1e-4
+[base.specimen.half_space]\nE = 5e9\nnu = 0.4\n[base.loading]\ndepth = 3e-6\n"""
+AXIS = "[[axes]]\nkey = 'adhesion.w'\nfrom = 1\nto = 2\ncount = "
+DRAWS = "[samples.of]\n'adhesion.w' = {distribution = 'uniform', from = 1, to = 2}\n"
+MANY = "x.toml: makes 1,000,000,000 cases, at most 2,000,000 are allowed in one sweep"
+LINES = {  # a file, what is asked of it, and what is said
+    "a number beyond what exists": (f"a_m,delta_m,P_N\n{ROWS}9e-6,8e-8,1e300\n", ("import", "x.csv", *BODY, "0.5"),
+                                    "x.csv: line 10: load must be up to 1e+30, got 1e+300"),
+    "words in a column that no row has": (f"a_m,delta_m,P_N,segment\n{ROWS}", ("look", "x.csv"), "x.csv: "),
+    "an import by a flag that is no text": (f"a_m,delta_m,P_N\n{ROWS}", ("import", "x.csv", *BODY, "\udcff"), ""),
+    "a fit by a flag that is no text": (f"a_m,delta_m,P_N\n{ROWS}", ("fit", "x.csv", *BODY, "\udcff"), ""),
+    "too many cases of axes": (f"{BASE}{AXIS}1000000000", ("sweep", "x.toml"), MANY),  # counted before they are made
+    "too many cases of samples": (f"{BASE}[samples]\ncount = 1000000000\n{DRAWS}", ("sweep", "x.toml"), MANY),
+    "a count beyond an index": (f"{BASE}{AXIS}9223372036854775808", ("sweep", "x.toml"), ""),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("table", ["[[axes]]\nkey = 'adhesion.w'\nfrom = 1\nto = 2\n", "[samples]\n"])
-def test_too_many_cases_are_counted_before_they_are_made(table: str, jkr: Callable) -> None:
-    base = "[base.indenter]\nshape = 'sphere'\nradius = 1e-4\n[base.specimen.half_space]\nE = 5e9\nnu = 0.4\n"
-    of = "[samples.of]\n'adhesion.w' = {distribution = 'uniform', from = 1, to = 2}\n" if "samples" in table else ""
-    text = f"{base}[base.loading]\ndepth = 3e-6\n{table}count = 1000000000\n{of}"
-    Path("x.toml").write_text(text, encoding="utf-8")
-    jkr("sweep", "x.toml").refused("x.toml: makes 1,000,000,000 cases, at most 2,000,000 are allowed in one sweep")
+@pytest.mark.parametrize("name", LINES)
+def test_found_in_tables_and_sweeps(jkr: Callable, name: str) -> None:
+    content, words, said = LINES[name]
+    Path(words[1]).write_text(content, encoding="utf-8")
+    jkr(*words).refused(said)
 
 
 def test_arithmetic_that_overflows_is_told_in_one_line(jkr: Callable, path: Path) -> None:
@@ -254,12 +263,6 @@ def test_arithmetic_that_overflows_is_told_in_one_line(jkr: Callable, path: Path
     done = jkr("transform", path, "--w", "0.05", "--no-plots")
     assert done.code in (1, 2)
     assert done.err.count("\n") == 1
-
-
-def test_count_beyond_an_index(jkr: Callable) -> None:
-    text = "base = 'x.toml'\n[[axes]]\nkey = 'adhesion.w'\nfrom = 1\nto = 2\ncount = 9223372036854775808\n"
-    Path("x.toml").write_text(text, encoding="utf-8")
-    assert jkr("sweep", "x.toml").code == 2
 
 
 def test_output_in_a_poor_encoding(tmp_path: Path, path: Path) -> None:
@@ -307,13 +310,6 @@ def test_series_that_state_errors_of_some_columns_only_are_transformed(jkr, tmp_
     assert jkr("transform", "s.h5", "--w", "0.05", "--no-plots").code == 0
 
 
-def test_a_column_of_words_that_no_row_has(jkr: Callable) -> None:
-    """Found by coverage: the header names one column more than the rows have, and that one holds words."""
-    rows = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 9))
-    Path("x.csv").write_text(f"a_m,delta_m,P_N,segment\n{rows}", encoding="utf-8")
-    jkr("look", "x.csv", "--no-plots").refused("jkr: error: x.csv: ")
-
-
 @pytest.mark.slow
 def test_points_that_do_not_fit_between_the_rows_are_left_out(jkr: Callable, tmp_path: Path) -> None:
     """Rows closer to each other than their errors: what is solved between them breaks their order."""
@@ -343,13 +339,6 @@ def test_curves_of_finite_range_without_dimensions(jkr: Callable, path: Path) ->
     assert jkr("transform", path, *words).code == 0
     (table,) = Path().glob("*.csv")
     assert ",a_bar,delta_bar,P_bar,delta_H_bar,P_H_bar" in table.read_text(encoding="utf-8").splitlines()[0]
-
-
-@pytest.mark.parametrize("verb", [("import", "x.csv"), ("fit", "x.csv", "--shape", "sphere")], ids=" ".join)
-def test_flags_of_a_body_that_are_no_text(jkr: Callable, verb: tuple[str, ...]) -> None:
-    Path("x.csv").write_text("a_m,delta_m,P_N\n" + "".join(f"{i}e-6,{i}e-8,{i}e-9\n" for i in range(1, 9)))
-    done = jkr(*verb, "--radius", "1 mm", "--E", "1 MPa", "--nu", os.fsdecode(b"\xff"))
-    assert (done.code, done.err.isprintable() or done.err.count("\n")) == (2, 1)
 
 
 def test_a_sticking_layer_thinner_than_anything_is_refused_before_it_is_laid_out(jkr: Callable) -> None:

@@ -28,10 +28,9 @@ PACKAGE = Path(__file__).parents[2] / "jkrcli"
 
 SLOW = {
     *("fem: " + name for name in ("tolerance with radii of vertices", "tolerance under a cut", "refined zone",
-      "refined zone, thin layer", "below the first vertex", "below the first vertex, zones", "displacements",
-      "spacing beside a tolerance")),
+      "below the first vertex", "displacements", "spacing beside a tolerance")),
     *("hybrid: " + name for name in ("no such tolerance", "a plate on its rim", "cost", "cost on a cylinder", "rows",
-      "cost under an elastic indenter", "accuracy", "rows on a cylinder", "side, by load", "side, by radius")),
+      "accuracy", "side, by radius")),
     "layered: accuracy",
 }  # fmt: skip
 

@@ -1,12 +1,10 @@
 """Fits of relaxation to records of another generator: rings stepped through time."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import described_body
 import numpy as np
 import pytest
-from conftest import write_table
 from relaxation_records import record
 from scipy.special import beta, betainc
 
@@ -44,17 +42,6 @@ def history_of(body: FittedBody, t: Array, x: Array) -> RelaxedHistory:
 def off(fit: RelaxationFit, **true: float) -> dict[str, float]:
     """Distances from the truth in standard errors."""
     return {name: (fit.estimate(name).value - value) / (fit.estimate(name).error or 0) for name, value in true.items()}
-
-
-@pytest.mark.slow
-def test_a_press_a_wait_and_a_retraction(body: FittedBody) -> None:
-    made = record(loads(body), 1.4, SOLID, HELD, rows=120, zero=0.2, seed=4)
-    fit = relaxation_fit(body, made, relaxation_settings("sls"))
-    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.2).values())) < 3.5
-    errors = {name: fit.estimate(name).error for name in ("E_star", "ratio", "time")}
-    assert errors == pytest.approx({"E_star": 0.02, "ratio": 0.0027, "time": 0.014}, rel=0.5)
-    assert 0.8 < fit.scatter < 1.2
-    assert fit.warnings == ()
 
 
 @pytest.mark.slow
@@ -120,25 +107,6 @@ def test_what_cannot_be_fitted(body: FittedBody) -> None:
     ):
         with pytest.raises(InputError, match=line):
             relaxation_settings("sls", fixed)
-
-
-@pytest.mark.slow
-def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
-    made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.0)
-    (tmp_path / "gel.toml").write_text(CASE)
-    write_table("held.csv", "t_s,delta_m,P_N", made.t, made.delta, made.P)
-    words = ("fit", "gel.toml", "held.csv")
-    (found,) = jkr(*words, "--free", "relaxation", "--relaxation", "sls", "--fix", "delta0=0", "--json").told["fits"]
-    assert found["estimates"]["ratio"]["value"] == pytest.approx(0.25, abs=0.02)
-    assert found["control"] == "displacement"
-    assert (tmp_path / "gel-fit.png").exists()
-    for words, line in (
-        (("--free", "relaxation"), "fit: the law is not named: give --relaxation sls, power, prony"),
-        (("--relaxation", "sls", "--law", "power"), "fit: --relaxation does not take --law"),
-        (("--relaxation", "sls", "--bound", "w=..1"), "fit: --relaxation does not take --bound"),
-        (("--terms", "2"), "fit: --terms: applies only with --relaxation prony"),
-    ):
-        jkr("fit", "gel.toml", "held.csv", *words).refused(line)
 
 
 def test_a_retraction_that_adheres_and_a_base_line(body: FittedBody) -> None:

@@ -286,11 +286,6 @@ def test_pull_off_of_any_convex_tip_is_that_of_its_relaxed_curve(tip: str) -> No
 PRONY = Prony((0.4, 0.3), (0.2, 3.0))
 
 
-def test_the_creep_function_of_a_standard_solid() -> None:
-    J_inf, c, q = creep(StandardSolid(0.1, 2.0).modes(1.0))
-    assert (J_inf, c[0], q[0]) == (pytest.approx(10), pytest.approx(9), pytest.approx(0.05))
-
-
 def test_creep_undoes_relaxation() -> None:
     """int_0^t r(t - s) dJ(s) = 1."""
     modes = PRONY.modes(1.0)

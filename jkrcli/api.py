@@ -33,15 +33,14 @@ The same without TOML, by a method of one's choice:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from .adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.device_path import Course, Program
 from .adhesion.finite_range import RangeRequest, without_range
-from .adhesion.from_rest import LoadingHistory, Rest
 from .adhesion.roughness import Roughness, works_on
 from .adhesion.rules import RULES
 from .base import units
@@ -89,14 +88,12 @@ from .report.forward import (
     Compared,
     Cycled,
     CycledByProgram,
-    CycledInLimits,
     Profile,
     PullOff,
-    traced_histories,
+    by_history,
 )
 from .report.result import PICTURES, Figure
 from .resolve.analysis import Analysis, analyse, profile_columns, radius_under, where_lost
-from .resolve.histories import checked_histories, lost_by_history, rest_of
 from .series import Solution
 
 __all__ = [
@@ -116,7 +113,6 @@ Body: TypeAlias = Case | Problem | Solution | AnyPath  # to be solved, or solved
 Known: TypeAlias = Mapping[str, str | float] | None  # values of what is not fitted, standard deviations of inputs
 AnyMethod: TypeAlias = Annotated[str, OneOf(METHODS, ("auto",))] | Method | None
 SlopesRule: TypeAlias = Annotated[str, OneOf(RULES, ("auto",))]
-AnyResult = TypeVar("AnyResult", bound=Result)
 
 # Quantities are numbers in SI or, which only a call can see, text with a unit: ``checked`` reads both.
 WorkOfAdhesion: TypeAlias = units.Work | Any
@@ -295,7 +291,7 @@ def cycle(
     slopes: SlopesRule = "auto", modulus_factor: Factor = 1.0, stress: Stress | None = None,
     length: PositiveLength | None = None,
     rest_load: Force | None = None, rest_depth: Length | None = None,
-) -> Cycled | CycledByProgram | CycledInLimits:  # fmt: skip
+) -> Cycled | CycledByProgram | Result:  # fmt: skip
     """Compute the quasi-static cycle of approach and retraction.
 
     Parameters
@@ -336,20 +332,8 @@ def cycle(
     ranged = range_of(solution, stress, length)
     ranged.refuse_two(*works)
     asked = AskedCycle(solution, works, stiffness, ranged, slopes, modulus_factor, to_load, to_depth, program)
-    rest = rest_of(rest_load, rest_depth)
-    return in_limits(solution, asked.quasi_static, rest, to_load, to_depth, program is None and not ranged)
-
-
-def in_limits(
-    solution: Solution, cycled: Callable[[LoadingHistory | None], AnyResult], rest: Rest | None = None,
-    load: float | None = None, depth: float | None = None, rests: bool = False,
-) -> AnyResult | CycledInLimits:  # fmt: skip
-    """What was ``cycled`` on the moduli as they are; of a specimen that relaxes after each history that is known."""
-    if solution.problem.specimen.relaxation is None:
-        checked_histories(solution, rest)
-        return cycled(None)
-    known = traced_histories(solution, rest, load, depth, rests)
-    return CycledInLimits.of(solution.record.path, known, cycled)
+    relaxing = by_history(solution, rest_load, rest_depth)
+    return asked.quasi_static() if relaxing is None else relaxing.cycle(asked)
 
 
 def range_of(solution: Solution, stress: Stress | None, length: PositiveLength | None) -> RangeRequest:
@@ -475,21 +459,22 @@ def pull_off(
         if not is_offered("work of one pull-off"):
             raise InputError(f"pull_off: load {absent('measured curves')}")
         offered("idle options of a measured pull-off")(load, uncertain or {}, stress, length)
-    solution, devices, rest = solution_of(solved, None), list(stiffness), rest_of(rest_load, rest_depth)
+    solution, devices = solution_of(solved, None), list(stiffness)
+    relaxing = by_history(solution, rest_load, rest_depth)
     if load is not None:
         without_range(solution.record, "pull_off: load")
         if len(devices) > 1:
             raise InputError(f"stiffness: a measured load has one, got {len(devices)}")
         under, pairs = (devices or [LOAD_CONTROL])[0], texts_of(uncertain or {})
         how = slopes, modulus_factor, pairs, roughness
-        return offered("work of one pull-off")(solution, abs(load), under, rest, *how)
+        return offered("work of one pull-off")(solution, relaxing, abs(load), under, *how)
     ranged = range_of(solution, stress, length)
     given: list[Any] = [w]
     works, rough = works_on(roughness, solution.problem.scaled(modulus_factor), given, bool(ranged))
     curve, lost = where_lost(solution, works, devices, slopes, modulus_factor, ranged)[0]
     curve = replace(curve, rough=rough[0])
     controls = devices or [LOAD_CONTROL, DISPLACEMENT_CONTROL]
-    return PullOff(curve, lost, lost_by_history(curve, controls, rest, slopes))
+    return PullOff(curve, lost) if relaxing is None else relaxing.pull_off(curve, lost, controls, slopes)
 
 
 @checked

@@ -510,6 +510,10 @@ class EquilibriumCurve(ABC):
             """S and S' of that series."""
 
         @property
+        def nonadhesive(self) -> Nonadhesive:
+            """The w-free functions that hold between equilibria, where adhesion has no range."""
+
+        @property
         def a(self) -> Array:
             """Contact radii of the points [m]."""
 

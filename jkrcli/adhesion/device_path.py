@@ -36,7 +36,6 @@ from .curve import (
     control,
     position,
 )
-from .from_rest import FromRest
 from .pull_off_error import larger_elements
 
 # --------------------------------------------------------------------------------------------------
@@ -689,7 +688,7 @@ class Contact:
     def edge(self) -> Edge | None:
         """What gives the states between equilibria; None where attraction has a range: there are none."""
         curve = self.recede.curve
-        return Edge(curve.nonadhesive, self.stiffness) if isinstance(curve, AdhesiveCurve | FromRest) else None
+        return None if curve.ranged else Edge(curve.nonadhesive, self.stiffness)
 
     @cached_property
     def least(self) -> float:

@@ -130,6 +130,7 @@ def _files(
 force_options: options.Options = offered("options of a measured pull-off") or options.several()
 sizes_option: options.Options = offered("option of particles of all sizes") or options.several()
 find_option: options.Options = offered("option of the inverse question") or options.several()
+rest_options: options.Options = offered("options of a rest") or options.several()
 
 
 @options.verb("[files...]", "pull-off")
@@ -141,17 +142,15 @@ find_option: options.Options = offered("option of the inverse question") or opti
 @force_options
 @find_option
 @options.roughness_options
-@click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
-              "instantly [default: at rest at P = 0].")  # fmt: skip
-@click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta.")
+@rest_options
 @options.curve_options
 @options.limits_options
 @options.json_option
 def pull_off(
     files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], roughness: Roughness | None,
-    rest_load: float | None, rest_depth: float | None, how: options.CurveOptions, limits: Limits,
-    flags: inputs.Flags, as_json: bool,
+    how: options.CurveOptions, limits: Limits, flags: inputs.Flags, as_json: bool,
     force: float | None = None, uncertain: tuple[tuple[str, str], ...] = (), sought: str | None = None,
+    rest_load: float | None = None, rest_depth: float | None = None,
 ) -> None:  # fmt: skip
     """Print pull-off and jump-in of each FILE (a case or a solution), or of a specimen described by options.
 
@@ -166,9 +165,8 @@ def pull_off(
     """
     from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
     from ..adhesion.roughness import works_on
-    from ..report.forward import PullOff
-    from ..resolve.analysis import Analysis, Lost, where_lost
-    from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
+    from ..report.forward import PullOff, by_history
+    from ..resolve.analysis import where_lost
 
     if sought is not None:
         if roughness is not None:
@@ -179,7 +177,6 @@ def pull_off(
         raise InputError("pull-off: give either --w or --load, not both")
     if force is not None or uncertain:
         offered("idle options of a measured pull-off")(force, uncertain, how.stress, how.length, options.flag)
-    rest = rest_of(rest_load, rest_depth, options.flag)
     if inputs.by_flags("pull-off", flags, files):
         solutions = [_by_flags(flags, works, force, stiffnesses, how, roughness)]
     elif files:
@@ -188,23 +185,23 @@ def pull_off(
         raise InputError(
             "pull-off: give FILES, a case or a solution, or the specimen from options: --radius, --E, --nu"
         )
+    relaxing = [by_history(solution, rest_load, rest_depth, options.flag) for solution in solutions]
     if force is not None:
         measured = offered("work of a measured pull-off")
-        give(measured(solutions, abs(force), stiffnesses, uncertain, rest, how, limits, roughness), as_json)
+        give(measured(solutions, relaxing, abs(force), stiffnesses, uncertain, how, limits, roughness), as_json)
         return
-    for solution in solutions:
-        checked_histories(solution, rest)
     ranges = list(map(how.of, solutions))
     wanted = [works or inputs.works_of(solution) for solution in solutions]
-    histories = sum(seconds_of_histories(*each, len(stiffnesses)) for each in zip(solutions, wanted, strict=True))
-    inputs.begin_curves("pull-off", solutions, wanted, limits, ranges, devices=len(stiffnesses), beside=histories)
-    curves = list[tuple[Analysis, list[Lost]]]()
-    for solution, some, ranged in zip(solutions, wanted, ranges, strict=True):
+    devices = len(stiffnesses)
+    beside = sum(after.seconds(some, devices) for after, some in zip(relaxing, wanted, strict=True) if after)
+    inputs.begin_curves("pull-off", solutions, wanted, limits, ranges, devices=devices, beside=beside)
+    controls, results = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL), list[PullOff]()
+    for solution, after, some, ranged in zip(solutions, relaxing, wanted, ranges, strict=True):
         acting, rough = works_on(roughness, solution.problem.scaled(how.modulus_factor), some, bool(ranged))
         lost = where_lost(solution, acting, stiffnesses, how.slopes, how.modulus_factor, ranged)
-        curves += [(replace(one, rough=by), each) for (one, each), by in zip(lost, rough, strict=True)]
-    controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
-    results = [PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
+        for (one, each), by in zip(lost, rough, strict=True):
+            curve = replace(one, rough=by)
+            results.append(after.pull_off(curve, each, controls, how.slopes) if after else PullOff(curve, each))
     give(Results(results, list(dict.fromkeys(text for one in results for text in one.warnings))), as_json)
 
 
@@ -214,7 +211,7 @@ def _by_flags(
 ) -> Solution:  # fmt: skip
     """The specimen from options, solved as far as the question needs; no file is written."""
     from ..adhesion.roughness import works_on
-    from ..resolve.histories import solved_for, solved_for_force
+    from ..resolve.reach import solved_for, solved_for_force
 
     problem = inputs.case_of("pull-off", flags, "a case or solution file", loading={"radius": 1.0}).model.problem()
     if force is not None:

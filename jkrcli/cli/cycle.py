@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
-from ..base.errors import InputError
 from ..base.files import together
 from ..base.registry import Result
-from ..base.wings import absent
 from ..methods.protocol import Limits
 from ..report.result import PICTURES, Output
 from . import inputs, options
@@ -22,7 +20,6 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..adhesion.device_path import Program
     from ..adhesion.finite_range import RangeRequest
-    from ..adhesion.from_rest import LoadingHistory, Rest
     from ..report.forward import AskedCycle
     from ..series import Solution
 
@@ -35,7 +32,6 @@ TO_LOAD = "Reverse at this load [default: at the end of the solution, later cree
 TO_DEPTH = "Reverse at this displacement delta."
 PROGRAM = ("Table t, x of the instrument instead: times [s] and positions (loads) between which it moves evenly; equal "
            "times are steps.")  # fmt: skip
-NO_REST = "cycle: --rest-load and --rest-depth are for adhesion on a viscoelastic specimen: leave them out"
 
 
 @dataclass(frozen=True)
@@ -72,12 +68,6 @@ works_options = options.several(
     click.option("--stiffness", type=options.CONTROL, default="rigid", show_default=True,
                  help='"0.2 N/m", "rigid" or "load".'),
 )  # fmt: skip
-rest_options = options.several(
-    click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
-                 "instantly, with --stress at --speed [default: at the reversal of --to-load or "
-                 "--to-depth, or P = 0]."),
-    click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta."),
-)  # fmt: skip
 
 
 def read_program(path: Path | None, stiffness: float) -> Program | None:
@@ -92,11 +82,9 @@ def read_program(path: Path | None, stiffness: float) -> Program | None:
 
 
 def works_of(solution: Solution, approach: float | None, retraction: float | None) -> tuple[float, float]:
-    """The works of adhesion [J/m^2] on approach and retraction: what was given, else the case's; of a specimen that
-    relaxes 0 where none is named."""
+    """The works of adhesion [J/m^2] on approach and retraction: what was given, else the case's."""
     if approach is None:
-        relaxes = solution.problem.specimen.relaxation is not None
-        approach = 0.0 if relaxes and not solution.record.w else inputs.works_of(solution, "--w-approach")[0]
+        approach = inputs.works_of(solution, "--w-approach")[0]
     return approach, approach if retraction is None else retraction
 
 
@@ -112,11 +100,11 @@ def begin_program(program: Path | None, points: int, limits: Limits) -> None:
 
 
 def name_suffix(
-    approach: float | None, retraction: float | None, stiffness: float, turn: str, rest: Rest | None,
-    ranged: RangeRequest, more: str = "", factor: float = 1.0,
+    approach: float | None, retraction: float | None, stiffness: float, turn: str, ranged: RangeRequest,
+    more: str = "", factor: float = 1.0,
 ) -> str:  # fmt: skip
     """What distinguishes names of files, of what was given: works of adhesion [J/m^2], a ``stiffness`` [N/m], the words
-    of a ``turn``, a rest, a range, ``more`` and a ``factor`` of the moduli."""
+    of a ``turn``, a range, ``more`` and a ``factor`` of the moduli."""
     from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 
     works = (("approach", approach), ("retract", retraction))
@@ -126,49 +114,42 @@ def name_suffix(
     elif stiffness != DISPLACEMENT_CONTROL:
         parts.append(f"-stiffness{stiffness:g}")
     parts.append(turn)
-    if rest is not None:
-        parts.append(f"-rest-load{rest.load:g}" if rest.depth is None else f"-rest-depth{rest.depth:g}")
     parts += [ranged.suffix, more]
     return "".join(parts if factor == 1 else [*parts, f"-modulus{factor:g}"])
 
 
 def write_cycle(
-    file: Path, ends: str, known: tuple[LoadingHistory, ...], asked: AskedCycle, limits: Limits, output: Output,
-    one: Callable[[], Result], after: Callable[[LoadingHistory], Result],
+    file: Path, ends: str, cycles: Mapping[str, Callable[[], Result]], asked: AskedCycle, limits: Limits,
+    output: Output, of_all: Callable[[Sequence[Result]], Result] | None = None,
 ) -> None:  # fmt: skip
-    """Compute and write what was ``asked``, the ``one`` cycle or those ``after`` each history that is ``known``."""
-    from ..report.forward import CycledInLimits
-
-    names = [one.name for one in known] or [""]
+    """Compute and write the ``cycles`` of what was ``asked``, by what their files are called; what is told is the
+    result ``of_all``, or of the only one."""
     stem = output.folder(file.parent) / f"{file.stem}-cycle{ends}"
-    named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
+    named = [stem.with_name("-".join([stem.name, *name.split()])) for name in cycles]
     targets = [output.files(each, (".csv", *PICTURES), [file]) for each in named]
     inputs.begin_curves("cycle", [asked.solution], [asked.works], limits, [asked.ranged])
 
-    result = CycledInLimits.of(file, known, after) if known else one()
-    cycles = [each for _, each in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
+    results = [computed() for computed in cycles.values()]
     with together():
-        for each, files in zip(cycles, targets, strict=True):
+        for each, files in zip(results, targets, strict=True):
             files.write(each.columns, figure=files.draw(each.figure))
-    give(result, output.json, f"  written {', '.join(map(str, targets))}", file)
+    told = results[0] if of_all is None else of_all(results)
+    give(told, output.json, f"  written {', '.join(map(str, targets))}", file)
 
 
 @options.verb("file")
 @works_options
 @turn_options
-@rest_options
 @end_options
 def cycle(
-    file: Path, w_approach: float | None, w_retract: float | None, stiffness: float, turn: Turn,
-    rest_load: float | None, rest_depth: float | None, points: int, how: options.CurveOptions, limits: Limits,
-    output: Output,
+    file: Path, w_approach: float | None, w_retract: float | None, stiffness: float, turn: Turn, points: int,
+    how: options.CurveOptions, limits: Limits, output: Output,
 ) -> None:  # fmt: skip
     """Compute the cycle of approach and retraction on FILE, a case or a solution file: load, displacement and contact
     radius, jumps, energy lost.
 
     The cycle is quasi-static: contact begins at delta = 0 and is lost where d(delta + P/stiffness)/da is zero. With
-    --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). For a viscoelastic specimen
-    with adhesion, jkr computes three limits: very fast, very slow, and pulled instantly from rest. The results are
+    --stress or --range, the surfaces attract each other before contact (Maugis-Dugdale). The results are
     <stem>-cycle.csv, .png and .svg; the options given add their values in SI units, as in
     <stem>-cycle-w-retract0.045.csv.
 
@@ -176,23 +157,16 @@ def cycle(
     jkr cycle data.h5 --stiffness "10 kN/m"
     jkr cycle gel.h5 --w-retract "45 mJ/m^2" --to-load "0.5 mN"
     """
-    from ..report.forward import AskedCycle, traced_histories
-    from ..resolve.histories import rest_of
+    from ..report.forward import AskedCycle, by_history
 
     output.folder(Path())
     file = inputs.series_file(file)
     solution = inputs.read_series(file)
+    by_history(solution)  # refuses what needs a wing, which has a verb of its own
     works, ranged = works_of(solution, w_approach, w_retract), how.of(solution)
-    relaxes = solution.problem.specimen.relaxation is not None
-    if relaxes and (not any(works) or turn.program is not None):
-        raise InputError(f"cycle: contact of a viscoelastic specimen over time {absent('contact over time')}")
     ranged.refuse_two(*works)
     begin_program(turn.program, points, limits)
-    rest = rest_of(rest_load, rest_depth, flag)
-    if rest is not None and not relaxes:
-        raise InputError(NO_REST)
-    known = traced_histories(solution, rest, turn.to_load, turn.to_depth, not ranged) if relaxes else ()
     program, ways = read_program(turn.program, stiffness), (how.slopes, how.modulus_factor)
     asked = AskedCycle(solution, works, stiffness, ranged, *ways, turn.to_load, turn.to_depth, program, points)
-    ends = name_suffix(w_approach, w_retract, stiffness, turn.suffix(), rest, ranged, factor=how.modulus_factor)
-    write_cycle(file, ends, known, asked, limits, output, asked.quasi_static, asked.quasi_static)
+    ends = name_suffix(w_approach, w_retract, stiffness, turn.suffix(), ranged, factor=how.modulus_factor)
+    write_cycle(file, ends, {"": asked.quasi_static}, asked, limits, output)

@@ -34,8 +34,8 @@ from ..methods.layered.solver import Layered
 from ..methods.protocol import Forecast, Limits
 from ..report.tables import transpose_rows
 from ..resolve.analysis import where_lost
-from ..resolve.histories import solved_for
 from ..resolve.neglected import LEFT_OUT_ACCURACY
+from ..resolve.reach import solved_for
 
 FIND_SCAN, FIND_STEPS = 25, 12  # choice: values over the bounds; evaluations for each root at most
 FIND_EXACT = 1e-9  # theory: of the logs, far below any error of the force

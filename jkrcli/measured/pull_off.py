@@ -9,19 +9,10 @@ from typing import Any, cast
 
 from ..adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, Nonadhesive, control
 from ..adhesion.finite_range import without_range
-from ..adhesion.from_rest import (
-    AT_MOST,
-    ELASTIC,
-    FROM_REST,
-    FoundWork,
-    LoadingHistory,
-    Rest,
-    history_error,
-    work_from_pull_off,
-)
 from ..adhesion.roughness import RoughContact, Roughness
 from ..adhesion.validity import Strains
-from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, JkrError, Unknown, known
+from ..adhesion.work_of_pull_off import FoundWork, Pull
+from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, Unknown, known
 from ..base.numerics import HALF_WIDTH, evenly
 from ..base.registry import Result
 from ..base.units import parse, show
@@ -29,44 +20,39 @@ from ..bodies.problem import RADIUS, Loading, changed, checked_names, layer_name
 from ..cli import inputs, options
 from ..methods.protocol import Limits
 from ..report import tables
-from ..report.forward import history_summary, no_depth, validity_lines
+from ..report.forward import ByHistory, validity_lines
 from ..report.result import Results
-from ..resolve.analysis import Analysis, adhesive, analyse, method_behind, nonadhesive
-from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
+from ..resolve.analysis import Analysis, adhesive, method_behind, nonadhesive, solved_where
 from ..resolve.sticking import effect_on, sticking_warnings
 from ..series import Solution
 from .parameters import changes_by, implausible_work, show_within
 
 FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
+ELASTIC = Pull()
 DIMENSIONS = {FORCE: "load", TIP: "length", MODULI: "modulus", "h": "length", "nu": "number"}
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredWork:
-    """``work``: w and its pull-off after a ``history``; ``result``: the curve of that w, which says where the theory
-    holds.
+    """``work``: w and its pull-off; ``result``: the curve of that w, which says where the theory holds.
 
     ``series``: error of w [J/m^2] from that of the series; ``parts``: of w from those of the inputs, by name; all
-    of them half-widths.
+    of them half-widths. ``strains``: what large ones change of the pull-off force.
     """
 
     work: FoundWork
     result: Analysis
     series: Estimate
     parts: Mapping[str, float]
-    history: LoadingHistory = ELASTIC
+    strains: Strains = None
 
     @property
     def large_strains(self) -> Strains:
         """Relative change of w that large strains may make, of the sign opposite to that of the pull-off force: w is
         as good as proportional to it."""
-        if self.result.shape is not None:  # known of discs alone
-            return None
-        point, loaded = self.work.point, self.work.stiffness == LOAD_CONTROL
-        change = strains_after(self.result.problem, self.work.w, self.history, point, loaded)
-        if change is None or isinstance(change, Unknown):
-            return change
-        low, high = change
+        if self.strains is None or isinstance(self.strains, Unknown):
+            return self.strains
+        low, high = self.strains
         return 1 / (1 + high) - 1, 1 / (1 + low) - 1
 
     @property
@@ -80,6 +66,18 @@ class MeasuredWork:
         series = self.series if isinstance(self.series, Unknown) else self.series / self.work.w
         return tables.error_words(series, self.large_strains)
 
+    def summary(self) -> dict[str, Any]:
+        """w and its errors [J/m^2], and where contact is lost with it."""
+        data = {
+            "w_J_per_m2": self.work.w,
+            "w_err_J_per_m2": known(self.error),
+            "w_err_by_input_J_per_m2": dict(self.parts),
+            "w_err_of_series_J_per_m2": known(self.series),
+            "pull_off": tables.point(self.work.point),
+            **tables.strains(self.large_strains),
+        }
+        return data | ({"error": self.error.reason} if isinstance(self.error, Unknown) else {})
+
     def words(self, digits: int = 4) -> str:
         """w, with its half-width where inputs are uncertain."""
         if isinstance(self.error, Unknown) or not self.parts:
@@ -90,17 +88,17 @@ class MeasuredWork:
 @dataclass(frozen=True, eq=False)
 class _Inverse:
     """What a pull-off force means on one body: ``solution`` with its functions ``body``, control by ``stiffness``,
-    after a ``history``."""
+    where it lets go as a ``pull`` says."""
 
     solution: Solution
     body: Nonadhesive
     load: float
     stiffness: float
-    history: LoadingHistory
+    pull: Pull
 
     def work(self) -> FoundWork:
         R = self.solution.problem.indenter.tip_radius
-        return work_from_pull_off(self.body, self.load, self.stiffness, R, self.history)
+        return self.pull.work(self.body, self.load, self.stiffness, R)
 
 
 def refuse_idle(
@@ -120,64 +118,35 @@ def refuse_idle(
 
 def measured_work(
     solution: Solution, load: float, stiffness: float, slopes: str = "auto", modulus_factor: float = 1.0,
-    uncertain: Sequence[tuple[str, str]] = (), history: LoadingHistory = ELASTIC,
+    uncertain: Sequence[tuple[str, str]] = (), pull: Pull = ELASTIC,
 ) -> MeasuredWork:  # fmt: skip
     """The work of adhesion behind the pull-off force ``load`` [N, > 0] measured by a device of ``stiffness`` [N/m].
 
-    ``uncertain``: standard deviations of inputs by name, as text (``uncertain_inputs``); ``history``: of a viscoelastic
-    specimen. InputError names the file.
+    ``uncertain``: standard deviations of inputs by name, as text (``uncertain_inputs``); ``pull``: how the
+    specimen lets go. InputError names the file.
     """
     inputs = uncertain_inputs(solution, uncertain)
     try:
         unit = nonadhesive(solution, slopes)
-        inverse = _Inverse(solution.scaled(modulus_factor), unit.scaled(modulus_factor), load, stiffness, history)
+        inverse = _Inverse(solution.scaled(modulus_factor), unit.scaled(modulus_factor), load, stiffness, pull)
         w = inverse.work().w
         result = adhesive(solution, unit, w, modulus_factor)
         controls = sorted({*CONTROLS.values(), stiffness})
-        inverse = replace(inverse, body=with_history_solved(inverse.solution, inverse.body, history, w, controls))
+        body = solved_where(inverse.solution, inverse.body, lambda body: pull.radii(body, w, controls))
+        inverse = replace(inverse, body=body)
         work = inverse.work()
         result = replace(result, curve=AdhesiveCurve(inverse.body, work.w))
-        at_point = history_error(history, inverse.body, work.curve, work.point, unit.series.control_of_force(stiffness))
+        held = unit.series.control_of_force(stiffness)
+        at_point = pull.error(inverse.body, work.curve, work.point, held)
         by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
         series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
         parts = {name: HALF_WIDTH * abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
     except InputError as error:
         raise InputError([f"{solution.record.path}: {line}" for line in error.lines]) from None
-    return MeasuredWork(work, result, series, parts, history)
-
-
-def works_by_history(
-    solution: Solution, load: float, stiffness: float, rest: Rest | None, slopes: str, modulus_factor: float,
-    uncertain: Sequence[tuple[str, str]],
-) -> list[tuple[LoadingHistory, MeasuredWork | Unknown]] | Unknown | None:  # fmt: skip
-    """Which w a pull-off force of a viscoelastic specimen means after each history that is solved, with that from
-    ``rest``; None for an elastic one, Unknown where none is solved."""
-    known = checked_histories(solution, rest)
-    if known is None or isinstance(known, Unknown):
-        return known
-
-    def sought(there: Solution, history: LoadingHistory) -> MeasuredWork | Unknown:
-        try:
-            return measured_work(there, load, stiffness, slopes, modulus_factor, uncertain, history)
-        except InputError as error:
-            return Unknown(str(error).removeprefix(f"{solution.record.path}: "))
-
-    def too_soon(history: LoadingHistory, unit: Nonadhesive) -> bool:
-        try:
-            w = work_from_pull_off(unit, load / modulus_factor, stiffness / modulus_factor, None, history).w
-        except JkrError:
-            return True
-        return history.ends_too_soon(unit, w)
-
-    def found(history: LoadingHistory) -> MeasuredWork | Unknown:
-        first = sought(solution, history)
-        if not isinstance(first, Unknown):
-            return first
-        unit = nonadhesive(solution, slopes)
-        further, _ = solved_on(solution, unit, lambda body: not too_soon(history, body), slopes)
-        return first if further is solution else sought(further, history)
-
-    return [(history, found(history)) for history in known]
+    strains = None  # known of discs alone
+    if result.shape is None:
+        strains = pull.strains(result.problem, work.w, work.point, stiffness == LOAD_CONTROL)
+    return MeasuredWork(work, result, series, parts, strains)
 
 
 def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
@@ -258,15 +227,15 @@ def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
 
 
 def work_of_force(
-    solution: Solution, load: float, stiffness: float, rest: Rest | None, slopes: str, modulus_factor: float,
+    solution: Solution, after: ByHistory | None, load: float, stiffness: float, slopes: str, modulus_factor: float,
     uncertain: Sequence[tuple[str, str]] = (), roughness: Roughness | None = None,
-) -> MeasuredPullOff | MeasuredByHistory:  # fmt: skip
-    """What a pull-off force ``load`` [N] by a device of ``stiffness`` [N/m] means, of a viscoelastic specimen after
+) -> Result:  # fmt: skip
+    """What a pull-off force ``load`` [N] by a device of ``stiffness`` [N/m] means, of a specimen that relaxes ``after``
     each history."""
     rough = None if roughness is None else roughness.on(solution.problem.scaled(modulus_factor))
-    found = works_by_history(solution, load, stiffness, rest, slopes, modulus_factor, uncertain)
-    if isinstance(found, list):
-        return MeasuredByHistory.of(solution, load, stiffness, found, slopes, modulus_factor)
+    found = None if after is None else after.work(load, stiffness, slopes, modulus_factor, uncertain)
+    if found is not None:
+        return found
     return MeasuredPullOff(measured_work(solution, load, stiffness, slopes, modulus_factor, uncertain), rough)
 
 
@@ -278,10 +247,11 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 
 
 def works_of_force(
-    solutions: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
-    rest: Rest | None, how: options.CurveOptions, limits: Limits, roughness: Roughness | None = None,
+    solutions: Sequence[Solution], by_history: Sequence[ByHistory | None], force: float, stiffnesses: Sequence[float],
+    uncertain: Sequence[tuple[str, str]], how: options.CurveOptions, limits: Limits, roughness: Roughness | None = None,
 ) -> Results:  # fmt: skip
-    """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
+    """The work of adhesion that a measured ``force`` [N] means on each body, of one that relaxes
+    ``by_history``, under each control."""
     controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
     for solution in solutions:
         without_range(solution.record, "pull-off: --load")
@@ -289,102 +259,17 @@ def works_of_force(
     tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
     inputs.begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
     results, warnings = list[Result](), list[str]()
-    for solution in solutions:
+    for solution, after in zip(solutions, by_history, strict=True):
         settings = how.slopes, how.modulus_factor, uncertain, roughness
-        measured = [work_of_force(solution, force, one, rest, *settings) for one in controls]
+        measured = [work_of_force(solution, after, force, one, *settings) for one in controls]
         results += measured
-        if isinstance(measured[0], MeasuredByHistory):
+        if not isinstance(measured[0], MeasuredPullOff):
             continue
         warnings += [f"{solution.record.path}: {text}" for text in relaxing(solution.problem.specimen.relaxation)]
         effect = effect_on(solution, [measured[0].means.work.w])
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
         warnings += dict.fromkeys(text for one in measured for text in one.warnings)
     return Results(results, warnings)
-
-
-@dataclass(frozen=True, eq=False)
-class MeasuredByHistory(Result):
-    """What a measured pull-off force of a viscoelastic specimen means after each history."""
-
-    load: float
-    stiffness: float
-    result: Analysis
-    found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]]
-
-    @classmethod
-    def of(
-        cls, solution: Solution, load: float, stiffness: float,
-        found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]], slopes: str, modulus_factor: float,
-    ) -> MeasuredByHistory:  # fmt: skip
-        """What was ``found`` of the pull-off force ``load`` [N] by a device of ``stiffness`` [N/m]; where the theory
-        holds is judged with the largest w."""
-        works = [one.work.w for _, one in found if not isinstance(one, Unknown)]
-        if not works:
-            raise InputError([f"{solution.record.path}: {history.words}: {one}" for history, one in found])
-        return cls(load, stiffness, analyse(solution, [max(works)], slopes, modulus_factor)[0], found)
-
-    @property
-    def _works(self) -> dict[str, float]:
-        """w [J/m^2] by the name of the history, of those that have one."""
-        return {history.name: one.work.w for history, one in self.found if not isinstance(one, Unknown)}
-
-    @property
-    def range(self) -> tuple[float | None, float | None]:
-        """The least and the largest w [J/m^2] of these histories; the least only where it is that of any history."""
-        works = self._works
-        return works.get(AT_MOST), max(works.values(), default=None)
-
-    def summary(self) -> dict[str, Any]:
-        rows = []
-        for history, one in self.found:
-            row = history_summary(history, Unknown("") if isinstance(one, Unknown) else one.work.curve)
-            if isinstance(one, Unknown):
-                row |= {"w_J_per_m2": None, "reason": one.reason}
-            else:
-                measured = _measured_as_json(one)
-                row |= measured | {"pull_off": measured["pull_off"] | no_depth(history)}
-            rows.append(row)
-        return {
-            "file": str(self.result.path),
-            "level": LEVEL,
-            "load_N": self.load,
-            **tables.device(self.stiffness),
-            "w_J_per_m2": self._works.get(FROM_REST),
-            "w_range_J_per_m2": list(self.range),
-            "histories": rows,
-            "validity": tables.validity(self.result),
-        }
-
-    def words(self) -> list[str]:
-        low, high = (None if w is None else show(w, "work") for w in self.range)
-        span = low if low == high else f"at least {low}" if high is None else f"{low or 'unknown'} to {high}"
-        lines = [
-            f"w = {span}, by the history of the specimen: the pull-off force {show(self.load, 'load')} of "
-            f"{self.result.path} ({control(self.stiffness)})"
-        ]
-        for history, one in self.found:
-            words = history.words + ": at least" * (history.name == AT_MOST)
-            if isinstance(one, Unknown):
-                lines.append(f"  {words}: none: {one}")
-                continue
-            state = tables.format_state(one.work.point, "a")
-            lines.append(f"  {words}: w = {one.words()}, {state}; {one.series_words}")
-        if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
-            lines.append(f"  {OF_INPUTS}")
-        return lines + validity_lines(self.result)
-
-
-def _measured_as_json(means: MeasuredWork) -> dict[str, Any]:
-    """w and its errors [J/m^2], and where contact is lost with it."""
-    data = {
-        "w_J_per_m2": means.work.w,
-        "w_err_J_per_m2": known(means.error),
-        "w_err_by_input_J_per_m2": dict(means.parts),
-        "w_err_of_series_J_per_m2": known(means.series),
-        "pull_off": tables.point(means.work.point),
-        **tables.strains(means.large_strains),
-    }
-    return data | ({"error": means.error.reason} if isinstance(means.error, Unknown) else {})
 
 
 @dataclass(frozen=True, eq=False)
@@ -420,7 +305,7 @@ class MeasuredPullOff(Result):
             "level": LEVEL,
             "load_N": work.load,
             **tables.device(work.stiffness),
-            **_measured_as_json(means),
+            **means.summary(),
             "w_half_space_J_per_m2": work.half_space,
             **tables.law(means.result),
             **rough,

@@ -24,7 +24,7 @@ from ..report import archive
 from ..report.result import SHOWN, Figure, Several
 from ..report.tables import DIMENSIONS, quantities, stacked, transpose_rows, with_unit
 from ..resolve.analysis import Analysis, adhesive
-from ..resolve.histories import Rough, rough
+from ..resolve.reach import Rough, rough
 from ..series import Solution
 from ..tables.text import some
 from . import files as measured

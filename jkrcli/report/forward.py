@@ -6,15 +6,14 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from ..adhesion import device_path
-from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, control
+from ..adhesion.curve import CriticalPoint, Equilibrium, EquilibriumCurve, control
 from ..adhesion.device_path import Jump, Program, cycle, trace
 from ..adhesion.finite_range import RangeRequest
-from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory, Rest
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import Strains, faces, strain_words, yield_warning
 from ..base.errors import AT_LEVEL, LEVEL, Estimate, InputError, Unknown, accuracy
@@ -22,12 +21,11 @@ from ..base.files import lists
 from ..base.numerics import ROWS, Array
 from ..base.registry import FIGURES, Result
 from ..base.units import show
-from ..bodies.problem import relaxing
+from ..base.wings import absent, offered
 from ..resolve.analysis import Analysis, Lost, analyse, error_of_point, with_solved_points
-from ..resolve.histories import LostByHistory, checked_histories, curves_from_rest, strains_after
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
-from .result import Figure, Several
+from .result import Figure
 from .tables import Scales, format_state, is_refined, quantities, read_curve, transpose_rows
 
 if TYPE_CHECKING:
@@ -60,7 +58,6 @@ class PullOff(Result):
 
     result: Analysis
     lost: Sequence[Lost]
-    histories: Sequence[LostByHistory] | Unknown | None = None  # of a viscoelastic specimen
 
     def summary(self) -> dict[str, Any]:
         result, lost = self.result, self.lost
@@ -83,98 +80,31 @@ class PullOff(Result):
             "controls": controls,
             "validity": tables.validity(result, *self._points),
             "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
-            **self._histories_as_json(),
         }
-
-    def _histories_as_json(self) -> dict[str, Any]:
-        if self.histories is None:
-            return {}
-        if isinstance(self.histories, Unknown):
-            return {"histories": None, "histories_reason": self.histories.reason}
-        return {"histories": [
-            history_summary(one.history, one.curve)
-            | {"controls": [
-                tables.device(k) | {"pull_off": tables.point(point) | tables.errors(error) | no_depth(one.history)}
-                for k, (point, error) in one.lost.items()
-            ]}
-            for one in self.histories
-        ]}  # fmt: skip
 
     @property
     def warnings(self) -> list[str]:
-        """What the moduli of a viscoelastic specimen mean where no history is solved, and doubts of the roughness."""
-        law = self.result.problem.specimen.relaxation
-        texts = relaxing(law) if isinstance(self.histories, Unknown) else ()
-        return [f"{self.result.path}: {text}" for text in (*texts, *self.result.rough_warnings)]
+        """Doubts of the roughness."""
+        return [f"{self.result.path}: {text}" for text in self.result.rough_warnings]
 
     @property
     def _points(self) -> list[CriticalPoint | Unknown]:
         """Where contact is lost under each of the controls that were asked for."""
         return [means.pull_off for means, _ in self.lost]
 
+    @property
+    def verdict(self) -> list[str]:
+        """The pull-off force under each control, and its error."""
+        points = {control(means.stiffness): (means.pull_off, error) for means, error in self.lost}
+        return tables.format_pull_off(self.result, points)
+
+    @property
+    def under_controls(self) -> list[str]:
+        """Points, jumps and energies under each control."""
+        return [line for means, error in self.lost for line in _control(self.result, means, error)]
+
     def words(self) -> list[str]:
-        result, points = self.result, {control(means.stiffness): (means.pull_off, error) for means, error in self.lost}
-        lines = [*tables.format_pull_off(result, points), *validity_lines(result, *self._points)]
-        if isinstance(self.histories, Unknown):
-            lines.insert(1, f"  after other histories: none: {self.histories}")
-        elif self.histories:
-            lines = [*_by_history(result, self.histories), *validity_lines(result, *self._points)]
-            lines.append(f"  {self.histories[0].history.words}:")
-        return lines + [line for means, error in self.lost for line in _control(result, means, error)]
-
-
-def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
-    """The verdict on a viscoelastic specimen by its history, and what is lost after each under every control."""
-    controls = list(found[0].lost)
-    forces = []
-    for one in found:
-        point, name = one.lost[controls[0]][0], one.history.name
-        if isinstance(point, CriticalPoint):
-            force = show(-point.P, "load")
-            forces.append(f"at most {force}" if name == AT_MOST else f"{force} ({name})")
-    lines = [
-        f"pull-off force {', '.join(forces) or 'not in the series'} at w = {show(result.w, 'work')}, "
-        f"{control(controls[0])}: {result.path}"
-    ]
-    errors = []
-    for one in found:
-        further = "" if one.solved_to is None else f"; solved on to a = {show(one.solved_to, 'length')}"
-        words = one.history.words + ": at most" * (one.history.name == AT_MOST)
-        rest = f" (there {tables.format_state(one.curve.rest)})" if isinstance(one.curve, FromRest) else ""
-        lines.append(f"  {words}{rest}{further}")
-        for k, (point, error) in one.lost.items():
-            # The largest force of any history, whose displacement depends on it.
-            shown = (
-                _point(point)
-                if one.history.name != AT_MOST or isinstance(point, Unknown)
-                else (f"P = {show(point.P, 'load'):<12} {'':<20} a = {show(point.a, 'length')}")
-            )
-            lines.append(f"    {control(k):<21} {shown}")
-            if isinstance(point, CriticalPoint) and error is not None:
-                errors.append(error if isinstance(error, Unknown) else error["P"] / abs(point.P))
-    changes = []
-    for one in found:
-        point = one.lost[controls[0]][0]
-        if isinstance(point, CriticalPoint):
-            change = strains_after(result.problem, result.w, one.history, point, controls[0] == LOAD_CONTROL)
-            changes += [f"{strain_words(change)} ({one.history.name})"] if change else []
-    lines += [f"  model: {'; '.join(changes)}"] if changes else []
-    unknown = [error for error in errors if isinstance(error, Unknown)]
-    worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=0.0)
-    told = isinstance(worst, Unknown) or worst >= tables.PRINTED
-    return lines + ([f"  pull-off: {accuracy(worst)} ({AT_LEVEL} confidence)"] if told else [])
-
-
-def no_depth(history: LoadingHistory) -> dict[str, Any]:
-    """The displacement of the largest force of any history, which depends on it."""
-    return {"delta_m": None, "delta_err_m": None} if history.name == AT_MOST else {}
-
-
-def history_summary(history: LoadingHistory, curve: AdhesiveCurve | FromRest | Unknown) -> dict[str, Any]:
-    """A history, its share of the moduli and of the profile, and the state at rest."""
-    rest = {"rest": tables.point(curve.rest)} if isinstance(curve, FromRest) else {}
-    shares = {"moduli": history.moduli, "profile": history.profile}
-    return {"history": history.name, "words": history.words, **shares, **rest}
+        return [*self.verdict, *validity_lines(self.result, *self._points), *self.under_controls]
 
 
 def _solved(result: Analysis, behaviour: device_path.Stability) -> bool:
@@ -190,23 +120,23 @@ def _control(result: Analysis, behaviour: device_path.Stability, error: Errors |
         series = result.curve.series
         rims = (series.rim, *series.a[:1] * (series.a0 > 0))
         between = "; at the rim of the flat end" if point.a in rims else between
-    lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {_point(point, digits)}{between}"]
+    lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {point_words(point, digits)}{between}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
     if isinstance(lost := behaviour.lost, CriticalPoint) and lost != point:
         off = error_of_point(result.curve, lost, behaviour.stiffness)
         part = off if isinstance(off, Unknown) else off["P"] / abs(lost.P)
         noticed = isinstance(part, Unknown) or part >= tables.PRINTED
-        lines.append(f"    contact lost        {_point(lost)}{f'; {accuracy(part)}' if noticed else ''}")
+        lines.append(f"    contact lost        {point_words(lost)}{f'; {accuracy(part)}' if noticed else ''}")
     others = [other for other in behaviour.critical if other not in (point, lost)]
-    lines += [f"    other {other.kind:<14}{_point(other)}" for other in others]
+    lines += [f"    other {other.kind:<14}{point_words(other)}" for other in others]
     lines += [
-        f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}"
+        f"    jumps back          {point_words(jump.start)}  to  {point_words(jump.end)}"
         for jump in behaviour.partial
         if jump.end
     ]
     onset = ", delta = 0  " if behaviour.onset == 0 else ", attracted  "
-    lines.append(f"    jump-in{onset}{_point(behaviour.jump_in)}")
+    lines.append(f"    jump-in{onset}{point_words(behaviour.jump_in)}")
     if behaviour.energy_lost != device_path.UNBOUNDED:
         lines.append(
             f"    energy lost         {tables.energy_words(behaviour.energy_lost, behaviour.energy_lost_error)}"
@@ -217,7 +147,7 @@ def _control(result: Analysis, behaviour: device_path.Stability, error: Errors |
     return lines
 
 
-def _point(point: Equilibrium | Unknown, digits: int = 4) -> str:
+def point_words(point: Equilibrium | Unknown, digits: int = 4) -> str:
     if isinstance(point, Unknown):
         return f"none: {point.reason}"
     c = "" if point.c is None else f"  c = {show(point.c, 'length')}"
@@ -243,51 +173,36 @@ def validity_lines(result: Analysis, *points: CriticalPoint | Unknown) -> list[s
 @dataclass(frozen=True, eq=False)
 class Cycled(Result):
     """What a device records that presses bodies together and pulls them apart, however slowly; ``points``: rows of a
-    branch; ``history``: of a viscoelastic specimen, in words; ``large_strains``: of the pull-off force."""
+    branch; ``remark``: for its title; ``large_strains``: of the pull-off force."""
 
     file: Path
     cycle: device_path.Cycle
     points: int = ROWS
-    history: str = ""
+    remark: str = ""
     large_strains: Strains = None
 
     @classmethod
     def of(
         cls, curves: Sequence[Analysis], stiffness: float, load: float | None = None, depth: float | None = None,
-        points: int = ROWS, history: str = "",
+        points: int = ROWS,
     ) -> Cycled:  # fmt: skip
         """The cycle on the ``curves`` of approach and retraction that turns at a ``load`` [N] or ``depth`` [m]."""
         inwards, outwards = (result.curve for result in curves)
         whole = load is None and depth is None
         turn = None if whole else device_path.turning_radius(inwards, stiffness, load=load, depth=depth)
-        found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
+        found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points)
         return replace(found, large_strains=curves[1].large_strains(outwards.pull_off(stiffness)))
-
-    @classmethod
-    def from_rest(
-        cls, file: Path, relaxed: EquilibriumCurve, pulled: FromRest, change: Strains, stiffness: float,
-        points: int = ROWS, history: str = "",
-    ) -> Cycled:  # fmt: skip
-        """The cycle of a viscoelastic specimen that is loaded slowly to the rest of ``pulled``, then pulled at once;
-        ``change``: of the pull-off force by large strains."""
-        try:
-            found = cls.on(file, relaxed, pulled, stiffness, pulled.rest.a, points, history)
-            return replace(found, large_strains=change)
-        except InputError as error:
-            raise InputError(
-                [line if line.startswith(str(file)) else f"{file}: {line}" for line in error.lines]
-            ) from None
 
     @classmethod
     def on(
         cls, file: Path, inwards: EquilibriumCurve, outwards: EquilibriumCurve, stiffness: float, turn: float | None,
-        points: int, history: str = "",
+        points: int,
     ) -> Cycled:  # fmt: skip
         """The cycle on one curve and back on another from the radius ``turn`` [m] (None: the end of the series)."""
         traced = cycle(inwards, outwards, stiffness, turn)
         if isinstance(traced, Unknown):
             raise InputError(f"{file}: {traced.reason}")
-        return cls(file, traced, points, history)
+        return cls(file, traced, points)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -297,7 +212,7 @@ class Cycled(Result):
         from .plots.forward import cycle_figure
 
         contact = self.cycle.contact
-        title = tables.cycle_title(control(self.cycle.stiffness), contact.advancing.w, contact.receding.w, self.history)
+        title = tables.cycle_title(control(self.cycle.stiffness), contact.advancing.w, contact.receding.w, self.remark)
         return cycle_figure(self.columns, title)
 
     @cached_property
@@ -652,45 +567,6 @@ class Fields(Result):
             file.write(mark)
 
 
-# --------------------------------------------------------------------------------------------------
-# Cycles of a specimen that relaxes after each history of loading that is known.
-
-
-@dataclass(frozen=True, eq=False)
-class CycledInLimits(Several):
-    """The cycles of a viscoelastic specimen with adhesion after each history that is known, by its name."""
-
-    file: Path
-    limits: Mapping[str, tuple[LoadingHistory, Result]]
-
-    @classmethod
-    def of(
-        cls, file: Path, known: Iterable[LoadingHistory], cycle: Callable[[LoadingHistory], Result]
-    ) -> CycledInLimits:
-        """For each history that is ``known`` the ``cycle`` of it."""
-        return cls(file, {one.name: (one, cycle(one)) for one in known})
-
-    def summary(self) -> dict[str, Any]:
-        limits = {
-            name: {"history": one.words, "moduli": one.moduli, "profile": one.profile} | result.summary()
-            for name, (one, result) in self.limits.items()
-        }
-        return {"file": str(self.file), "limits": limits}
-
-    @property
-    def parts(self) -> Sequence[Sequence[str]]:
-        found = list[Sequence[str]]()
-        for one, result in self.limits.values():
-            first, *rest = result.words()
-            doubt = strain_words(getattr(result, "large_strains", None))  # of several results first lines are seen
-            found.append([f"{one.words}: {first}{f'; {doubt} (model)' if doubt else ''}", *rest])
-        return found
-
-    @property
-    def warnings(self) -> list[str]:
-        return list(dict.fromkeys(line for _, result in self.limits.values() for line in result.warnings))
-
-
 @dataclass(frozen=True)
 class AskedCycle:
     """A cycle asked for on a ``solution``, with the ``works`` of adhesion [J/m^2] on approach and retraction, by a
@@ -707,28 +583,48 @@ class AskedCycle:
     program: Program | None = None
     points: int = ROWS
 
-    def quasi_static(self, history: LoadingHistory | None = None) -> Cycled | CycledByProgram:
-        """The trace; of a viscoelastic specimen at the moduli after a loading ``history``, at once where it rested."""
-        share, words = (1.0, "") if history is None else (history.moduli, history.words)
-        if history is not None and history.rest is not None:
-            pulled = curves_from_rest(
-                self.solution, self.works, history, self.slopes, self.modulus_factor, self.stiffness
-            )
-            return Cycled.from_rest(self.solution.record.path, *pulled, self.stiffness, self.points, words)
-        analysed = analyse(self.solution, self.works, self.slopes, self.modulus_factor * share, self.ranged)
+    def quasi_static(self) -> Cycled | CycledByProgram:
+        """The trace."""
+        analysed = analyse(self.solution, self.works, self.slopes, self.modulus_factor, self.ranged)
         curves = [with_solved_points(curve, self.stiffness) for curve in analysed]
         if self.program is not None:
             return CycledByProgram.of(curves, self.stiffness, self.program, self.points)
-        return Cycled.of(curves, self.stiffness, self.to_load, self.to_depth, self.points, words)
+        return Cycled.of(curves, self.stiffness, self.to_load, self.to_depth, self.points)
 
 
-def traced_histories(
-    solution: Solution, rest: Rest | None, load: float | None = None, depth: float | None = None, rests: bool = True
-) -> tuple[LoadingHistory, ...]:  # fmt: skip
-    """The histories of a viscoelastic specimen that are traced: at rest at the turn, at a ``load`` [N] or ``depth``
-    [m], where there is one, unless ``rest`` says otherwise; not from rest where the trace has no ``rests``."""
-    rest = rest or (Rest(load or 0.0) if depth is None else Rest(depth=depth))
-    known = checked_histories(solution, rest)
-    if isinstance(known, Unknown):
-        raise InputError(f"cycle: {known.reason}, or no adhesion, --w-approach 0")
-    return tuple(one for one in known or () if one.name != AT_MOST and (rests or one.name != FROM_REST))
+# --------------------------------------------------------------------------------------------------
+# The contact of a specimen that relaxes, which a wing knows.
+
+
+class ByHistory(Protocol):
+    """How a specimen that relaxes lets go, after each history of its loading for which that is known."""
+
+    def seconds(self, works: Sequence[float], devices: int) -> float:
+        """CPU seconds of the pull-offs by so many ``devices``, for each of the ``works`` [J/m^2], beside the curve."""
+
+    def pull_off(self, result: Analysis, lost: Sequence[Lost], controls: Sequence[float], slopes: str) -> PullOff:
+        """Where contact is lost under ``controls``, beside what is ``lost`` with the moduli as they are."""
+
+    def cycle(self, asked: AskedCycle) -> Result:
+        """The cycle that is ``asked`` for."""
+
+    def work(
+        self, load: float, stiffness: float, slopes: str, modulus_factor: float, uncertain: Sequence[tuple[str, str]]
+    ) -> Result | None:
+        """Which works of adhesion a pull-off force means (``measured``); None where no history is known."""
+
+
+def by_history(
+    solution: Solution, rest_load: float | None = None, rest_depth: float | None = None,
+    called: Callable[[str], str] = str,
+) -> ByHistory | None:  # fmt: skip
+    """What is known of the specimen of ``solution`` if it relaxes, at rest under a load [N] or at a depth [m] before it
+    is pulled; None where it is elastic. InputError, options as they are ``called``, where a rest makes no sense, or
+    where the wing is not there."""
+    if solution.problem.specimen.relaxation is None and rest_load is None and rest_depth is None:
+        return None
+    if (known := offered("how a specimen that relaxes lets go")) is None:
+        refused = f"contact of a viscoelastic specimen over time {absent('contact over time')}"
+        raise InputError(f"{solution.record.path}: {refused}")
+    found: ByHistory = known(solution, rest_load, rest_depth, called)
+    return found

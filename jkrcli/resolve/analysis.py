@@ -334,6 +334,15 @@ def with_solved_points(result: Analysis, *devices: float) -> Analysis:
     return result if further is None else replace(result, curve=solved(curve, further, *devices))
 
 
+def solved_where(
+    solution: Solution, body: Nonadhesive, wanted: Callable[[Nonadhesive], Sequence[float]]
+) -> Nonadhesive:
+    """The functions ``body`` through what is solved at the radii [m] that are ``wanted`` of them, where the method of
+    ``solution`` is exact and quick."""
+    further = solver_of(solution) if body.slopes.method == "exact" else None
+    return body if further is None else refined(body, further, wanted)
+
+
 def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """Half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):

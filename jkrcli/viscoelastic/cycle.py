@@ -13,7 +13,6 @@ from ..base.errors import InputError
 from ..base.registry import Result
 from ..cli import inputs, options
 from ..cli.cycle import (
-    NO_REST,
     PROGRAM,
     TO_DEPTH,
     TO_LOAD,
@@ -21,7 +20,6 @@ from ..cli.cycle import (
     end_options,
     name_suffix,
     read_program,
-    rest_options,
     works_of,
     works_options,
     write_cycle,
@@ -33,8 +31,8 @@ from ..report.result import Output
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..adhesion.device_path import Course, Program
-    from ..adhesion.from_rest import LoadingHistory, Rest
     from ..report.forward import AskedCycle
+    from .from_rest import LoadingHistory, Rest
     from .rate import RateContact
     from .relaxation import RelaxingContact
     from .relaxing_adhesion import RelaxingAdhesion
@@ -140,12 +138,19 @@ class RateOptions:
 
 
 rate_options = options.as_one("rates", RateOptions)
+rest_options = options.several(
+    click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
+                 "instantly, with --stress at --speed [default: at the reversal of --to-load or "
+                 "--to-depth, or P = 0]."),
+    click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta."),
+)  # fmt: skip
 
 
 def cycled(asked: AskedCycle, rates: RateOptions, history: LoadingHistory | None = None) -> Result:
     """The cycle without adhesion on a viscoelastic body; else with a w that depends on the speed of the edge where the
     ``rates`` say so, of a viscoelastic specimen at the moduli after a loading ``history``, or quasi-static."""
     from ..resolve.analysis import analyse, nonadhesive, with_solved_points
+    from .by_history import cycle_after
     from .rate import RateContact, rate_law_of
     from .relaxation import RelaxingContact
     from .report import CycledAtSpeed, CycledRelaxing
@@ -160,7 +165,7 @@ def cycled(asked: AskedCycle, rates: RateOptions, history: LoadingHistory | None
         relaxing = RelaxingContact(body, law, stiffness)
         return CycledRelaxing.of(relaxing, rates.program_of(relaxing), asked.solution.record.path, asked.points)
     if rates.rate is None:
-        return asked.quasi_static(history)
+        return asked.quasi_static() if history is None else cycle_after(asked, history)
     share, words = (1.0, "") if history is None else (history.moduli, history.words)
     outwards_law = rate_law_of(rates.rate, "--rate")
     advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
@@ -173,7 +178,7 @@ def cycled(asked: AskedCycle, rates: RateOptions, history: LoadingHistory | None
 
 def followed(asked: AskedCycle, rates: RateOptions, rest: Rest | None, compare_rate: bool) -> Result:
     """Adhesion of a viscoelastic specimen over time, from ``rest`` on where there is one, with its limits."""
-    from ..report.forward import traced_histories
+    from .by_history import traced_histories
     from .relaxing_adhesion import RelaxingAdhesion
     from .report import followed_with_limits, pull_off_in_limits
 
@@ -222,8 +227,9 @@ def cycle(
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     jkr cycle relaxing-gel.h5 --w-approach 0.02 --stress "2 kPa" --speed "10 um/s"
     """
-    from ..report.forward import AskedCycle, traced_histories
-    from ..resolve.histories import rest_of
+    from ..report.forward import AskedCycle
+    from .by_history import CycledInLimits, traced_histories
+    from .from_rest import Rest
 
     rates.refuse_wrong(stiffness)
     output.folder(Path())
@@ -232,7 +238,8 @@ def cycle(
     relaxes = solution.problem.specimen.relaxation is not None
     if not relaxes and rates.rate is None and (timed := [name for name in rates.named if name != "program"]):
         raise InputError(f"cycle: {flag(timed[0])} needs --rate: without it nothing depends on time")
-    works = works_of(solution, w_approach, w_retract)
+    silent = relaxes and w_approach is None and not solution.record.w  # of a specimen that relaxes: no adhesion
+    works = works_of(solution, 0.0 if silent else w_approach, w_retract)
     adhering = relaxes and any(works)
     if adhering:
         rates.refuse_in_limits(bool(how.of(solution)))
@@ -246,13 +253,15 @@ def cycle(
         raise InputError("cycle: --rate has no adhesion of finite range: leave --range and the case's out")
     ranged.refuse_two(*works)
     begin_program(rates.program, points, limits)
-    rest = rest_of(rest_load, rest_depth, flag)
+    rest = Rest.of(rest_load, rest_depth, flag)
     known: tuple[LoadingHistory, ...] = ()
     if in_limits:
         rests = rates.rate is None and not ranged
         known = traced_histories(solution, rest, rates.to_load, rates.to_depth, rests)
     elif rest is not None and not adhering:
-        raise InputError(NO_REST)
+        raise InputError(
+            "cycle: --rest-load and --rest-depth are for adhesion on a viscoelastic specimen: leave them out"
+        )
 
     def one() -> Result:
         return followed(asked, rates, rest, compare_rate) if adhering else cycled(asked, rates)
@@ -260,5 +269,8 @@ def cycle(
     program, ways = read_program(rates.program, stiffness), (how.slopes, how.modulus_factor)
     asked = AskedCycle(solution, works, stiffness, ranged, *ways, rates.to_load, rates.to_depth, program, points)
     turn, zone = rates.suffix(stiffness), "" if rates.stress is None else f"-stress{rates.stress:g}"
-    ends = name_suffix(w_approach, w_retract, stiffness, turn, rest, ranged, zone, how.modulus_factor)
-    write_cycle(file, ends, known, asked, limits, output, one, partial(cycled, asked, rates))
+    turn += "" if rest is None else rest.suffix
+    ends = name_suffix(w_approach, w_retract, stiffness, turn, ranged, zone, how.modulus_factor)
+    cycles = {history.name: partial(cycled, asked, rates, history) for history in known}
+    of_all = partial(CycledInLimits.of, file, known) if known else None
+    write_cycle(file, ends, cycles or {"": one}, asked, limits, output, of_all)

@@ -26,7 +26,6 @@ from typing import Annotated, Any, TypeAlias
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..adhesion.device_path import Course, Program
 from ..adhesion.finite_range import without_range
-from ..adhesion.from_rest import LoadingHistory
 from ..api import (
     Body,
     Force,
@@ -37,7 +36,6 @@ from ..api import (
     Stiffness,
     Stress,
     WorkOfAdhesion,
-    in_limits,
     range_of,
     solution_of,
 )
@@ -50,11 +48,11 @@ from ..measured.curve import Curve
 from ..measured.forward_model import FittedBody
 from ..measured.functions import OneCurve, RelaxationName, fit, instead
 from ..measured.parameters import Answer
-from ..report.forward import CycledInLimits, traced_histories
 from ..resolve.analysis import analyse, nonadhesive, with_solved_points
-from ..resolve.histories import rest_of
 from . import law_fits  # noqa: F401 - registers what fits of laws say
 from . import report as rate
+from .by_history import CycledInLimits, traced_histories
+from .from_rest import LoadingHistory, Rest
 from .rate import RATE_LAWS, LogRate, PowerRate, RateContact, RateLaw, rate_law_of
 from .rate_fit import RateFit, rate_fit, rate_settings
 from .relaxation import RelaxingContact
@@ -140,7 +138,10 @@ def cycle_at_speed(
         contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
         return rate.CycledAtSpeed.of(contact, course.program(contact), result, stress=stress, history=words)
 
-    return in_limits(solution, cycled)
+    if solution.problem.specimen.relaxation is None:
+        return cycled(None)
+    known = traced_histories(solution, None, rests=False)
+    return CycledInLimits.of(solution.record.path, known, map(cycled, known))
 
 
 @checked
@@ -185,7 +186,7 @@ def cycle_relaxing(
         Where the contact leaves the series or, without adhesion, is loaded again onto its dent.
     """
     solution, k, work = solution_of(solved, None), stiffness, w
-    law, rest = relaxation or solution.problem.specimen.relaxation, rest_of(rest_load, rest_depth)
+    law, rest = relaxation or solution.problem.specimen.relaxation, Rest.of(rest_load, rest_depth)
     if law is None:
         raise InputError(
             "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"

@@ -40,3 +40,8 @@ over_time = options.several(
                  "and retraction; with --free w of whole force curves that adhere."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
 )  # fmt: skip
+rest_options = options.several(
+    click.option("--rest-load", type=options.LOAD, help="Viscoelastic specimens: at rest under this load, then pulled "
+                 "instantly [default: at rest at P = 0]."),
+    click.option("--rest-depth", type=options.LENGTH, help="The same at this displacement delta."),
+)  # fmt: skip

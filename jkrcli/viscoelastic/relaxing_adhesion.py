@@ -32,7 +32,6 @@ import numpy as np
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, Nonadhesive, control, position
 from ..adhesion.device_path import Jump, Program, Ramp, TimedState
 from ..adhesion.finite_range import AttractedBody, Range, unable
-from ..adhesion.from_rest import Rest
 from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
 from ..base.numerics import MOST_STEPS, SAME, TINY, Array, zeros_between
 from ..base.units import show
@@ -41,6 +40,7 @@ from ..methods.integral.finite_range import Attraction, Rims
 from ..methods.integral.fredholm import angle
 from ..series import Solution
 from .dent import DentedProfile, DentPoints, dented_state
+from .from_rest import Rest
 from .rate import History, RateContact
 
 # Accuracy.

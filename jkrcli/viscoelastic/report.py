@@ -13,7 +13,6 @@ import numpy as np
 from ..adhesion.curve import LOAD_CONTROL, CriticalPoint, Nonadhesive, control, position
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import RangeRequest
-from ..adhesion.from_rest import FAST, FROM_REST, SLOW, LoadingHistory
 from ..adhesion.validity import NEGLECTED, Zone, zone
 from ..base.errors import AT_LEVEL, LEVEL, NOTICEABLE, Estimate, InputError, SolveError, Unknown, known
 from ..base.numerics import ROWS, SAME, UNSEEN, Array
@@ -24,8 +23,9 @@ from ..measured.least_squares import t_quantile
 from ..report.result import Figure
 from ..report.tables import cycle_title, device, energies, format_state, timed, timed_jump, with_unit
 from ..resolve.analysis import Analysis, analyse, nonadhesive
-from ..resolve.histories import curves_from_rest, solved_on
 from ..series import Solution
+from .by_history import curves_from_rest, solved_on
+from .from_rest import FAST, FROM_REST, SLOW, LoadingHistory
 from .rate import History, RateContact, RateLaw, parameters_of, rate_parameters
 from .rate_fit import LawAlongRecords
 from .relaxation import RelaxedHistory, RelaxingContact

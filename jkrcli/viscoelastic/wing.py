@@ -3,15 +3,22 @@
 from ..base.wings import Verb, Wing
 
 CYCLE = "Force curve of an approach-retract cycle, over time too."
-OF_CYCLE = "--rate --rate-advance --speed --speed-approach --hold --dwell --dwell-time --compare-rate"
+OF_CYCLE = """--rate --rate-advance --speed --speed-approach --hold --dwell --dwell-time --rest-load --rest-depth
+--compare-rate"""
 FUNCTIONS = ("LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify_law", "identify_relaxation")
 WING = Wing(
     "viscoelastic",
     verbs={"cycle": Verb("More of an adhesive curve", "", CYCLE, "viscoelastic.cycle", of_core=True)},
-    options={"cycle": tuple(OF_CYCLE.split()), "fit": ("--law", "--relaxation", "--terms")},
+    options={
+        "cycle": tuple(OF_CYCLE.split()),
+        "fit": ("--law", "--relaxation", "--terms"),
+        "pull-off": ("--rest-load", "--rest-depth"),
+    },
     functions=dict.fromkeys(FUNCTIONS, "viscoelastic.functions"),
     uses=("contact over time",),
     offers={
+        "how a specimen that relaxes lets go": "viscoelastic.by_history:by_history",
+        "options of a rest": "viscoelastic.options:rest_options",
         "options of laws over time": "viscoelastic.options:over_time",
         "a law of w over speed": "viscoelastic.rate:rate_law_of",
         "contact of a law over speed": "viscoelastic.rate:RateContact",

@@ -28,8 +28,8 @@ from jkrcli.adhesion.device_path import (
     shrink,
     stability_under,
 )
-from jkrcli.adhesion.from_rest import work_from_pull_off
 from jkrcli.adhesion.slopes import Slopes, slopes
+from jkrcli.adhesion.work_of_pull_off import work_from_pull_off
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen

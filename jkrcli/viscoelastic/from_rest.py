@@ -12,20 +12,17 @@ adhesion), cut at the radius of rest. At a_s contact keeps its radius, dP = S d(
 has risen from rho w to w. Where the history is not known, the fold of the curve that is not cut is the largest force.
 """
 
+from __future__ import annotations
+
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Self
 
 import numpy as np
 
-from ..base.errors import Estimate, InputError, SolveError, Unknown
-from ..base.numerics import ROUNDED, SAME, Array, zeros_between
-from ..base.units import show
-from ..bodies.problem import Relaxation
-from ..series import Series
-from .curve import (
+from ..adhesion.curve import (
     DISPLACEMENT_CONTROL,
     LOAD_CONTROL,
     AdhesiveCurve,
@@ -35,8 +32,15 @@ from .curve import (
     Nonadhesive,
     position,
 )
-from .pull_off_error import Errors, gradients_at, pull_off_error
-from .slopes import Slopes
+from ..adhesion.pull_off_error import Errors, gradients_at, pull_off_error
+from ..adhesion.slopes import Slopes
+from ..adhesion.validity import LIMITS, Strains, large_strains
+from ..adhesion.work_of_pull_off import FoundWork, Pull, work_from_pull_off
+from ..base.errors import Estimate, InputError, Unknown
+from ..base.numerics import SAME, Array
+from ..base.units import show
+from ..bodies.problem import Problem, Relaxation
+from ..series import Series
 
 FAST, SLOW, FROM_REST, AT_MOST = "very fast", "very slow", "from rest", "at most"
 
@@ -52,6 +56,21 @@ class Rest:
         for name, value in (("load", self.load), ("depth", self.depth)):
             if value is not None and not math.isfinite(value):
                 raise InputError(f"rest: the {name} must be finite, got {value:g}")
+
+    @classmethod
+    def of(cls, load: float | None, depth: float | None, called: Callable[[str], str] = str) -> Rest | None:
+        """The rest under a ``load`` [N] or at a ``depth`` [m]; None where neither is given, InputError where both
+        are."""
+        if load is not None and depth is not None:
+            raise InputError(f"give at most one of {called('rest_load')} and {called('rest_depth')}")
+        if depth is not None:
+            return cls(depth=depth)
+        return None if load is None else cls(load)
+
+    @property
+    def suffix(self) -> str:
+        """What distinguishes names of files."""
+        return f"-rest-load{self.load:g}" if self.depth is None else f"-rest-depth{self.depth:g}"
 
     @property
     def words(self) -> str:
@@ -204,8 +223,9 @@ class FromRest(EquilibriumCurve):
 
 
 @dataclass(frozen=True)
-class LoadingHistory:
-    """What a viscoelastic specimen went through before it is pulled, where adhesion on it has a closed solution.
+class LoadingHistory(Pull):
+    """A loading history that a viscoelastic specimen had before it is pulled, after which adhesion is known in closed
+    form.
 
     The curve is that of the moduli at t = 0 times ``moduli`` under the profile times ``profile``; ``rest``: where it is
     cut.
@@ -240,6 +260,36 @@ class LoadingHistory:
         _, P = AdhesiveCurve(self.body(unit), w).rates(unit.a[-1:])
         return bool(P[0] <= 0)
 
+    def work(self, unit: Nonadhesive, load: float, stiffness: float, R: float | None = None) -> FoundWork:
+        return work_from_pull_off(self.body(unit), load, stiffness, R, lambda w: self.curve(unit, w))
+
+    def radii(self, unit: Nonadhesive, w: float, controls: Sequence[float]) -> list[float]:
+        curve = self.curve(unit, w)
+        return super().radii(unit, w, controls) + ([curve.rest.a] if isinstance(curve, FromRest) else [])
+
+    def error(
+        self, unit: Nonadhesive, curve: EquilibriumCurve, point: CriticalPoint, stiffness: float
+    ) -> Errors | Unknown:
+        if not isinstance(curve, FromRest):
+            return super().error(unit, curve, point, stiffness)
+        moved = _of_rest(self, unit, curve)
+        if isinstance(moved, Unknown):
+            return moved
+        at_rest, of_dent = moved
+        if point.a >= curve.rest.a * (1 - SAME):
+            return at_rest
+        inside = pull_off_error(curve.whole, replace(point, delta=point.delta - curve.onset), stiffness)
+        return inside if isinstance(inside, Unknown) else {"delta": inside["delta"] + of_dent, "P": inside["P"]}
+
+    def strains(self, problem: Problem, w: float, point: CriticalPoint, loaded: bool) -> Strains:
+        """Those of the force; not known of a dent that is kept."""
+        R = problem.indenter.tip_radius
+        if self.profile == 1:
+            return large_strains(problem.scaled(self.moduli), w, point, loaded)
+        if R is None or point.a <= LIMITS.strained * R:
+            return None
+        return Unknown(f"not estimated, a/R = {point.a / R:.2g} at pull-off")
+
 
 @lru_cache(maxsize=4)
 def _changed(unit: Nonadhesive, moduli: float, profile: float) -> Nonadhesive:
@@ -262,24 +312,6 @@ def histories(law: Relaxation, rest: Rest) -> tuple[LoadingHistory, ...] | Unkno
         LoadingHistory(FROM_REST, f"at rest at {rest.words}, then pulled instantly", profile=ratio, rest=rest),
         LoadingHistory(AT_MOST, "any other history", profile=ratio),
     )
-
-
-def history_error(
-    history: LoadingHistory, unit: Nonadhesive, curve: AdhesiveCurve | FromRest, point: CriticalPoint, stiffness: float
-) -> Errors | Unknown:  # fmt: skip
-    """Half-widths of "delta" [m] and "P" [N] at the pull-off ``point`` of a ``history`` under a device of
-    ``stiffness`` [N/m]."""
-    if isinstance(curve, AdhesiveCurve):
-        return pull_off_error(curve, point, stiffness)
-    assert history.rest is not None
-    moved = _of_rest(history, unit, curve)
-    if isinstance(moved, Unknown):
-        return moved
-    at_rest, of_dent = moved
-    if point.a >= curve.rest.a * (1 - SAME):
-        return at_rest
-    inside = pull_off_error(curve.whole, replace(point, delta=point.delta - curve.onset), stiffness)
-    return inside if isinstance(inside, Unknown) else {"delta": inside["delta"] + of_dent, "P": inside["P"]}
 
 
 def _of_rest(history: LoadingHistory, unit: Nonadhesive, curve: FromRest) -> tuple[Errors, float] | Unknown:
@@ -325,103 +357,3 @@ def _covariance(unit: Nonadhesive, a: float) -> Array | Unknown:
     if slopes.covariance is None:
         return Unknown(f"unknown: {slopes.error}")
     return unit.between(slopes.covariance, np.array(a))
-
-
-# --------------------------------------------------------------------------------------------------
-# The work of adhesion that a measured pull-off force means on a given body.
-
-ELASTIC = LoadingHistory(FAST, "elastic")
-STEP = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it
-
-
-@dataclass(frozen=True, eq=False)
-class FoundWork:
-    """``w`` [J/m^2] whose pull-off force is the measured ``load`` [N, > 0] on this body.
-
-    ``curve``: the adhesive curve for it, ``point``: its pull-off. ``half_space``: load/(1.5 pi R), what classical JKR
-    would have given under load control, None where the indenter has no tip radius.
-    """
-
-    load: float
-    stiffness: float
-    w: float
-    curve: AdhesiveCurve | FromRest
-    point: CriticalPoint
-    half_space: float | None
-
-
-def work_from_pull_off(
-    body: Nonadhesive,
-    load: float,
-    stiffness: float = LOAD_CONTROL,
-    R: float | None = None,
-    history: LoadingHistory = ELASTIC,
-) -> FoundWork:
-    """The w at which contact is lost at P = -``load`` [N] by a device of ``stiffness`` [N/m]; ``R``: tip radius [m],
-    ``history``: of a viscoelastic ``body`` (its moduli at t = 0).
-
-    At every radius of the series there is at most one w whose curve is stationary there; the pull-off force grows with
-    w, so the ends of the series bound the forces that it can tell. Refused outside them.
-    """
-    if not (math.isfinite(load) and load > 0):
-        raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
-    control = body.series.control_of_force(stiffness)
-
-    def point(w: float) -> CriticalPoint | Unknown:
-        curve = history.curve(body, w)
-        return curve if isinstance(curve, Unknown) else curve.pull_off(control)
-
-    def force(log_w: float) -> float:
-        tear_off = point(math.exp(log_w))
-        if isinstance(tear_off, Unknown):
-            raise SolveError(f"load: w lies beyond the range of the solution: {tear_off.reason}")
-        return -tear_off.P
-
-    def excess(log_w: float) -> float:
-        return force(log_w) / load - 1
-
-    def inside(works: Array) -> float:
-        """The log of the first of ``works`` whose pull-off lies in the series."""
-        for w in works:
-            if isinstance(point(float(w)), CriticalPoint):
-                return math.log(w)
-        raise InputError("load: this solution holds no pull-off for any work of adhesion: increase [loading] radius")
-
-    def widened(log_w: float, step: float) -> float:
-        """``log_w`` moved step by step: beyond the last stationary radius the pull-off may lie between two points."""
-        while excess(log_w) * step < 0 and isinstance(point(math.exp(log_w + step)), CriticalPoint):
-            log_w += step
-        return log_w
-
-    # The works of adhesion > 0 whose curves are stationary at radii across the series, increasing
-    own = history.body(body)
-    a = own.a.copy()
-    a[0], a[-1] = a[0] * (1 + SAME), a[-1] * (1 - SAME)
-    here, rates = own.with_rates(a)
-    nonadhesive = position(rates.delta_H, rates.P_H, control)
-    adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, control)
-    root = np.divide(nonadhesive, adhesive, out=np.zeros_like(a), where=adhesive > 0)
-    works = np.sort(root[root > 0] ** 2)
-    if own.series.rim < math.inf:  # of a flat punch the force goes with the root of w
-        works = np.array([(load / force(0.0)) ** 2])
-    low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
-    if not excess(low) <= 0 <= excess(high):
-        least, greatest = force(low), force(high)
-        remedy = "increase [loading] radius" if load > greatest else "begin the solution at a smaller radius"
-        raise InputError(
-            f"load: a pull-off force of {show(load, 'load')} lies outside the solution, which covers forces from "
-            f"{show(least, 'load')} to {show(greatest, 'load')}: {remedy}"
-        )
-    if low < high:
-        low = float(zeros_between(np.vectorize(excess, otypes=[float]), np.array([low]), np.array([high]), 1e-14)[0])
-    w = math.exp(low)
-    tear_off = point(w)
-    if isinstance(tear_off, Unknown) or abs(-tear_off.P / load - 1) > ROUNDED:
-        raise InputError(
-            f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
-            f"changes, at w = {show(w, 'work')}, the force jumps past it"
-        )
-    curve = history.curve(body, w)
-    assert not isinstance(curve, Unknown)  # it has a point
-    half_space = None if R is None else load / (1.5 * math.pi * R)
-    return FoundWork(load, stiffness, float(w), curve, tear_off, half_space)

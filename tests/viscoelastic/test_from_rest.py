@@ -16,11 +16,11 @@ from scipy.optimize import brentq
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import LOAD_CONTROL, CriticalPoint
-from jkrcli.adhesion.from_rest import AT_MOST, FAST, FROM_REST, SLOW, Rest
 from jkrcli.many.explorer import payload
 from jkrcli.resolve.analysis import analyse
-from jkrcli.resolve.histories import LostByHistory, lost_by_history
 from jkrcli.series import Solution
+from jkrcli.viscoelastic.by_history import LostByHistory, lost_by_history
+from jkrcli.viscoelastic.from_rest import AT_MOST, FAST, FROM_REST, SLOW, Rest
 
 R, E_INF, W, RHO = 1.0, 1.0, 0.05, 0.1
 A0 = (W * R**2 / E_INF) ** (1 / 3)  # w/(Einf R) = 0.05

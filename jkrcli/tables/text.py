@@ -269,8 +269,8 @@ def read_table(
     for i in [] if finite else np.flatnonzero(np.isin(values, NINES).any(axis=0)).tolist():
         column = values[np.isfinite(values[:, i]), i]
         for number in NINES[np.isin(NINES, column)].tolist():
-            others = column[column != number]
-            if others.size >= NINES_ROWS and np.min(np.abs(others - number)) > np.ptp(others):
+            rest = column[column != number]
+            if rest.size >= NINES_ROWS and np.min(np.abs(rest - number)) > np.ptp(rest):
                 missing[i], gone[:, i] = number, values[:, i] == number
     values = np.where(gone, np.nan, values)
     table = _table(path, others, dialect, lines, values, finite, is_note)

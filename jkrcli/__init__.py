@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .many.inverse import find_value as find_value
     from .many.maps import study_map as study_map
     from .measured.functions import *  # noqa: F403
+    from .viscoelastic.fit_functions import *  # noqa: F403
     from .viscoelastic.functions import *  # noqa: F403
 
 __version__ = "0.2.0"

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.fft import irfft2, rfft2
 
 options = argparse.ArgumentParser()
-options.add_argument("table")
+options.add_argument("table", nargs="?", default="ellipse.csv")
 defaults = {"R1": 20e-6, "R2": 5e-6, "E": 1e6, "nu": 0.5, "thickness": np.inf, "depth": 0.6e-6}
 for name, value in {**defaults, "points": 128, "rows": 30}.items():
     options.add_argument(f"--{name}", type=type(value), default=value)

@@ -45,6 +45,9 @@ def copied(folder: Path) -> Path:
             shutil.copy(source, target)
         else:
             shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", ".hypothesis"))
+    # What the copy lacks is not looked for in the editable installation either
+    strict = 'import sys\nsys.meta_path[:] = [f for f in sys.meta_path if "editable" not in f.__module__]\n'
+    (folder / "sitecustomize.py").write_text(strict, encoding="utf-8")
     for name in names:
         shutil.rmtree(folder / "jkrcli" / name)
         shutil.rmtree(folder / "tests" / name, ignore_errors=True)

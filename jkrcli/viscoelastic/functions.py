@@ -19,7 +19,7 @@ Bodies that relax, with ``w`` and ``stress`` with adhesion, too:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, TypeAlias
 
@@ -29,7 +29,6 @@ from ..adhesion.finite_range import without_range
 from ..api import (
     Body,
     Force,
-    Known,
     Length,
     PositiveLength,
     SlopesRule,
@@ -40,31 +39,21 @@ from ..api import (
     solution_of,
 )
 from ..base import units
-from ..base.arguments import OneOf, checked, exactly_one
+from ..base.arguments import checked, exactly_one
 from ..base.errors import InputError
 from ..base.process import one_thread
 from ..bodies.problem import Relaxation
-from ..measured.curve import Curve
-from ..measured.forward_model import FittedBody
-from ..measured.functions import OneCurve, RelaxationName, fit, instead
-from ..measured.parameters import Answer
 from ..resolve.analysis import analyse, nonadhesive, with_solved_points
-from . import law_fits  # noqa: F401 - registers what fits of laws say
 from . import report as rate
 from .by_history import CycledInLimits, traced_histories
 from .from_rest import LoadingHistory, Rest
-from .rate import RATE_LAWS, LogRate, PowerRate, RateContact, RateLaw, rate_law_of
-from .rate_fit import RateFit, rate_fit, rate_settings
+from .rate import LogRate, PowerRate, RateContact, RateLaw, rate_law_of
 from .relaxation import RelaxingContact
-from .relaxation_fit import relaxation_fit
 from .relaxing_adhesion import RelaxingAdhesion
-from .shared_speeds import SharedSpeedsFit, shared_speeds_fit
-from .timed_record import RelaxationFit, relaxation_settings
 
-__all__ = ["LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing", "identify_law", "identify_relaxation"]
+__all__ = ["LogRate", "PowerRate", "cycle_at_speed", "cycle_relaxing"]
 
 AnyLaw: TypeAlias = RateLaw | Mapping[str, Any]  # or its keys
-RateName: TypeAlias = Annotated[str, OneOf(RATE_LAWS)]
 Speed: TypeAlias = str | float  # of a device; under load control of its load
 Time: TypeAlias = Annotated[float, units.Ranged("time", least=0)] | Any
 
@@ -221,42 +210,4 @@ def cycle_relaxing(
 
 
 def _law(law: AnyLaw) -> RateLaw:
-
     return rate_law_of(law, "law") if isinstance(law, Mapping) else law
-
-
-def fit_laws(
-    body: FittedBody, curves: Sequence[Curve], law: str | None, relaxation: str | None, free: Iterable[str],
-    fix: units.Named, **options: Any,
-) -> RateFit | SharedSpeedsFit | RelaxationFit:  # fmt: skip
-    """The fits of `fit` by a ``law`` of w over speed, or by one of ``relaxation``, or by both."""
-    if relaxation is None:
-        assert law is not None
-        return rate_fit(body, curves, rate_settings(body, law, free, fix, **options))
-    names = (relaxation, fix, free, body.problem.E_star, body.range_of_case, law)
-    settings = relaxation_settings(*names, **options)
-    if law or options.get("shared"):
-        return shared_speeds_fit(body, curves, settings)
-    if len(curves) > 1:
-        raise InputError(f"fit: {len(curves)} curves: name what they share, shared=[...], or fit each by itself")
-    return relaxation_fit(body, curves[0], settings)
-
-
-@checked
-def identify_law(
-    body: Body, measured: Iterable[OneCurve], law: RateName = "power", free: Iterable[str] = (), fix: Known = None,
-    slopes: SlopesRule = "auto", relaxation: RelaxationName | None = None, **options: Any,
-) -> Answer:  # fmt: skip
-    """Deprecated: `fit` with ``law``."""
-    instead("identify_law", f'call fit with law="{law}"')
-    return fit(body, tuple(measured), free, fix, slopes, law=law, relaxation=relaxation, **options)
-
-
-@checked
-def identify_relaxation(
-    body: Body, measured: OneCurve, law: RelaxationName = "sls", fix: Known = None, slopes: SlopesRule = "auto",
-    free: Sequence[str] = (), **options: Any,
-) -> Answer:  # fmt: skip
-    """Deprecated: `fit` with ``relaxation``."""
-    instead("identify_relaxation", f'call fit with relaxation="{law}"')
-    return fit(body, measured, free, fix, slopes, relaxation=law, **options)

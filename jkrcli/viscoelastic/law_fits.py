@@ -9,18 +9,21 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.validity import NEGLECTED
+from ..base.errors import AT_LEVEL, LEVEL, Unknown
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS
 from ..base.units import show
 from ..measured.archive import DOUBTFUL, FITTED
+from ..measured.least_squares import t_quantile
 from ..measured.report import ZERO_POINTS, brief, estimate_lines, estimate_summary, identity
 from ..report.result import Figure, Several
 from ..report.tables import stacked, stiffness, transpose_rows, with_unit
 from . import report as rate
 from . import rheology
-from .rate_fit import RateFit
+from .rate_fit import LawAlongRecords, RateFit
 from .shared_speeds import SharedSpeedsFit
 from .timed_record import RelaxationFit
 
+VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 OVER_TIME, OVER_TIMES = (0.01, 0.5), 5  # choice: of the time in contact, at which E*(t) is written
 
 
@@ -230,3 +233,39 @@ def draw_shared_speeds(fit: SharedSpeedsFit) -> Figure:
     from .figures import relaxation_fit_figure
 
     return relaxation_fit_figure(fit.fits, fit.speeds if fit.law else ())
+
+
+# --------------------------------------------------------------------------------------------------
+# A law through points of w over speed, of a measured work of adhesion.
+
+
+def through_summary(through: LawAlongRecords | Unknown | None) -> dict[str, Any] | None:
+    """The law through points of w over speed, or why there is none; None where no time was recorded."""
+    if through is None or isinstance(through, Unknown):
+        return None if through is None else {"law": None, "reason": through.reason}
+    return {
+        **(rate.law_summary(through.law) or {}),
+        "w0_J_per_m2": through.w0,
+        "relative_standard_errors": through.errors,
+        "speeds_m_per_s": list(through.speeds),
+        "told": not through.narrow
+        and through.inner is not None
+        and all((error or 1) < VAGUE for error in through.errors.values()),
+    }
+
+
+def through_words(through: LawAlongRecords | Unknown) -> str:
+    """The law through points of w over the speed in a line, or that the points determine none of its parameters."""
+    if isinstance(through, Unknown):
+        return f"no law over speed: {through.reason}"
+    low, high = (show(v, "speed", 3) for v in through.speeds)
+    known = {name: error for name, error in through.errors.items() if error is not None and error <= VAGUE}
+    if not known:
+        return f"no law over speed: {low} to {high} determine none of {', '.join(through.names)}"
+    t = t_quantile(LEVEL, through.dof)
+    determined = {
+        name: f"± {100 * t * known[name]:.2g} %" if name in known else "not determined" for name in through.names
+    }
+    errors = ", ".join(f"{name} {word}" for name, word in determined.items()) + f", at {AT_LEVEL}"
+    doubt = "; less than a decade of speeds does not separate v0 and n" if through.narrow else ""
+    return f"w0 = {show(through.w0, 'work')}, {rate.law_words(through.law)} ({errors}) between {low} and {high}{doubt}"

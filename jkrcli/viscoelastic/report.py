@@ -19,7 +19,6 @@ from ..base.numerics import ROWS, SAME, UNSEEN, Array
 from ..base.registry import Result
 from ..base.units import show
 from ..bodies.problem import RELAXATIONS, Relaxation
-from ..measured.least_squares import t_quantile
 from ..report.result import Figure
 from ..report.tables import cycle_title, device, energies, format_state, timed, timed_jump, with_unit
 from ..resolve.analysis import Analysis, analyse, nonadhesive
@@ -27,12 +26,10 @@ from ..series import Solution
 from .by_history import curves_from_rest, solved_on
 from .from_rest import FAST, FROM_REST, SLOW, LoadingHistory
 from .rate import History, RateContact, RateLaw, parameters_of, rate_parameters
-from .rate_fit import LawAlongRecords
 from .relaxation import RelaxedHistory, RelaxingContact
 from .relaxing_adhesion import AdhesiveHistory, RateLawCourse, RelaxingAdhesion, follow_crack_law
 
 RATE_REACH = 1.3  # choice: of the largest contact, to which the relaxed specimen is known for a law w(v)
-VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 
 
 def law_words(law: RateLaw) -> str:
@@ -162,38 +159,6 @@ class CycledAtSpeed(History, Result):
         lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else show(energy, 'energy')}")
         lines.append(f"  dissipating zone at the edge: {self.zone.words}")
         return lines
-
-
-def through_summary(through: LawAlongRecords | Unknown | None) -> dict[str, Any] | None:
-    """The law through points of w over speed, or why there is none; None where no time was recorded."""
-    if through is None or isinstance(through, Unknown):
-        return None if through is None else {"law": None, "reason": through.reason}
-    return {
-        **(law_summary(through.law) or {}),
-        "w0_J_per_m2": through.w0,
-        "relative_standard_errors": through.errors,
-        "speeds_m_per_s": list(through.speeds),
-        "told": not through.narrow
-        and through.inner is not None
-        and all((error or 1) < VAGUE for error in through.errors.values()),
-    }
-
-
-def through_words(through: LawAlongRecords | Unknown) -> str:
-    """The law through points of w over the speed in a line, or that the points determine none of its parameters."""
-    if isinstance(through, Unknown):
-        return f"no law over speed: {through.reason}"
-    low, high = (show(v, "speed", 3) for v in through.speeds)
-    known = {name: error for name, error in through.errors.items() if error is not None and error <= VAGUE}
-    if not known:
-        return f"no law over speed: {low} to {high} determine none of {', '.join(through.names)}"
-    t = t_quantile(LEVEL, through.dof)
-    determined = {
-        name: f"± {100 * t * known[name]:.2g} %" if name in known else "not determined" for name in through.names
-    }
-    errors = ", ".join(f"{name} {word}" for name, word in determined.items()) + f", at {AT_LEVEL}"
-    doubt = "; less than a decade of speeds does not separate v0 and n" if through.narrow else ""
-    return f"w0 = {show(through.w0, 'work')}, {law_words(through.law)} ({errors}) between {low} and {high}{doubt}"
 
 
 # --------------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from jkrcli.adhesion.device_path import Program
 from jkrcli.base.errors import InputError
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.work import work_along
+from jkrcli.viscoelastic.law_fits import through_words
 from jkrcli.viscoelastic.rate import PowerRate
 from jkrcli.viscoelastic.rate_fit import (
     LawAlongRecords,
@@ -24,7 +25,6 @@ from jkrcli.viscoelastic.rate_fit import (
     rate_record,
     rate_settings,
 )
-from jkrcli.viscoelastic.report import through_words
 
 RIGID = math.inf
 SPEEDS = (1e-6, 3e-6, 1e-5, 3e-5)

@@ -30,8 +30,9 @@ from ..report.result import Output
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..adhesion.device_path import Course, Program
+    from ..adhesion.device_path import Program
     from ..report.forward import AskedCycle
+    from .course import Course
     from .from_rest import LoadingHistory, Rest
     from .rate import RateContact
     from .relaxation import RelaxingContact
@@ -131,7 +132,7 @@ class RateOptions:
 
     @property
     def _course(self) -> Course:
-        from ..adhesion.device_path import Course
+        from .course import Course
 
         named = {name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)}
         return Course(**named, tabulated=self.program)

@@ -24,7 +24,7 @@ from dataclasses import replace
 from typing import Annotated, Any, TypeAlias
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from ..adhesion.device_path import Course, Program
+from ..adhesion.device_path import Program
 from ..adhesion.finite_range import without_range
 from ..api import (
     Body,
@@ -46,6 +46,7 @@ from ..bodies.problem import Relaxation
 from ..resolve.analysis import analyse, nonadhesive, with_solved_points
 from . import report as rate
 from .by_history import CycledInLimits, traced_histories
+from .course import Course
 from .from_rest import LoadingHistory, Rest
 from .rate import LogRate, PowerRate, RateContact, RateLaw, rate_law_of
 from .relaxation import RelaxingContact
@@ -116,7 +117,7 @@ def cycle_at_speed(
     w0, k = w, stiffness
     w_a = w0 if w_approach is None else w_approach
     inwards = None if law_approach is None else _law(law_approach)
-    course = Course(speed, speed_approach, to_load, to_depth, hold, tabulated=program)
+    course = Course(to_load, to_depth, program, speed, speed_approach, hold)
     exactly_one("cycle_at_speed", speed=speed, program=program)
     solution = solution_of(solved, None)
     without_range(solution.record, "cycle_at_speed")
@@ -182,7 +183,7 @@ def cycle_relaxing(
         )
     relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
     solution, ranged = replace(solution, problem=relaxing), range_of(solution, stress, length)
-    course = Course(speed, speed_approach, to_load, to_depth, hold, tabulated=program)
+    course = Course(to_load, to_depth, program, speed, speed_approach, hold)
     exactly_one("cycle_relaxing", speed=speed, program=program)
     if work == 0:
         idle = {"rest_load": rest_load, "rest_depth": rest_depth, "stress": stress, "length": length}

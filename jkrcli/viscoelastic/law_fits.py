@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.validity import NEGLECTED
 from ..base.errors import AT_LEVEL, LEVEL, Unknown
 from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS
 from ..base.units import show
@@ -19,6 +18,7 @@ from ..report.result import Figure, Several
 from ..report.tables import stacked, stiffness, transpose_rows, with_unit
 from . import report as rate
 from . import rheology
+from .edge_zone import NEGLECTED
 from .rate_fit import LawAlongRecords, RateFit
 from .shared_speeds import SharedSpeedsFit
 from .timed_record import RelaxationFit

@@ -13,7 +13,6 @@ import numpy as np
 from ..adhesion.curve import LOAD_CONTROL, CriticalPoint, Nonadhesive, control, position
 from ..adhesion.device_path import Program
 from ..adhesion.finite_range import RangeRequest
-from ..adhesion.validity import NEGLECTED, Zone, zone
 from ..base.errors import AT_LEVEL, LEVEL, NOTICEABLE, Estimate, InputError, SolveError, Unknown, known
 from ..base.numerics import ROWS, SAME, UNSEEN, Array
 from ..base.registry import Result
@@ -24,6 +23,7 @@ from ..report.tables import cycle_title, device, energies, format_state, timed, 
 from ..resolve.analysis import Analysis, analyse, nonadhesive
 from ..series import Solution
 from .by_history import curves_from_rest, solved_on
+from .edge_zone import NEGLECTED, Zone, zone
 from .from_rest import FAST, FROM_REST, SLOW, LoadingHistory
 from .rate import History, RateContact, RateLaw, parameters_of, rate_parameters
 from .relaxation import RelaxedHistory, RelaxingContact

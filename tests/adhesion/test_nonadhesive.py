@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import quad
 
 from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive
-from jkrcli.adhesion.device_path import there_and_back
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid
@@ -16,6 +15,7 @@ from jkrcli.formulas import hertz, shift
 from jkrcli.many.explorer import start_work
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
+from jkrcli.viscoelastic.course import there_and_back
 from jkrcli.viscoelastic.rate import PowerRate, RateContact
 
 E_STAR, R = 5e9 / (1 - 0.4**2), 1e-4

@@ -8,10 +8,11 @@ import pytest
 
 import jkrcli as python
 from jkrcli.adhesion.curve import LOAD_CONTROL, AdhesiveCurve, Nonadhesive, position
-from jkrcli.adhesion.device_path import Program, QuasiStatic, path, there_and_back
+from jkrcli.adhesion.device_path import Program, QuasiStatic, path
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.formulas import hertz
 from jkrcli.series import Series
+from jkrcli.viscoelastic.course import there_and_back
 from jkrcli.viscoelastic.rate import PowerRate, RateContact
 
 RIGID = math.inf

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.validity import NO_TIP_RADIUS, SHARP_PRESSURE, judge, regime, zone
+from jkrcli.adhesion.validity import NO_TIP_RADIUS, SHARP_PRESSURE, judge, regime
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import PowerLaw
 from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Linear, Loading, Problem, Rigid, Specimen
@@ -144,34 +144,3 @@ def test_plasticity_is_hinted_at_where_the_mean_pressure_exceeds_a_tenth_of_the_
     assert not said(1e6, limit - 1), "a gel does not flow"
     thin = Specimen((Layer(Elastic(70e9, 0.4), 20e-9),), Rigid())
     assert not said(70e9, limit - 1, thin), "confined"
-
-
-# ---------------------------------------------------------------------- the dissipating zone at the edge
-def test_the_width_is_dugdales_and_its_shares_are_said() -> None:
-    found = zone(2.0, 1.0, 1e6, 1e-3, 1e-4, 1e5, None)
-    assert found.width == pytest.approx(math.pi * 1e6 * 2 / (4 * 1e10))
-    assert found.over_a == pytest.approx(found.width / 1e-3)
-    assert found.over_h == pytest.approx(found.width / 1e-4)
-    assert found.words == "160 um, 0.16 of the contact radius and 1.6 of the layer's thickness"
-    assert ["contact radius" in line or "layer" in line for line in found.warnings] == [True, True]
-
-
-def test_a_half_space_has_no_share_of_a_layer() -> None:
-    found = zone(1.0, 0.05, 1e9, 1e-4, math.inf, None, 1e-9)  # 50 MPa
-    assert isinstance(found.over_h, Unknown)
-    assert found.words == "310 nm, 0.0031 of the contact radius"
-    assert found.warnings == []
-
-
-def test_less_than_an_atom_is_no_size() -> None:
-    found = zone(0.07, 0.035, 2e4, 1e-3, 1e-4, None, 3e-10)
-    for size in (found.width, found.over_a, found.over_h):
-        assert isinstance(size, Unknown)
-    assert "116.7 MPa, its size would be 0.081 pm, less than an atom" in found.words
-    assert found.warnings == []
-
-
-def test_without_a_stress_nothing_is_known() -> None:
-    assert zone(1.0, 1.0, 1e6, 1e-3, 1e-4, None, None).words == (
-        "unknown: no cohesive stress or range of adhesion is known: --stress"
-    )

@@ -60,7 +60,7 @@ def test_cost_of_a_process_is_its_own() -> None:
     """A tenth of a second of work and 200 MB; the memory of this process is not counted in."""
     work = "import time, sys\nblock = b'x' * 200_000_000\nwhile time.process_time() < 0.3: pass"
     cost = process_cost([sys.executable, "-S", "-c", work])
-    assert 0.3 <= cost.cpu_s < 0.8
+    assert 0.27 <= cost.cpu_s < 0.8  # of an ended process, counted in ticks of 10 ms
     assert cost.wall_s >= 0.3
     assert 190 < cost.memory_mib < 260
     idle = process_cost([sys.executable, "-S", "-c", ""])

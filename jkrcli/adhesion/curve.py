@@ -318,7 +318,8 @@ class Nonadhesive:
         columns = np.concatenate([np.array(part.points[:4]) for part in parts], axis=1)[:, order]
         rates = np.concatenate([part._known_rates for part in parts])[order]
         delta, P, S, dS = columns
-        known = dict.fromkeys(COLUMNS) | {"a": a, "delta": delta, "P": P, "S": S, "dS": dS}  # others: of rows
+        # Any other column is known at the rows of the series alone, and left out
+        known = dict.fromkeys(COLUMNS) | {"a": a, "delta": delta, "P": P, "S": S, "dS": dS}
         series = replace(self.series, **known, errors={}, shift=None)  # type: ignore[arg-type]
         slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None, other=None)
         return Nonadhesive(series, slopes, rates, together=self.together)

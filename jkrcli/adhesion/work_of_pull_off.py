@@ -113,8 +113,8 @@ def work_from_pull_off(
 
 
 class Pull:
-    """How a specimen lets go that is pulled: an elastic one. A subclass: one that answers otherwise than by its w-free
-    functions ``body`` alone."""
+    """How an elastic specimen lets go when it is pulled. A specimen whose moduli relax is a subclass: its answer
+    depends on how it was loaded before."""
 
     def curve(self, body: Nonadhesive, w: float) -> EquilibriumCurve | Unknown:
         """The equilibria for the work of adhesion ``w`` [J/m^2]; Unknown where there are none."""

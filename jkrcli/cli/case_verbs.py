@@ -18,7 +18,7 @@ from ..methods.protocol import METHODS, Limits, long_look
 from ..report.result import Output
 from ..tables import quantities
 from . import options
-from .inputs import SEPARATED, Flags, begin_tables, body_options, case_of, named_flags, reading_of
+from .inputs import SEPARATED, Flags, begin_tables, body_options, case_of, named_flags
 from .printing import announce, command_line, detail, give, note, say
 
 if TYPE_CHECKING:
@@ -136,22 +136,16 @@ class ShapeType(options.ParsedType):
         return text
 
 
-def _reading(**columns: Any) -> SeriesReading:
-    from ..resolve.foreign import SeriesReading
-
-    return SeriesReading(**reading_of(columns))
-
-
 reading_options = options.as_one(
     "reading",
-    _reading,
-    click.option("--column", "columns", multiple=True, type=options.KeyValueType(KEYS),
+    "resolve.foreign:SeriesReading",
+    click.option("--column", "columns", cls=options.MappingOption, multiple=True, type=options.KeyValueType(KEYS),
                  help="Column name or number, delta=U2."),
-    click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
+    click.option("--unit", "units", cls=options.MappingOption, multiple=True, type=options.ColumnUnitType(),
                  help="Unit, whatever the header says, P=mN; of a quantity or of a column by name or number."),
-    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(KEYS),
+    click.option("--factor", "factors", cls=options.MappingOption, multiple=True, type=options.KeyNumberType(KEYS),
                  help="Factor of a column, P=180."),
-    click.option("--zero", multiple=True, type=ZeroType(("delta", "P")),
+    click.option("--zero", cls=options.MappingOption, multiple=True, type=ZeroType(("delta", "P")),
                  help='Contact point, subtracted: delta="1.2 um"; a length without a key is delta.'),
     click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
                  help="auto: a displacement or load that is negative in compression is turned."),

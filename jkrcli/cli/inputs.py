@@ -284,12 +284,6 @@ SEPARATED = (
 )
 
 
-def reading_of(values: dict[str, Any]) -> dict[str, Any]:
-    """The values of the options of a reading, KEY=VALUE of several as one mapping."""
-    pairs = {"columns", "units", "factors", "zero", "where"} & set(values)
-    return values | {name: dict(values[name]) for name in pairs}
-
-
 def begin_tables(
     verb: str, rows: float, limits: Limits = options.ANY, less: str = "fewer rows", *, per_row: float = 0.0,
     mib_per_row: float = 0.0, beside: float = 0.0,

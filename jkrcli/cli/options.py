@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, cast, get_args
 
@@ -93,9 +94,10 @@ def several(*options: Options) -> Options:
     return lambda command: functools.reduce(lambda decorated, option: option(decorated), reversed(options), command)
 
 
-def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
-    """Options that a verb takes as one argument ``name``: what ``make`` makes of their values; of a dataclass those
-    fields that are ``typed`` before the others. An option of the same ``name`` is one of theirs, wherever it stands."""
+def as_one(name: str, make: Callable[..., Any] | str, *options: Options) -> Options:
+    """Options that a verb takes as one argument ``name``: what ``make``, or "module:function" imported when the verb is
+    called, makes of their values; of a dataclass those fields that are ``typed`` before the others. An option of the
+    same ``name`` is one of theirs, wherever it stands."""
     if is_dataclass(make):
         options = (*(one.metadata["option"](one.name) for one in fields(make) if one.metadata), *options)
 
@@ -108,7 +110,12 @@ def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
         @functools.wraps(command)
         def taking(*words: Any, **others: Any) -> Any:
             values = {key: others.pop(key) for key in keys & others.keys()}
-            return command(*words, **{name: make(**values)}, **others)
+            if isinstance(make, str):
+                module, attribute = make.split(":")
+                called = getattr(import_module(f"jkrcli.{module}"), attribute)
+            else:
+                called = make
+            return command(*words, **{name: called(**values)}, **others)
 
         return several(*options)(taking)
 
@@ -130,6 +137,10 @@ def typed_options() -> dict[str, Any]:
     context = click.get_current_context()
     names = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
     return {name: context.params[name] for name in names}
+
+
+class MappingOption(click.Option):
+    """An option KEY=VALUE, of which several are one mapping."""
 
 
 class Verb(click.Command):
@@ -160,9 +171,12 @@ class Verb(click.Command):
         rest = super().parse_args(ctx, args)
         for parameter in self.params:
             if getattr(parameter.type, "keyed", False) and parameter.multiple:
-                keys = [key for key, _ in ctx.params.get(parameter.name or "") or ()]
+                pairs = ctx.params.get(parameter.name or "") or ()
+                keys = [key for key, _ in pairs]
                 if twice := next((key for key in keys if keys.count(key) > 1), None):
                     raise click.UsageError(f"{parameter.opts[0]}: {twice} is given twice: it takes one value", ctx)
+                if isinstance(parameter, MappingOption):
+                    ctx.params[parameter.name or ""] = dict(pairs)
         return rest
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

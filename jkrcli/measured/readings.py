@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..base.errors import InputError
 from ..cli import options
-from ..cli.inputs import FLAGS, OPTIONS, SEPARATED, Flags, begin_tables, by_flags, case_of, read_series, reading_of
+from ..cli.inputs import FLAGS, OPTIONS, SEPARATED, Flags, begin_tables, by_flags, case_of, read_series
 from ..cli.options import as_one
 from ..methods.protocol import Limits
 from ..tables import quantities
@@ -73,12 +73,6 @@ KEYS = quantities("measured")
 NUMBERS = [key for key, one in KEYS.items() if one["dimension"]]
 
 
-def _reading(flip: Sequence[Any], **values: Any) -> Reading:
-    from .curve import Reading
-
-    return Reading(flip=frozenset(flip), **reading_of(values))
-
-
 force_options = options.several(
     click.option("--load", "force", type=options.LOAD,
                  help='A measured pull-off force, "12 uN": which w does it mean?'),
@@ -88,17 +82,17 @@ force_options = options.several(
 tip_options = as_one("flags", dict, *OPTIONS[:4])
 reading_options = as_one(
     "reading",
-    _reading,
-    click.option("--column", "columns", multiple=True, type=options.KeyValueType(list(KEYS)),
+    "measured.curve:Reading",
+    click.option("--column", "columns", cls=options.MappingOption, multiple=True, type=options.KeyValueType(list(KEYS)),
                  help=f"Column name or number where the header does not name it; keys {', '.join(KEYS)}."),
-    click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
+    click.option("--unit", "units", cls=options.MappingOption, multiple=True, type=options.ColumnUnitType(),
                  help=f"Unit, whatever the header says, P=nN; keys {', '.join(NUMBERS)}, or the name or number "
                  "of a column, deflection=nm."),
-    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NUMBERS),
+    click.option("--factor", "factors", cls=options.MappingOption, multiple=True, type=options.KeyNumberType(NUMBERS),
                  help="Multiply a quantity by a factor, in addition to its unit, such as P=1000."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
                  help="Reverse the sign of a column, such as of loads that count adhesion positive."),
-    click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
+    click.option("--zero", cls=options.MappingOption, multiple=True, type=options.ScaleType(("delta", "P")),
                  help='Known contact point or force offset, subtracted (after --flip): delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
                  show_default=True, help="Contact point and force offset: fitted, as-is (those of the file), or "
@@ -112,7 +106,7 @@ reading_options = as_one(
                  help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     *SEPARATED,
     click.option("--rows", type=options.ROWS, help="Only these rows of each curve, counted from 1, such as 100..900."),
-    click.option("--where", multiple=True, type=options.NAMED,
+    click.option("--where", cls=options.MappingOption, multiple=True, type=options.NAMED,
                  help="Only rows with this segment, curve number or value of a column: segment=retract."),
 )  # fmt: skip
 

@@ -183,15 +183,9 @@ OF_SAMPLES = (
 # Of the fit.
 
 
-def _asked(**asked: Any) -> FitOptions:
-    from .fits import FitOptions
-
-    return FitOptions(**asked)
-
-
 ASKED = options.as_one(
     "asked",
-    _asked,
+    "measured.fits:FitOptions",
     click.option("--free", multiple=True, type=NamesType(),
                  help="Further parameters to fit: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of "
                  "adhesion), drift, hysteresis, creep (of the piezo), surface_tension."),

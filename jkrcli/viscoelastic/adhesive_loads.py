@@ -18,7 +18,7 @@ from ..measured.least_squares import State
 from ..measured.parameters import Unknowns
 from .edge_speed import law_over, likely
 from .lockstep_march import March, Marched, Trial
-from .timed_record import RELAXED, RelaxationSettings
+from .timed_record import RelaxationSettings, relaxation_at
 from .whole_record import Cycle, recovers
 
 LINE, ZONE = ("P0", "tilt"), ("stress", "range")
@@ -99,8 +99,8 @@ class Adhering:
     def instant(self, theta: Array) -> float:
         """The modulus at t = 0, in those of the body."""
         values = self.unknowns.values(theta)
-        law = {name: np.asarray(values[name]) for name in self.settings.of_law}
-        return float(values["modulus"] * RELAXED[self.settings.law](law, np.zeros(1))[0])
+        law = {name: values[name] for name in self.settings.of_law}
+        return float(values["modulus"] * relaxation_at(np.zeros(1), self.settings.law, law)[0])
 
     def loads(self, theta: Array, marched: Marched) -> Array:
         """The loads that are read [N]."""

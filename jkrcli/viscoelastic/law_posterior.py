@@ -16,7 +16,7 @@ from ..measured.least_squares import State
 from ..measured.parameters import Unknowns
 from .adhesive_loads import LINE, ZONE, Adhering, is_time, likely_before
 from .lockstep_march import Marched, Trial
-from .timed_record import RELAXED, RelaxationSettings
+from .timed_record import RelaxationSettings, relaxation_at
 
 SPECTRUM = np.geomspace(0.3, 3000.0, 11)  # choice: rates q_k over the time in contact
 SPECTRUM_STEP, LAW_STEP = 0.006, 1e-3  # choice: of r, and of parameters of laws, for differences
@@ -124,9 +124,8 @@ class Nearby:
     def r(self, law: Array, t: Array) -> Array:
         """r at the times ``t`` [s] (n, times) of laws (n, parameters)."""
         settings = self.model.settings
-        every: dict[str, Array] = {name: np.asarray(value) for name, value in settings.fixed.items()}
-        every |= {name: np.exp(one) if is_time(name) else one for name, one in zip(self.names, law.T, strict=True)}
-        return np.broadcast_to(RELAXED[settings.law](every, t), (len(law), t.size))
+        own = {name: np.exp(one) if is_time(name) else one for name, one in zip(self.names, law.T, strict=True)}
+        return np.broadcast_to(relaxation_at(t, settings.law, {**settings.fixed, **own}), (len(law), t.size))
 
     def relaxed(self, law: Array) -> Array:
         """r(t)/r(0) of laws (n, parameters) at ``SPECTRUM_TIMES``, (n, times)."""
@@ -348,13 +347,11 @@ class Posterior:
                 log[some] = np.where(takes, there, log[some])
             if step >= BURNT:
                 kept.append(laws(here))
-        return self._in_order(np.concatenate(kept))
-
-    def _in_order(self, law: Array) -> Array:
-        """The terms of Prony's series by their times, where none of them is fixed."""
-        terms = self.near.model.settings.terms
-        if self.near.model.settings.law != "prony" or len(self.near.names) < 2 * terms:
+        law, terms = np.concatenate(kept), self.near.model.settings.terms
+        if self.near.model.settings.law != "prony" or len(names) < 2 * terms:
             return law
+
+        # the terms of Prony's series by their times, where none of them is fixed
         pairs = law.reshape(-1, terms, 2)
         order = np.argsort(pairs[..., 1], axis=1)
         return np.take_along_axis(pairs, order[..., None], axis=1).reshape(law.shape)

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..base.numerics import TINY, Array
 from ..base.units import show
-from .timed_record import RELAXED, RelaxationFit
+from .timed_record import RelaxationFit, relaxation_at
 
 SECOND = np.ones(1)  # time of the modulus by which a power law is called [s]
 UNITS = {"modulus": "Pa", "time": "s", "viscosity": "Pa_s", "number": ""}
@@ -40,7 +40,7 @@ def values_of(law: str, p: Mapping[str, float], E_star: float) -> list[float]:
     """The values in their order, of parameters ``p`` and the modulus ``E_star`` [Pa], at once or of a power law at its
     time; nan of the Kelvin-Voigt element of a body that relaxes altogether, or not at all."""
     if law == "power":
-        r = RELAXED["power"]({name: np.asarray(value) for name, value in ({"onset": 0.0} | dict(p)).items()}, SECOND)
+        r = relaxation_at(SECOND, "power", {"onset": 0.0} | dict(p))
         return [E_star * float(r[0]), p["exponent"]]
     if law == "sls":
         left = E_star * p["ratio"]

@@ -13,7 +13,7 @@ import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from time import process_time
 
 import numpy as np
@@ -76,22 +76,22 @@ class Records:
         """The states of several searches, of each record by one march."""
         one = asked[0][0]
         parts = [Adhering.many([(model, x[places]) for _, x in asked]) for model, places in one.each]
-        return [one._joined(x, states) for (_, x), *states in zip(asked, *parts, strict=True)]
+        joined = list[State]()
+        for (_, x), *states in zip(asked, *parts, strict=True):
+            off, rates = list[Array](), list[Array]()
+            for i, ((model, places), state) in enumerate(zip(one.each, states, strict=True)):
+                J = np.zeros((state.residuals.size, x.size))
+                J[:, places] = state.jacobian
+                # what is likely of common unknowns before counts once
+                rows = slice(0, state.residuals.size - (model.prior(x[places])[0].size if i else 0))
+                off.append(state.residuals[rows])
+                rates.append(J[rows])
+            joined.append(State(np.concatenate(off), partial(np.concatenate, rates)))
+        return joined
 
     def __call__(self, x: Array) -> State:
         (state,) = self.many([(self, x)])
         return state
-
-    def _joined(self, x: Array, states: Sequence[State]) -> State:
-        """The states of all records as one; what is likely of common unknowns before counts once."""
-        off, rates = list[Array](), list[Array]()
-        for i, ((model, places), state) in enumerate(zip(self.each, states, strict=True)):
-            J = np.zeros((state.residuals.size, x.size))
-            J[:, places] = state.jacobian
-            rows = slice(0, state.residuals.size - (model.prior(x[places])[0].size if i else 0))
-            off.append(state.residuals[rows])
-            rates.append(J[rows])
-        return State(np.concatenate(off), lambda: np.concatenate(rates))
 
     def search(self, start: Array, evaluations: int, held: bool = False) -> LeastSquares:
         """What is minimised from ``start`` on, with the cohesive stress ``held``, which takes up what others are off,

@@ -340,23 +340,17 @@ def relaxation_settings(
     return replace(asked_for, zeros=zeros, fixed=fixed, adhesion=adhesion, own=(*ZEROS, *sorted(others - ZEROS.keys())))
 
 
-def _solid(p: Mapping[str, Array], t: Array) -> Array:
-    ratio, time = (np.asarray(p[name])[..., None] for name in ("ratio", "time"))
-    return ratio + (1 - ratio) * np.exp(-t / time)
-
-
-def _prony(p: Mapping[str, Array], t: Array) -> Array:
+def relaxation_at(t: Array, law: str, p: Mapping[str, float | Array]) -> Array:
+    """r at the times ``t`` [s] of a ``law`` with many parameters ``p`` at once, (..., times)."""
+    of = {name: np.asarray(value)[..., None] for name, value in p.items()}
+    match law:
+        case "sls":  # ratio + (1 - ratio) exp(-t/time)
+            return of["ratio"] + (1 - of["ratio"]) * np.exp(-t / of["time"])
+        case "power":  # ((t + onset)/time)^-exponent
+            return ((t + of["onset"]) / of["time"]) ** -of["exponent"]
+    # Prony's series, 1 - sum of weight (1 - exp(-t/time))
     terms = [name.removeprefix("weight") for name in p if name.startswith("weight")]
-    each = [np.asarray(p[f"weight{i}"])[..., None] * np.expm1(-t / np.asarray(p[f"time{i}"])[..., None]) for i in terms]
-    return 1 + sum(each)
-
-
-def _power(p: Mapping[str, Array], t: Array) -> Array:
-    onset, time, exponent = (np.asarray(p[name])[..., None] for name in ("onset", "time", "exponent"))
-    return ((t + onset) / time) ** -exponent
-
-
-RELAXED = {"sls": _solid, "prony": _prony, "power": _power}  # r(t) of many parameters at once, (..., times)
+    return 1 + sum(of[f"weight{i}"] * np.expm1(-t / of[f"time{i}"]) for i in terms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -462,7 +456,7 @@ class RelaxationFit(Answer):
         nominal = self.value("E_star") / self.value("modulus")
 
         def logs(own: Values) -> Array:
-            r = RELAXED[self.settings.law]({name: np.asarray(value) for name, value in own.items()}, t)
+            r = relaxation_at(t, self.settings.law, own)
             return np.log(nominal * own["modulus"] * np.maximum(r, TINY))
 
         return self.intervals(logs)

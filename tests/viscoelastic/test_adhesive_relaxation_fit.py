@@ -26,7 +26,7 @@ from jkrcli.viscoelastic.law_posterior import Nearby
 from jkrcli.viscoelastic.lockstep_march import March, Marched, Trial, passing
 from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
 from jkrcli.viscoelastic.relaxing_adhesion import creep
-from jkrcli.viscoelastic.timed_record import RELAXED, RelaxationFit, relaxation_settings
+from jkrcli.viscoelastic.timed_record import RelaxationFit, relaxation_at, relaxation_settings
 from jkrcli.viscoelastic.whole_record import Cycle
 
 W, STRESS, SOLID = 0.01, 0.3, solid(0.3, 1.0)
@@ -164,7 +164,7 @@ def test_laws_at_many_parameters_are_those_of_each() -> None:
         "prony": ({"weight1": 0.2, "time1": 0.5, "weight2": 0.3, "time2": 2.0}, jkr.Prony((0.2, 0.3), (0.5, 2.0))),
     }
     for name, (values, law) in laws.items():
-        np.testing.assert_allclose(RELAXED[name](values, t), law.modes(3.0)(t), rtol=1e-8)
+        np.testing.assert_allclose(relaxation_at(t, name, values), law.modes(3.0)(t), rtol=1e-8)
 
 
 @pytest.mark.parametrize(("before", "behind"), [(0.3, 0.3), (2.0, 0.5)])

@@ -14,7 +14,7 @@ import math
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Annotated, Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
@@ -22,7 +22,7 @@ import numpy as np
 from ..adhesion import device_path
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, AdhesiveCurve, Nonadhesive, position
 from ..adhesion.device_path import UNBOUNDED, path, turning_radius
-from ..base.arguments import read_fields
+from ..base.arguments import ranges_of, read_fields
 from ..base.errors import Estimate, InputError, SolveError, Unknown, did_you_mean, positive
 from ..base.numerics import LOOKED_AT, MOST_STEPS, Array, zeros_between
 from ..base.registry import Registry
@@ -117,17 +117,7 @@ def rate_law_of(values: Mapping[str, Any], where: str = "rate") -> RateLaw:
 
 def rate_parameters(name: str) -> dict[str, Ranged]:
     """The parameters of the law called ``name``, by name, with their dimensions and ranges."""
-    return dict(_parameters(name, RATE_LAWS[name]))
-
-
-@cache
-def _parameters(name: str, kind: type) -> dict[str, Ranged]:
-    """Dimension and range of each parameter of the law called ``name``; kept for each class, as reading annotations
-    takes longer than a prediction."""
-    notes = {key: getattr(item.annotation, "__metadata__", ()) for key, item in RATE_LAWS.parameters(name).items()}
-    return {
-        key: next(note for note in reversed(metadata) if isinstance(note, Ranged)) for key, metadata in notes.items()
-    }
+    return dict(ranges_of(RATE_LAWS[name]))
 
 
 def parameters_of(law: RateLaw) -> tuple[str, dict[str, float]]:

@@ -13,7 +13,7 @@ import math
 import re
 import shlex
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -271,64 +271,8 @@ def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribut
 # What a sweep can tell of a case: the numbers of the summary that ``jkr transform`` writes, by the same names.
 
 Value = float | int | str
-Section = Callable[[Analysis], Mapping[str, Any]]
 POINT = ("P_N", "delta_m", "a_m")
 ERROR = ("P_err_N", "delta_err_m")
-
-
-def _at_end(result: Analysis) -> dict[str, Any]:
-    series = result.curve.series
-    return {"points": len(series)} | dict(zip(("a_m", "delta_H_m", "P_H_N"), series.end, strict=True))
-
-
-def _pull_off(result: Analysis) -> dict[str, Any]:
-    load, displacement = (_point(name, result.pull_off[name]) for name in ("load", "displacement"))
-    # The pull-off force under load control as -P/(pi w R): 3/2 on a half-space
-    point, R = result.pull_off["load"], result.problem.indenter.tip_radius
-    if isinstance(point, Unknown):
-        ratio: float | Unknown = point
-    else:
-        ratio = Unknown("the indenter has no tip radius") if R is None else -point.P / (math.pi * result.w * R)
-    return load | displacement | {"load.over_pi_w_R": ratio}
-
-
-def _ratios(result: Analysis) -> dict[str, Any]:
-    """h/R, a/h at pull-off under load control and w R^2/(E* h^3), h of the thinner layer that touches."""
-    problem, point = result.problem, result.pull_off["load"]
-    h, R = problem.top_thickness, problem.indenter.tip_radius
-    if not math.isfinite(h) or R is None:
-        return dict.fromkeys(RATIOS, Unknown("there is no layer, or no tip radius"))
-    a = point if isinstance(point, Unknown) else point.a / h
-    return dict(zip(RATIOS, (h / R, a, result.w * R**2 / (problem.E_star * h**3)), strict=True))
-
-
-def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
-    columns = tables.point(state)
-    return {f"{name}.{key}": Unknown(columns["reason"]) if columns[key] is None else columns[key] for key in POINT}
-
-
-def _point_errors(result: Analysis) -> dict[str, Any]:
-    """Half-widths of P and delta of each pull-off point, or why there are none."""
-    errors: dict[str, Any] = {"level": LEVEL}
-    for name, point in result.pull_off.items():
-        error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
-        for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
-            errors[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
-    return errors
-
-
-def _stability(result: Analysis) -> dict[str, Any]:
-    pulled = stability_under(result.curve, DISPLACEMENT_CONTROL)
-    energies = {"energy_lost_J": pulled.energy_lost, "work_of_separation_J": pulled.separation}
-    return energies | _point("jump_in", pulled.jump_in)
-
-
-def _validity(result: Analysis) -> dict[str, Any]:
-    """The numbers of ``VALIDITY``; of large strains the largest change of a pull-off force, 0 where negligible."""
-    points = [point for point in result.pull_off.values() if isinstance(point, CriticalPoint)]
-    change = max(map(result.large_strains, points), key=strain_size, default=None)
-    told = Unknown(strain_words(change)) if isinstance(change, Unknown) else strain_size(change)
-    return tables.validity(result) | {"large_strains": told if points else Unknown("")}
 
 
 def _of_both(keys: Sequence[str]) -> Iterator[str]:
@@ -336,31 +280,73 @@ def _of_both(keys: Sequence[str]) -> Iterator[str]:
     return (f"{control}.{key}" for control in ("load", "displacement") for key in keys)
 
 
-VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L", "large_strains")
 RATIOS = ("h_over_R", "a_over_h_at_pull_off", "w_R2_over_Estar_h3")
 STRAINS = "validity.large_strains"  # beside every pull-off force, asked for or not: it is a doubt of the row
-SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
-    "solved_by": (
-        lambda result: {"method": result.solution.method, "slopes": result.curve.slopes.method},
-        ("method", "slopes"),
-    ),
-    "contact": (lambda result: {"E_star_Pa": result.problem.E_star}, ("E_star_Pa",)),
-    "end": (_at_end, ("points", "a_m", "delta_H_m", "P_H_N")),
-    "pull_off": (_pull_off, (*_of_both(POINT), "load.over_pi_w_R")),
-    "pull_off_errors": (_point_errors, (*_of_both(ERROR), "level")),
-    "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
-    "validity": (_validity, VALIDITY),
-    "ratios": (_ratios, RATIOS),
-    "errors": (
-        lambda result: result.budget.as_dict(),
-        ("discretisation", "truncation", "radius", "smoothing", "total"),
-    ),
-    "comparison": (
-        lambda result: {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")},
-        ("pull_off",),
-    ),
+SECTIONS: dict[str, tuple[str, ...]] = {
+    "solved_by": ("method", "slopes"),
+    "contact": ("E_star_Pa",),
+    "end": ("points", "a_m", "delta_H_m", "P_H_N"),
+    "pull_off": (*_of_both(POINT), "load.over_pi_w_R"),
+    "pull_off_errors": (*_of_both(ERROR), "level"),
+    "stability": ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT)),
+    "validity": ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L", "large_strains"),
+    "ratios": RATIOS,
+    "errors": ("discretisation", "truncation", "radius", "smoothing", "total"),
+    "comparison": ("pull_off",),
 }
-NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
+
+
+def told_of(result: Analysis, section: str) -> dict[str, Any]:
+    """The numbers of one of the ``SECTIONS``, by its names, or why there are none."""
+    problem, R = result.problem, result.problem.indenter.tip_radius
+    match section:
+        case "solved_by":
+            return {"method": result.solution.method, "slopes": result.curve.slopes.method}
+        case "contact":
+            return {"E_star_Pa": problem.E_star}
+        case "end":
+            series = result.curve.series
+            return {"points": len(series)} | dict(zip(("a_m", "delta_H_m", "P_H_N"), series.end, strict=True))
+        case "pull_off":
+            # the pull-off force under load control as -P/(pi w R): 3/2 on a half-space
+            ratio: Any = (at := result.pull_off["load"])
+            if not isinstance(at, Unknown):
+                ratio = Unknown("the indenter has no tip radius") if R is None else -at.P / (math.pi * result.w * R)
+            load, displacement = (_point(name, result.pull_off[name]) for name in ("load", "displacement"))
+            return load | displacement | {"load.over_pi_w_R": ratio}
+        case "pull_off_errors":  # half-widths of P and delta of each point
+            errors: dict[str, Any] = {"level": LEVEL}
+            for name, point in result.pull_off.items():
+                error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
+                for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
+                    errors[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
+            return errors
+        case "stability":
+            pulled = stability_under(result.curve, DISPLACEMENT_CONTROL)
+            energies = {"energy_lost_J": pulled.energy_lost, "work_of_separation_J": pulled.separation}
+            return energies | _point("jump_in", pulled.jump_in)
+        case "validity":  # of large strains the largest change of a pull-off force, 0 where negligible
+            points = [point for point in result.pull_off.values() if isinstance(point, CriticalPoint)]
+            change = max(map(result.large_strains, points), key=strain_size, default=None)
+            told = Unknown(strain_words(change)) if isinstance(change, Unknown) else strain_size(change)
+            return tables.validity(result) | {"large_strains": told if points else Unknown("")}
+        case "ratios":  # h/R, a/h at pull-off under load control, w R^2/(E* h^3), h of the thinner layer that touches
+            h, at = problem.top_thickness, result.pull_off["load"]
+            if not math.isfinite(h) or R is None:
+                return dict.fromkeys(RATIOS, Unknown("there is no layer, or no tip radius"))
+            a = at if isinstance(at, Unknown) else at.a / h
+            return dict(zip(RATIOS, (h / R, a, result.w * R**2 / (problem.E_star * h**3)), strict=True))
+        case "errors":
+            return result.budget.as_dict()
+    return {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")}
+
+
+def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
+    columns = tables.point(state)
+    return {f"{name}.{key}": Unknown(columns["reason"]) if columns[key] is None else columns[key] for key in POINT}
+
+
+NAMES = tuple(f"{section}.{key}" for section, keys in SECTIONS.items() for key in keys)
 NEED_W = ("pull_off", "pull_off_errors", "stability")
 # Absent by the kind of body, the same in every case: no reason is given
 OF_THE_KIND = ("validity.", "comparison.", "ratios.")
@@ -388,7 +374,7 @@ class Wanted:
         result = with_solved_points(result, *self.stiffness) if self.stiffness else result
         told: dict[str, Any] = {}
         for section in dict.fromkeys(name.split(".")[0] for name in self.names):
-            told |= {f"{section}.{key}": value for key, value in SECTIONS[section][0](result).items()}
+            told |= {f"{section}.{key}": value for key, value in told_of(result, section).items()}
         values = list[Value | Unknown]()
         for name in self.names:
             value = told[name]
@@ -575,11 +561,18 @@ def load_plan(path: Path) -> Plan:
         points = {key: first.model_dump()["indenter"][key] for key in ("r", "f")}
         rest = {key: value for key, value in indenter.items() if key != "file"}
         self_contained = {**tables, "indenter": rest | points}
-    if lost := _without_ratio(model.outputs.over, first, axes):
-        raise InputError(
-            f"{source}: outputs.over: {model.outputs.over} is no number of these cases: {lost}; leave it out"
-        )
-    plan = Plan(source, model.title, CaseTemplate(self_contained, wanted, folder), axes, model.outputs.over)
+    # Where the body of the base case tells that no case has the quantity over which the picture is drawn
+    problem, over, lost = first.problem(), model.outputs.over, ""
+    varied, ratio = {key for axis in axes for key in axis.keys}, over.startswith("ratios.")
+    of_shape = {key for key in varied if key.startswith("indenter.")} - {"indenter.radius", "indenter.half_angle"}
+    layered = math.isfinite(problem.top_thickness) or any("layers" in key for key in varied)
+    if (ratio or over.endswith(".over_pi_w_R")) and problem.indenter.tip_radius is None and not of_shape:
+        lost = f'the shape "{first.indenter.shape}" has no tip radius'
+    elif ratio and not layered:
+        lost = "there is no layer"
+    if lost:
+        raise InputError(f"{source}: outputs.over: {over} is no number of these cases: {lost}; leave it out")
+    plan = Plan(source, model.title, CaseTemplate(self_contained, wanted, folder), axes, over)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
@@ -588,16 +581,6 @@ def load_plan(path: Path) -> Plan:
             f"{MOST_CELLS:,} are written; use fewer cases, quantities, radii or devices"
         )
     return plan
-
-
-def _without_ratio(over: str, first: CaseModel, axes: Sequence[Axis]) -> str | None:
-    """Why no case has the quantity ``over`` which the picture is drawn, where the body of the ``first`` tells so."""
-    problem, varied, ratio = first.problem(), {key for axis in axes for key in axis.keys}, over.startswith("ratios.")
-    of_shape = {key for key in varied if key.startswith("indenter.")} - {"indenter.radius", "indenter.half_angle"}
-    if (ratio or over.endswith(".over_pi_w_R")) and problem.indenter.tip_radius is None and not of_shape:
-        return f'the shape "{first.indenter.shape}" has no tip radius'
-    layered = math.isfinite(problem.top_thickness) or any("layers" in key for key in varied)
-    return "there is no layer" if ratio and not layered else None
 
 
 def _wanted(model: SweepModel, source: str) -> Wanted:

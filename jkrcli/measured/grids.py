@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,10 +18,10 @@ from .files import files_in
 
 # "r03c07", "row3_col7"; "c7r3"; "x7y3"; the last two numbers, "map_0_1"
 OF_NAME = (
-    (re.compile(r"(?<![a-z])r(?:ow)?[ _-]?(\d+)[ _-]?c(?:ol(?:umn)?)?[ _-]?(\d+)", re.IGNORECASE), "rc", "row, column"),
-    (re.compile(r"(?<![a-z])c(?:ol(?:umn)?)?[ _-]?(\d+)[ _-]?r(?:ow)?[ _-]?(\d+)", re.IGNORECASE), "cr", "column, row"),
-    (re.compile(r"(?<![a-z])x[ _-]?(\d+)[ _-]?y[ _-]?(\d+)", re.IGNORECASE), "cr", "column, row"),
-    (re.compile(r"(\d+)[_-](\d+)\D*\Z"), "rc", "row, column"),
+    (re.compile(r"(?<![a-z])r(?:ow)?[ _-]?(\d+)[ _-]?c(?:ol(?:umn)?)?[ _-]?(\d+)", re.IGNORECASE), 2, 1, "row, column"),
+    (re.compile(r"(?<![a-z])c(?:ol(?:umn)?)?[ _-]?(\d+)[ _-]?r(?:ow)?[ _-]?(\d+)", re.IGNORECASE), 1, 2, "column, row"),
+    (re.compile(r"(?<![a-z])x[ _-]?(\d+)[ _-]?y[ _-]?(\d+)", re.IGNORECASE), 1, 2, "column, row"),
+    (re.compile(r"(\d+)[_-](\d+)\D*\Z"), 2, 1, "row, column"),
 )  # fmt: skip
 LEAST_PLACES = 4  # choice: curves that make a map
 FILLED = 0.5  # choice: share of the places of a grid that hold a curve, so that two numbers in names are places
@@ -49,23 +49,30 @@ def placed(path: Path, curves: list[Curve], shape: tuple[int, int] | None) -> tu
         return curves, "places by the instrument"
     if len(curves) < LEAST_PLACES or (pixels and len(pixels) < len(curves)):
         return curves, ""
-    places, words = (_by_position(pixels), "positions in headers") if pixels else _by_names(curves)
-    if places is None:
-        return curves, ""
-    order = sorted(range(len(curves)), key=lambda i: (places[i].row, places[i].column))
-    return [replace(curves[i], pixel=places[i]) for i in order], words
 
+    def candidates() -> Iterator[tuple[list[Pixel], str]]:
+        """Places by lines along x and y, the fewest first, where headers hold positions, else by all names."""
+        if pixels:
+            lines = (_lines(np.array([getattr(at, axis) for at in pixels])) for axis in "xy")
+            for pair in sorted(
+                itertools.product(*lines), key=lambda pair: math.prod(np.unique(one).size for one in pair)
+            ):
+                places = [replace(at, column=int(i), row=int(j)) for at, i, j in zip(pixels, *pair, strict=True)]
+                yield places, "positions in headers"
+            return
+        for pattern, column, row, words in OF_NAME:
+            matches = [pattern.search(one.name) for one in curves]
+            if all(matches):
+                yield [Pixel(int(match[column]), int(match[row])) for match in matches if match], f"{words} in names"
 
-def _by_position(pixels: Sequence[Pixel]) -> list[Pixel] | None:
-    """The places on a grid of curves at known positions; None where two share a place or they form no grid."""
-    lines = (_lines(np.array([getattr(at, axis) for at in pixels])) for axis in "xy")
-    for column, row in sorted(
-        itertools.product(*lines), key=lambda pair: math.prod(np.unique(one).size for one in pair)
-    ):
-        places = [replace(at, column=int(i), row=int(j)) for at, i, j in zip(pixels, column, row, strict=True)]
-        if _is_grid(places):
-            return places
-    return None
+    for places, words in candidates():
+        # a grid: all places differ and fill most of several columns and rows
+        columns, rows = ({getattr(at, name) for at in places} for name in ("column", "row"))
+        alone = len({(at.column, at.row) for at in places}) == len(places)
+        if alone and min(len(columns), len(rows)) > 1 and len(places) >= FILLED * len(columns) * len(rows):
+            order = sorted(range(len(curves)), key=lambda i: (places[i].row, places[i].column))
+            return [replace(curves[i], pixel=places[i]) for i in order], words
+    return curves, ""
 
 
 def _lines(values: Array) -> Iterator[Array]:
@@ -83,21 +90,3 @@ def _lines(values: Array) -> Iterator[Array]:
             numbers = np.concatenate([[0], np.cumsum(np.round(distances / pitch).astype(int))])
             lines[order] = np.repeat(numbers, np.diff(np.append(starts, values.size)))
             yield lines.copy()
-
-
-def _by_names(curves: Sequence[Curve]) -> tuple[list[Pixel] | None, str]:
-    for pattern, order, words in OF_NAME:
-        matches = [pattern.search(one.name) for one in curves]
-        if all(matches):
-            pairs = [(int(match[1]), int(match[2])) for match in matches if match]
-            places = [Pixel(*(pair if order == "cr" else pair[::-1])) for pair in pairs]
-            if _is_grid(places):
-                return places, f"{words} in names"
-    return None, ""
-
-
-def _is_grid(places: Sequence[Pixel]) -> bool:
-    """Whether all places differ and fill most of several columns and rows."""
-    columns, rows = ({getattr(at, name) for at in places} for name in ("column", "row"))
-    alone = len({(at.column, at.row) for at in places}) == len(places)
-    return alone and min(len(columns), len(rows)) > 1 and len(places) >= FILLED * len(columns) * len(rows)

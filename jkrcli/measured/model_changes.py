@@ -13,7 +13,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from operator import itemgetter
 from typing import Any, Literal, NamedTuple
 
@@ -120,14 +120,8 @@ def perturbed_logs(family: Family, D: Array, S: Array) -> Array:
     dS = np.exp(S) * (ds + s * slope_S)
     rate = s * np.exp(S + D) * (dD + d * slope_D)
     T = np.log(ds / dS) / 2
-    return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T], axis=-2)
-
-
-@lru_cache(maxsize=REMEMBERED)
-def _plain_integral(family: Family) -> Array:
-    """The load without adhesion by the same integral."""
-    (_, t, _, v), (dD, _, _, _), _ = on_grid(family)
-    return _integral(grid(family), v / t * dD)
+    H = np.log(_integral(u, rate) / _integral(u, s * dD))
+    return np.stack([D, T, H, S + T], axis=-2)
 
 
 def _integral(u: Array, rate: Array) -> Array:

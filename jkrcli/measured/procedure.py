@@ -125,7 +125,17 @@ def confidence_of(
     estimates = intervals.estimates()
     if isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor:
         estimates = tuple(_without_range(item, intervals, jkr.values, here) for item in estimates)
-    changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
+
+    # Uncertain inputs of the body, to first order: each changed by its standard deviation
+    def outcome(name: str, value: float) -> dict[str, float]:
+        moved = replace(objective, body=objective.body.with_values({name: value}))
+        again = minimise(moved, minimum.x, settings.loss, minimum.width).values
+        return again | _follows(moved, again)
+
+    changes = {
+        name: changes_by(name, objective.body.nominal(name), sigma, here | follow, partial(outcome, name))
+        for name, sigma in settings.uncertain.items()
+    }
     estimates = tuple(wider(item, {name: by[item.name] for name, by in changes.items()}, t) for item in estimates)
     free = objective.unknowns.names
     return Confidence(estimates, intervals.covariance_of(free), intervals.sampled(free), math.sqrt(factor), dof)
@@ -205,20 +215,6 @@ def jkr_comparison(minimum: Minimum, body: FittedBody, points: Points, settings:
     rms, with_range = (math.sqrt(float(np.mean(item.distances.residuals**2))) for item in (jkr, minimum))
     E_star = values["modulus"] * body.problem.E_star
     return JKRBeside(E_star, values["w"], rms, with_range, jkr.cost - minimum.cost, values)
-
-
-# ---------------------------------------------------------------------- uncertain inputs of the body, to first order
-def _changes(minimum: Minimum, settings: Settings, name: str, sigma: float) -> dict[str, float]:
-    """Change of every estimate by a change of the input ``name`` by its standard deviation ``sigma``."""
-    objective = minimum.objective
-
-    def outcome(value: float) -> dict[str, float]:
-        moved = replace(objective, body=objective.body.with_values({name: value}))
-        again = minimise(moved, minimum.x, settings.loss, minimum.width).values
-        return again | _follows(moved, again)
-
-    here = minimum.values | _follows(objective, minimum.values)
-    return changes_by(name, objective.body.nominal(name), sigma, here, outcome)
 
 
 OWN = {"w": "w_approach"}  # names of an approach alone

@@ -858,7 +858,14 @@ def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Es
     judged_from = float(delta[rows][judged[rows]][0])
     if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
-    errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
+    errors = {"P": load + truncation, "a": radius}
+
+    # S and S': what larger elements change at equal radius, which is most that of the radius, and of S what the error
+    # of the radius makes of it, as meshes agree by accident; increments have no slopes of their own
+    ours, theirs = (level.slopes(a) if run.raw is None else None for level in (fine, coarse))
+    if ours is not None and theirs is not None:
+        S, dS = (_envelope(radii * np.abs(other / own - 1), delta) for own, other in zip(ours, theirs, strict=True))
+        errors |= {"S": np.maximum(S, a * ours[1] / ours[0] * radius), "dS": dS}
     cut = truncation * float(np.sign(np.mean(there - P)))
     other = None if run.raw is not None else _coarser(larger, delta, ratio, cut)
     return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()}, other)
@@ -977,20 +984,6 @@ def _radius(levels: Sequence[Events], a: Array, delta: Array, caution: float) ->
     at_first = power_interpolated(events.delta, events.a, np.array([first]))
     change = np.interp(delta, samples, changes) * np.maximum(at_first / fine, 1.0)
     return _envelope(change + np.abs(a / fine - 1), delta)
-
-
-def _slopes(run: Run, coarse: MeshLevel, caution: float, radius: Array) -> dict[str, Array]:
-    """Relative errors of S and dS: what larger elements change at equal radius, which is most that of the radius, and
-    of S what the error of the ``radius`` makes of it, as meshes agree by accident; empty where either level has none.
-    """
-    a, delta, _ = run.columns
-    if run.raw is not None:  # increments have no slopes of their own
-        return {}
-    ours, theirs = run.level.slopes(a), coarse.slopes(a)
-    if ours is None or theirs is None:
-        return {}
-    S, dS = (_envelope(caution * np.abs(other / own - 1), delta) for own, other in zip(ours, theirs, strict=True))
-    return {"S": np.maximum(S, a * ours[1] / ours[0] * radius), "dS": dS}
 
 
 def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:

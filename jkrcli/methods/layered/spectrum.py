@@ -349,18 +349,6 @@ def minors_of(specimen: Specimen, k: Array) -> Array:
     return propagate(minors_below(specimen, k), k, specimen.layers[0])
 
 
-def _base(base: Rigid | HalfSpace, size: int) -> tuple[Array, float]:
-    """Minors of the base, and the shear modulus [Pa] in whose units they are (any, for a rigid base)."""
-    match base:
-        case HalfSpace(material=Elastic(nu=nu, G=G)):
-            minors = [1.0, 1 - nu, 1 - nu, nu - 0.5, (3 - 4 * nu) / 4]
-        case HalfSpace(material=TransverselyIsotropic(G_z=G) as material):
-            minors = LayerMedium.transverse(material).half_space
-        case Rigid(bonded=bonded):
-            minors, G = [1.0, 0, 0, 0, 0] if bonded else [0.0, 1, 0, 0, 0], 1.0
-    return np.repeat(np.array(minors)[:, None], size, axis=1), G
-
-
 def minors_below(specimen: Specimen, k: Array) -> Array:
     """Minors of everything below the top layer, in units of the shear modulus at the bottom of that layer.
 
@@ -372,7 +360,14 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
     k = k[order]
     depths = np.cumsum([0.0, *(each.thickness * slowest_root(each.material, 0.0, each.thickness) for each in below)])
     felt = [k.size, *np.searchsorted(k, MINORS_FELT / depths[1:-1])][: len(below)]  # by the first of them
-    m, G = _base(specimen.base, k.size)
+    match specimen.base:  # its minors, and the shear modulus [Pa] in whose units they are (any, for a rigid base)
+        case HalfSpace(material=Elastic(nu=nu, G=G)):
+            minors = [1.0, 1 - nu, 1 - nu, nu - 0.5, (3 - 4 * nu) / 4]
+        case HalfSpace(material=TransverselyIsotropic(G_z=G) as material):
+            minors = LayerMedium.transverse(material).half_space
+        case Rigid(bonded=bonded):
+            minors, G = [1.0, 0, 0, 0, 0] if bonded else [0.0, 1, 0, 0, 0], 1.0
+    m = np.repeat(np.array(minors)[:, None], k.size, axis=1)
     for layer, count in zip(reversed(below), reversed(felt), strict=True):
         top, bottom = shear_moduli(layer)
         if count:

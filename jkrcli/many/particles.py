@@ -254,6 +254,14 @@ class ExportedSizes(Result):
         words = law.problem.words.replace(indenter.words, indenter.noun, 1)  # of any radius
         tables = {"of_size": law.columns, "force_table": law.force, "radius_table": law.radius}
         checksum = crc32(np.concatenate([table.ravel() for table in tables.values()]).tobytes())
+        numbers = dict[str, str]()  # of each table, a row in braces, seven to a line
+        for name, table in tables.items():
+            rows = []
+            for row in table:
+                cells = [f"{float(cell):.10g}" for cell in row]
+                lines = [", ".join(cells[i : i + 7]) for i in range(0, len(cells), 7)]
+                rows.append("    { " + ",\n      ".join(lines) + " }")
+            numbers[name] = ",\n".join(rows)
         vector = ",\n".join("    { " + ", ".join(f"{float(cell)!r}" for cell in row) + " }" for row in law.vectors)
         return HEADER_CODE.substitute(
             body=words.replace("*/", "* /").rpartition(" to a ")[0], name=self.name, NAME=self.name.upper(),
@@ -262,7 +270,7 @@ class ExportedSizes(Result):
             log_q=", ".join(repr(math.log(law.q(R))) for R in (law.low, law.high)), checksum=f"0x{checksum:08x}UL",
             permission=PERMISSION.format("\n   "),
             **{name: f"{value:.1e}" for name, value in self.stated.items()},
-            **{name: ",\n".join(_braced(row) for row in table) for name, table in tables.items()},
+            **numbers,
         )  # fmt: skip
 
     @property
@@ -328,8 +336,3 @@ class OfSizes:
         except JkrError as error:
             raise InputError(f"{result.path}: {what}: {error}") from None
         return ExportedSizes(law, result.path, model_name(name))
-
-
-def _braced(row: Array) -> str:
-    cells = [f"{float(cell):.10g}" for cell in row]
-    return "    { " + ",\n      ".join(", ".join(cells[i : i + 7]) for i in range(0, len(cells), 7)) + " }"

@@ -269,7 +269,11 @@ def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array) -> No
     ends = (0.0, 2.0) if name == "status" else (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))
     x, y = (scan.x - scan.x[0], scan.y - scan.y[0]) if scan.positions else (scan.x, scan.y)
     pitch = max(np.ptp(at) / (at.size - 1) for at in (x, y) if at.size > 1)
-    cells = (_edges(at, float(pitch)) for at in (x, y))
+    cells = []  # edges of cells around the places; of a single one as far apart as those of the other axis
+    for at in (x, y):
+        inner = (at[1:] + at[:-1]) / 2
+        outer = [2 * at[i] - inner[i] for i in (0, -1)] if at.size > 1 else [at[0] - pitch / 2, at[0] + pitch / 2]
+        cells.append(np.concatenate([outer[:1], inner, outer[1:]]))
     axes.set_facecolor(GREY_CELL)
     drawn = axes.pcolormesh(*cells, image / factor, shading="flat", cmap="viridis",
                             vmin=ends[0], vmax=ends[1], rasterized=True)  # fmt: skip
@@ -280,14 +284,6 @@ def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array) -> No
     label = "$w$" if name == "w" else plots.LABELS.get(name, name.replace("_", " "))
     axes.set_title(f"{label} ({unit})" if unit else label)
     axes.set_aspect("equal")
-
-
-def _edges(middle: Array, pitch: float) -> Array:
-    """The edges of cells around ``middle``; of a single one ``pitch`` wide."""
-    if middle.size == 1:
-        return np.array([middle[0] - pitch / 2, middle[0] + pitch / 2])
-    inner = (middle[1:] + middle[:-1]) / 2
-    return np.concatenate([[2 * middle[0] - inner[0]], inner, [2 * middle[-1] - inner[-1]]])
 
 
 # --------------------------------------------------------------------------------------------------

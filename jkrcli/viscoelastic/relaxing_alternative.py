@@ -122,13 +122,20 @@ def with_relaxation(
         return found, None, ""
 
     # One that leaves no more than noise is the first; beside another misfit it may be a part of it
+    amount, error = 1 - fit.value("ratio"), fit.estimate("ratio").error or math.inf
     dof = max(int(np.count_nonzero(rows)) - len(fit.free), 1)
     chance = f_chance(dof, max(found.loose, 1), left / dof)
     alternative = FittedAlternative(
         RELAXING, MEMORY, falls, chance, chance > STATISTICS_IMPROBABLE, at_once.value, fit.value("w"),
-        {"fall": 1 - fit.value("ratio"), "relaxation_time": fit.value("time")},
+        {"fall": amount, "relaxation_time": fit.value("time")},
     )  # fmt: skip
-    score = _score(record, alternative, fit.estimate("ratio").error or math.inf, found)
+    # The same as a score test would give it: the moduli fall by the amount in the end, E* and w are those at once
+    by_E = math.log(alternative.E_star / record.E_star) / amount
+    by_w = math.log(alternative.w / record.work) / amount
+    score = Score(
+        RELAXING, MEMORY, "fall", False, amount, error, chance_of(record.fit, falls), falls,
+        min(falls / found.misfit, 1.0), by_E, by_w, 0.0, 1.0, DETECTED, record.known.quantile,
+    )  # fmt: skip
     named = (*found.named, score)
     if alternative.taken and falls > most - SCORE_TIED:
         named = (score, *(one for one in found.named if one.taken > least_taken(falls)))
@@ -138,14 +145,3 @@ def with_relaxation(
     )
     alternatives = replace(found, scores=(score, *found.scores), named=named)
     return alternatives, RelaxingAnswer(alternative, fit.estimates, off), words
-
-
-def _score(record: FittedRecord, one: FittedAlternative, error: float, found: RecordAlternatives) -> Score:
-    """The alternative as a score, as a score test would give it: the moduli fall by ``one``'s amount in the end, E* and
-    w are those at once."""
-    amount = one.quantities["fall"]
-    by_E, by_w = (math.log(new / old) / amount for new, old in ((one.E_star, record.E_star), (one.w, record.work)))
-    return Score(
-        RELAXING, MEMORY, "fall", False, amount, error, chance_of(record.fit, one.falls), one.falls,
-        min(one.falls / found.misfit, 1.0), by_E, by_w, 0.0, 1.0, DETECTED, record.known.quantile,
-    )  # fmt: skip

@@ -848,7 +848,17 @@ def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Es
         larger = [coarse]
     there, radius = _on_coarse(run, larger, radii)
     values = [P, there, *(_load_on(level, run) for level in larger[1:])]
-    change = loads * _change(values, BUDGET_PLAUSIBLE) / _fallen(values, judged)
+
+    # What larger elements change over the error that is left, by the order that the judged rows show where it is least,
+    # in their mean or where they change most: 1 of first order, and where no third mesh tells it
+    fallen = 1.0
+    if len(values) > 2:
+        last, before = (changes[judged] for changes in _changes(values))
+        fallen = BUDGET_FALLEN
+        if last.any():
+            order = min(before.mean() / last.mean(), before[np.argmax(last)] / last.max()) - 1
+            fallen = float(np.clip(order, 1.0, BUDGET_FALLEN))
+    change = loads * _change(values, BUDGET_PLAUSIBLE) / fallen
     width = a - fine.indenter.a0  # errors fall by no more than its square, as those of a uniform mesh do
     load = np.maximum.accumulate(change * width**2) / width**2
     # the many rows of increments cross zero between nodes: what shallower rows leave of it is already that of a row
@@ -915,18 +925,6 @@ def _change(values: Sequence[Array], plausible: float) -> Array:
     """What larger elements change, relatively, and at least a ``plausible`` part of what still larger ones do."""
     change, *before = _changes(values)
     return np.max([change, *(other / plausible for other in before)], axis=0)
-
-
-def _fallen(values: Sequence[Array], judged: Array) -> float:
-    """What larger elements change over the error that is left, by the order that the ``judged`` rows show where it is
-    least, in their mean or where they change most: 1 of first order, and where no third mesh tells it."""
-    if len(values) < 3:
-        return 1.0
-    change, before = (changes[judged] for changes in _changes(values))
-    if not change.any():
-        return BUDGET_FALLEN
-    order = min(before.mean() / change.mean(), before[np.argmax(change)] / change.max()) - 1
-    return float(np.clip(order, 1.0, BUDGET_FALLEN))
 
 
 def _on_coarse(run: Run, larger: Sequence[MeshLevel], caution: float) -> tuple[Array, Array | Unknown]:

@@ -122,7 +122,16 @@ def _rows_of(
     values = {name: column[chosen] for name in COLUMNS if (column := getattr(curve, name)) is not None}
     if len(values) < 2:
         raise InputError(f"{curve.where}: a fit needs two of a, delta, P, got {', '.join(values) or 'none'}")
-    level = 0.0 if "P" not in values else _level(values) if zero is None else zero
+    level = 0.0 if zero is None or "P" not in values else zero
+    if zero is None and {"P", "delta"} <= values.keys():
+        # The load reading at the smallest displacements, where it stands still as out of contact: a base line is flat
+        # and parted from the curve by a jump; a curve is not
+        P, delta = values["P"], values["delta"]
+        far = P[np.argsort(delta)[: max(5, P.size // 50)]]
+        flat, lowest = float(np.median(far)), float(np.min(P))
+        before = delta < delta[int(np.argmin(P))]
+        between = before & (P < flat - 0.1 * (flat - lowest)) & (P > flat - 0.5 * (flat - lowest))
+        level = flat if np.ptp(far) < ROWS_FLAT * (flat - lowest) and between.sum() < 3 else 0.0
     touching = in_contact(values, level)
     baseline = None
     if "P" in values and not touching.all():
@@ -262,21 +271,6 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
     reach = float(delta[order[count - 1]] - delta[order[0]])
     stands = count >= ROWS_SEVERAL and reach > ROWS_LONGER * near ** (1 / 3) * float(np.ptp(delta))
     return touching & ((delta > delta[quiet].max()) if quiet.sum() > FEWEST_ROWS // 2 or stands else True)
-
-
-def _level(values: Mapping[str, Array]) -> float:
-    """The load reading at the smallest displacements, where it stands still as out of contact; else 0.
-
-    A base line is flat and parted from the curve by a jump; a curve is not.
-    """
-    if "delta" not in values:
-        return 0.0
-    P, delta = values["P"], values["delta"]
-    far = P[np.argsort(delta)[: max(5, P.size // 50)]]
-    level, least = float(np.median(far)), float(np.min(P))
-    before = delta < delta[int(np.argmin(P))]
-    between = before & (P < level - 0.1 * (level - least)) & (P > level - 0.5 * (level - least))
-    return level if np.ptp(far) < ROWS_FLAT * (level - least) and between.sum() < 3 else 0.0
 
 
 def noise_estimate(values: Mapping[str, Array], units: Values) -> dict[str, float]:

@@ -17,11 +17,13 @@ S, K = 45.2e-9, 0.3
 SPECIMEN = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
 
 
-def glass(path: Path, seed: int, drag: float = 0.0) -> Path:
-    """Volts over the position of the piezo on glass; ``drag``: relative, between approach and retraction."""
+def glass(path: Path, seed: int, drag: float = 0.0, bend: float = 0.0) -> Path:
+    """Volts over the position of the piezo on glass; relative: ``drag`` between approach and retraction, ``bend`` by
+    which the slope grows along the contact."""
     rng = np.random.default_rng(seed)
     z = np.linspace(-500e-9, 150e-9, 600)
     bent = np.concatenate([np.maximum(z, 0) * (1 + drag), (np.where(z > -10e-9, z, 0) * (1 - drag))[::-1]])
+    bent *= 1 + bend * bent / (2 * z[-1])
     volts = bent / S + 0.002 * rng.normal(size=bent.size) + 0.3
     rows = "".join(f"{x * 1e9:.4f},{v:.6f}\n" for x, v in zip(np.concatenate([z, z[::-1]]), volts, strict=True))
     path.write_text(f"# spring constant: {K} N/m\npiezo (nm),deflection (V)\n{rows}")
@@ -45,6 +47,10 @@ def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path:
     found = look(glass(tmp_path / "glass.csv", 1, 0.01), rigid=True).rigid
     assert found.error / found.factor == pytest.approx(0.01, rel=0.1)
     assert look(glass(tmp_path / "glass.csv", 1, 0.03), rigid=True).rigid.straight is False
+
+
+def test_a_contact_curved_alike_in_both_directions_is_said(tmp_path: Path) -> None:
+    assert look(glass(tmp_path / "glass.csv", 1, bend=0.2), rigid=True).rigid.straight is False
 
 
 def test_a_gel_is_no_glass(jkr: Callable, tmp_path: Path) -> None:

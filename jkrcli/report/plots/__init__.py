@@ -52,8 +52,8 @@ def axis_of(name: str, *values: Array | float) -> tuple[float, str]:
 
 
 # --------------------------------------------------------------------------------------------------
-# matplotlib's import without the tables of properties that it writes into its own docstrings, a third of its time,
-# and, in the process ``jkr``, without what its surroundings say: no figure depends on it.
+# matplotlib's import without the lists of properties that it writes into its own docstrings and signatures, four
+# tenths of its time, and, in the process ``jkr``, without what its surroundings say: no figure depends on it.
 
 
 def _properties() -> Any:
@@ -77,13 +77,14 @@ properties = _properties()
 @contextlib.contextmanager
 def without_tables() -> Iterator[None]:
     """What is imported here has none in the process ``jkr``, which shows none; elsewhere nothing is changed."""
-    tables = properties.kwdoc
+    tables, setters = properties.kwdoc, properties.ArtistInspector.get_setters
     if process.runs():
         properties.kwdoc = lambda artist: ""
+        properties.ArtistInspector.get_setters = lambda self: []
     try:
         yield
     finally:
-        properties.kwdoc = tables
+        properties.kwdoc, properties.ArtistInspector.get_setters = tables, setters
 
 
 with without_tables():
@@ -93,8 +94,8 @@ with without_tables():
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure as Figure
-    from matplotlib.mathtext import MathTextParser
     from matplotlib.text import Text
+    from matplotlib.textpath import text_to_path
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
     from matplotlib.transforms import ScaledTranslation
     from PIL import Image
@@ -102,7 +103,6 @@ with without_tables():
 
 process.loaded()
 DPI = 300  # choice: of PNG files
-FORMULAS = MathTextParser("path")  # one, which remembers what it has read: labels stand in many figures
 STYLE = dict(mpl.rc_params_from_file(Path(__file__).with_name("jkr.mplstyle"), use_default_template=False))
 Box: TypeAlias = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
 
@@ -248,8 +248,10 @@ def save(figure: Figure, paths: Iterable[Path]) -> None:
             words = "\n".join([printable(line) for line in text.get_text().split("\n")])  # map is a module of this room
             text.set_text(words)
             if "$" in words:
+                font = text.get_fontproperties().copy()
+                font.set_size(text_to_path.FONT_SCALE)  # as SVG asks for it: read once, and remembered
                 try:
-                    FORMULAS.parse(words)
+                    text_to_path.mathtext_parser.parse(words, text_to_path.DPI, font)
                 except ValueError:
                     text.set_parse_math(False)
         figure.set_dpi(DPI)

@@ -57,13 +57,16 @@ LEFT_OUT_ACCURACY = 1e-5
 LEFT_OUT_SLIGHT = (1e-3, 1e-2)
 # theory: the same on a half-space, where first order in kappa l/a is a formula, good to (kappa l/a)^2 at every radius
 LEFT_OUT_SLIGHTEST = 1e-7
-# of the largest radius, the least at which a tension is solved for; tuned on bodies, by `make constants`: half of
-# it moves what S changes by, by half a per cent
-LEFT_OUT_SMALLEST = 0.02
+# Radii at which a tension is solved for, tuned on the shipped cases against 120 radii, by `make constants`: changes
+# then err by 1e-3 of themselves. Of the largest radius, where load and S are compared; of the smallest and the largest
+# radius of pull-off, how far beyond them, in steps of their logarithm
+LEFT_OUT_AT_END = (0.92, 0.96, 1.0)
+LEFT_OUT_AROUND = (0.6, 1.4)
+LEFT_OUT_STEP = 0.14
+LEFT_OUT_WIDE = (0.02, 20)  # choice: of the largest radius the least, and how many, where pull-off moves further
 LEFT_OUT_PER_WORK = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
 # times as long as one spectrum take all that are solved; tuned on stacks of 500 and 1,000 layers, by `make guards`
 LEFT_OUT_SOLVED = 10
-LEFT_OUT_FEW = 20  # radii of that; tuned on bodies, by `make constants`: half move what S changes by, by 7 %
 
 
 NO_STRAINS = Unknown("known only for spheres on half-spaces and thick layers of rubber (nu = 1/2)")
@@ -286,15 +289,10 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
     for slight in (*slightest, *LEFT_OUT_SLIGHT):
         trial = max(Ups, slight * neighbours.expected.a * rigid.E_star / 2)
         try:
-            # The series up to the expected radius [m] without and with a trial [N/m]
-            a0, method = rigid.indenter.a0, Layered(LEFT_OUT_ACCURACY)
-            radii = a0 + (neighbours.expected.a - a0) * np.geomspace(LEFT_OUT_SMALLEST, 1.0, LEFT_OUT_FEW)
-            specimens = (rigid.specimen, replace(rigid.specimen, surface_tension=trial))
-            plain, tense = (resolve_with(rigid, radii, method, PATIENCE, specimen=one).series for one in specimens)
+            omission, share = _of_trial(neighbours, rigid, trial), Ups / trial
         except JkrError as error:
             failed = Unknown(str(error))
             continue
-        omission, share = neighbours.over(name, key, plain, tense), Ups / trial
         pulls = dict[float, Estimate]()
         for w, change in omission.pull_off.items():
             try:
@@ -302,8 +300,31 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
                 pulls[w] = _part(share, change)
             except JkrError as error:  # a surface of so little tension wets the indenter
                 pulls[w] = Unknown(str(error))
-        return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=pulls)
+        load, S = _part(share, omission.load), _part(share, omission.S)
+        return replace(omission, name=name, key=key, load=load, S=S, pull_off=pulls)
     return NeglectedEffect(name, key, failed, failed)
+
+
+def _of_trial(neighbours: Neighbours, rigid: Problem, trial: float) -> NeglectedEffect:
+    """A ``trial`` [N/m] of surface tension on a body with a ``rigid`` indenter: solved near the largest radius and
+    around pull-off without it; over all radii where pull-off with it lies elsewhere."""
+    a0, expected = rigid.indenter.a0, neighbours.expected
+    reach, known = expected.a - a0, [point for w, point, _ in expected.adhesion if w > 0]
+    least, count = LEFT_OUT_WIDE
+    choices = [reach * np.geomspace(least, 1.0, count)]
+    if pulled := [point.a - a0 for point in known if isinstance(point, CriticalPoint) and point.a > a0]:
+        first, last = LEFT_OUT_AROUND[0] * min(pulled), LEFT_OUT_AROUND[1] * max(pulled)
+        last = min(last, LEFT_OUT_AT_END[0] * reach)
+        around = np.exp(np.arange(math.log(first), math.log(last), LEFT_OUT_STEP))
+        choices.insert(0, np.append(around, reach * np.array(LEFT_OUT_AT_END)))
+    specimens = rigid.specimen, replace(rigid.specimen, surface_tension=trial)
+    for beyond in choices:
+        plain, tense = (resolve_with(rigid, a0 + beyond, Layered(LEFT_OUT_ACCURACY), PATIENCE, specimen=one).series
+                        for one in specimens)  # fmt: skip
+        omission = neighbours.over("", "", plain, tense)
+        if not any(isinstance(change, Unknown) for change in omission.pull_off.values()):
+            break
+    return omission
 
 
 def _part(share: float, change: Estimate) -> Estimate:

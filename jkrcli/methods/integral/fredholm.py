@@ -22,7 +22,7 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
 from ...base.errors import Refusal, SolveError
-from ...base.numerics import Array
+from ...base.numerics import Array, distinct
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Loading, Quantity
 from ...series import Series
@@ -177,7 +177,7 @@ class Quadrature:
     ) -> Quadrature:
         """Quadrature of fewest nodes expected to be accurate to ``tolerance`` at the increasing ``radii`` [m], for a
         flat end of the radius ``a0`` and a kernel that varies over the length ``scale`` [m]."""
-        widths = np.diff(np.unique(np.concatenate([[0.0, a0], radii])))
+        widths = np.diff(distinct(np.concatenate([[0.0, a0], radii])))
         plans = []
         for order in orders or range(1, QUADRATURE_MOST_NODES + 1):
             widest = float(phase_allowed(order, tolerance)) * scale / QUADRATURE_FREQUENCY
@@ -239,7 +239,7 @@ class Panels:
         from the radius, for a solution that is not smooth at the edge of its contact.
         """
         radii = np.asarray(radii, dtype=float)
-        edges = np.unique(np.concatenate([[0.0], [a0] if a0 < radii[-1] else [], radii]))
+        edges = distinct(np.concatenate([[0.0], [a0] if a0 < radii[-1] else [], radii]))
         pieces = np.maximum(np.ceil(np.diff(edges) / quadrature.widest * (1 - 1e-12)), 1).astype(int)
         lo, _ = split(edges[:-1], edges[1:], pieces)
         edges = np.append(lo, radii[-1])
@@ -395,7 +395,7 @@ def panel_means(f: Callable[[Array], Array], cuts: Array, edges: Array, order: i
     ``cuts``: only the kernel limits the accuracy. The integrals place ``inner`` nodes quadratically above each cut and
     edge, where f may begin like (x - b)^(3/2) or x^d.
     """
-    cuts = np.unique(np.concatenate([edges, cuts[cuts < edges[-1]]]))
+    cuts = distinct(np.concatenate([edges, cuts[cuts < edges[-1]]]))
     lo, hi = cuts[:-1], cuts[1:]
     owner = np.searchsorted(edges, lo, side="right") - 1
     x, w = crowded(lo, hi, inner)
@@ -505,7 +505,7 @@ class AbelMoments:
     def _stops(self) -> tuple[Array, Array]:
         """Edges of panels and kinks, and the integrals of b F from the beginning of each one's panel."""
         edges = self.basis.panels.edges
-        cuts = np.unique(np.concatenate([edges, self.kinks[self.kinks < edges[-1]]]))
+        cuts = distinct(np.concatenate([edges, self.kinks[self.kinks < edges[-1]]]))
         panel = self.basis.panel_of(cuts[:-1])
         steps = self._over(panel, cuts[:-1], cuts[1:])
         sums = np.vstack([np.zeros(self.basis.order), np.cumsum(steps, axis=0)])

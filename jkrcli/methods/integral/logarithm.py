@@ -24,7 +24,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base.numerics import Array
+from ...base.numerics import Array, distinct
 from ...bodies.indenters import Indenter
 from .finite_range import ATTRACTION_INNER, ContactDiscs, Rims, profile_kinks, tension_arc
 from .fredholm import abel_arcs, angle, crowded_rule, gauss, lagrange, panel_means, rule, to_legendre
@@ -312,7 +312,7 @@ class LogarithmicAttraction:
         """Ends of panels as distances [m] from the edge of a contact of the radius ``a`` [m]: crowded at it, and less
         at kinks of the profile."""
         kinks = np.array([kink for kink in (self.indenter.a0, *self.indenter.kinks) if 0 < kink < a])
-        ends = np.unique([0.0, *(a - kinks), a]) if a > 0 else np.zeros(2)
+        ends = distinct([0.0, *(a - kinks), a]) if a > 0 else np.zeros(2)
         edges = [np.zeros(1)]
         for n, (lo, hi) in enumerate(pairwise(ends)):
             cuts = LOGARITHM_CUTS if n == 0 else LOGARITHM_AROUND_KINK

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ...base.errors import Refusal, SolveError, counted
-from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline
+from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline, distinct
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Solid, Specimen, contact_modulus
 from ..integral import fredholm
@@ -394,4 +394,4 @@ def checked(radii: Array, groups: int = 1, graded: bool = False) -> Array:
     widest = np.argsort(np.diff(radii, prepend=0.0))[-LAYERED_GAPS:]
     firsts = np.geomspace(1, groups, LAYERED_FIRSTS).astype(int) - 1
     after = np.geomspace(1, max(spread[1] / 2, 1), LAYERED_NEXT).astype(int)
-    return np.unique(np.minimum(np.concatenate([spread, widest, firsts, after]), radii.size - 1))
+    return distinct(np.minimum(np.concatenate([spread, widest, firsts, after]), radii.size - 1))

@@ -336,3 +336,14 @@ def test_records_examined_together_are_those_examined_alone() -> None:
     assert [type(found) for found in segment_force_curves(poisoned[:4])] == [InputError] * 2 + [ForceCurve] * 2
     with pytest.raises(InputError, match="2 rows"):
         segment_force_curve(poisoned[0])
+
+
+@pytest.mark.parametrize(("lost", "risen", "steps"), [(60, 0.0, 0), (0, 0.5, 1)])
+def test_a_load_that_rises_at_once_is_a_step_and_rows_far_apart_are_none(lost: int, risen: float, steps: int) -> None:
+    """Between rows that lie far apart the load changes by the motion of the device."""
+    curve = curve_of(replace(DEVICE, drag=0.0))
+    row = int(np.argmax(curve.load > 2 * PULL_OFF + curve.load[:100].mean()))
+    rows = np.append(np.arange(row), np.arange(row + lost, len(curve)))
+    P = curve.load + risen * PULL_OFF * (np.arange(len(curve)) >= row)
+    found = segment_force_curve(Curve("made", delta=curve.device[rows], P=P[rows], t=np.asarray(curve.t)[rows]))
+    assert len(found.direction("approach").steps) == steps

@@ -259,11 +259,12 @@ class Swept(Result):
         return [(number, reason) for number, status, reason in rows if status == FAILED]
 
     @property
-    def strained(self) -> int:
-        """How many cases have a pull-off force that large strains change, by an amount that is known or not."""
-        rows = zip(self.columns.get(STRAINS, ()), self.columns["reason"], strict=False)
-        unknown = strain_words(Unknown(""))
-        return sum(change > 0 if change is not None else unknown in reason for change, reason in rows)
+    def strained(self) -> tuple[int, int]:
+        """How many cases have a pull-off force that large strains change, and how many one of which that is unknown."""
+        changes, words = self.columns.get(STRAINS, ()), strain_words(Unknown(""))
+        unknown = [change is None and words in reason
+                   for change, reason in zip(changes, self.columns["reason"], strict=False)]  # fmt: skip
+        return sum(change is not None and change > 0 for change in changes), sum(unknown)
 
     @property
     def warnings(self) -> list[str]:
@@ -275,17 +276,20 @@ class Swept(Result):
             "format": "jkr-sweep-summary",
             "cases": self.plan.count,
             FAILED: len(self.failed),
-            "large_strains": self.strained,
+            "large_strains": sum(self.strained),
             "columns": list(self.columns),
             "files": [str(path) for path in self.files],
         }
 
     def words(self) -> list[str]:
-        plan, failed, strained = self.plan, self.failed, self.strained
-        doubt = f"large strains change the pull-off force in {strained:,} ({STRAINS}): "
+        plan, failed, (strained, unknown) = self.plan, self.failed, self.strained
+        doubts = [
+            *([f"; large strains change the pull-off force in {strained:,} ({STRAINS})"] if strained else []),
+            *([f"; what large strains do to it is unknown in {unknown:,}"] if unknown else []),
+        ]
         return [
             f"{counted(plan.count, 'case')}{f', {len(failed):,} of them failed' if failed else ''}"
-            f"{f'; {doubt}' if strained else ': '}{plan.title or plan.source}",
+            f"{''.join(doubts)}: {plan.title or plan.source}",
             f"  one case  {plan.command(failed[0][0] if failed else 0)}",
         ]
 

@@ -176,6 +176,15 @@ def test_narrow_contacts_have_the_half_space_factor():
     assert columns["S_ratio"][0] == pytest.approx(1.0986, abs=2e-3)
 
 
+def test_the_transition_map_on_a_thick_layer_is_maugis_own() -> None:
+    """mu = sigma (R/(w E*^2))^(1/3); the layer adds 3e-4."""
+    q, mu = 1e-4, 0.5
+    found = jkrcli.study_map("transition", nu=[0.5], q=[q], mu=[mu]).columns
+    lam = 2 * mu * (9 / (16 * math.pi)) ** (1 / 3)
+    half_space = Maugis(1.0, 1.0, q, lam, np.geomspace(1.01, 20, 2000))
+    assert found["minus_P_over_pi_w_R"] == pytest.approx(-half_space.P.min() / (math.pi * q), rel=1e-3)
+
+
 @pytest.mark.slow
 def test_the_transition_map_holds_the_ridge_above_both_limits(jkr, tmp_path: Path) -> None:
     words = ("study", "transition-map", "--nu", 0.499, "--q", 100, "--mu", 1, "--mu", 3, "-o", tmp_path, "--workers", 1)

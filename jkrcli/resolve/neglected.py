@@ -57,12 +57,12 @@ LEFT_OUT_ACCURACY = 1e-5
 LEFT_OUT_SLIGHT = (1e-3, 1e-2)
 # theory: the same on a half-space, where first order in kappa l/a is a formula, good to (kappa l/a)^2 at every radius
 LEFT_OUT_SLIGHTEST = 1e-7
-# Radii at which a tension is solved for, tuned on the shipped cases against 120 radii, by `make constants`: changes
-# then err by 1e-3 of themselves. Of the largest radius, where load and S are compared; of the smallest and the largest
-# radius of pull-off, how far beyond them, in steps of their logarithm
+# Radii at which a tension is solved for: changes then differ by 1e-3 of themselves from those of 120 radii. Of the
+# largest radius, where load and S are compared; tuned on the shipped cases, by `make constants`
 LEFT_OUT_AT_END = (0.92, 0.96, 1.0)
+# Around pull-off without it, of its smallest and its largest radius, and in steps of their logarithm; tuned on the same
 LEFT_OUT_AROUND = (0.6, 1.4)
-LEFT_OUT_STEP = 0.14
+LEFT_OUT_STEP = 0.14  # tuned on the same, by `make constants`
 LEFT_OUT_WIDE = (0.02, 20)  # choice: of the largest radius the least, and how many, where pull-off moves further
 LEFT_OUT_PER_WORK = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
 # times as long as one spectrum take all that are solved; tuned on stacks of 500 and 1,000 layers, by `make guards`

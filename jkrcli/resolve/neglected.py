@@ -60,7 +60,8 @@ LEFT_OUT_SLIGHTEST = 1e-7
 # Radii at which a tension is solved for: changes then differ by 1e-3 of themselves from those of 120 radii. Of the
 # largest radius, where load and S are compared; tuned on the shipped cases, by `make constants`
 LEFT_OUT_AT_END = (0.92, 0.96, 1.0)
-# Around pull-off without it, of its smallest and its largest radius, and in steps of their logarithm; tuned on the same
+# Around pull-off without it, of its smallest and its largest radius, and in steps of their logarithm; tuned on the
+# same, by `make constants`
 LEFT_OUT_AROUND = (0.6, 1.4)
 LEFT_OUT_STEP = 0.14  # tuned on the same, by `make constants`
 LEFT_OUT_WIDE = (0.02, 20)  # choice: of the largest radius the least, and how many, where pull-off moves further

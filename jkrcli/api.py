@@ -79,7 +79,6 @@ from .case.store import read_solution, write_solution
 from .case.store import solve as _solve
 from .methods.closed_form import ClosedForm
 from .methods.fem import FEM
-from .methods.hybrid import Hybrid
 from .methods.layered.solver import Layered
 from .methods.protocol import METHODS, Limits, Method
 from .report.check import Check
@@ -98,7 +97,7 @@ from .series import Solution
 
 __all__ = [
     "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "FlatPunch", "Graded", "GradedTransverselyIsotropic",
-    "HalfSpace", "Hybrid", "InputError", "JkrError", "KelvinVoigtSolid", "Layer", "Layered", "Limits", "Linear",
+    "HalfSpace", "InputError", "JkrError", "KelvinVoigtSolid", "Layer", "Layered", "Limits", "Linear",
     "Loading", "Paraboloid", "Power", "PowerLaw", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid",
     "Refusal", "Rigid", "Roughness", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid",
     "TableProfile", "Tabulated", "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "load_case",
@@ -111,7 +110,7 @@ if TYPE_CHECKING:
 AnyPath: TypeAlias = str | Path
 Body: TypeAlias = Case | Problem | Solution | AnyPath  # to be solved, or solved; or the file of either
 Known: TypeAlias = Mapping[str, str | float] | None  # values of what is not fitted, standard deviations of inputs
-AnyMethod: TypeAlias = Annotated[str, OneOf(METHODS, ("auto",))] | Method | None
+AnyMethod: TypeAlias = Annotated[str, OneOf(METHODS, ("auto",), "method")] | Method | None
 SlopesRule: TypeAlias = Annotated[str, OneOf(RULES, ("auto",))]
 
 # Quantities are numbers in SI or, which only a call can see, text with a unit: ``checked`` reads both.

@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import sys
+import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -18,13 +19,16 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import InputError
+from jkrcli.base.wings import PACKAGE, wings
 from jkrcli.cli import call
 
 NO_FEM = not all(find_spec(module) for module in ("gmsh", "skfem", "meshio"))
-# What an error says of packages that are missing here:
+ABSENT = {*tomllib.loads((PACKAGE / "wings.toml").read_text(encoding="utf-8"))} - {wing.name for wing in wings()}
+# What an error says of packages, or in ``make core`` of wings, that are missing here:
 MISSING = [
     *["finite elements need packages"] * NO_FEM,
     *["the optional package plotly"] * (find_spec("plotly") is None),
+    *[f'needs the wing "{name}"' for name in ABSENT],
 ]
 CASES = Path(__file__).parent.parent / "cases"
 
@@ -47,9 +51,9 @@ def pytest_configure() -> None:
 
 
 def _skip_what_is_missing() -> None:
-    """A test, or a module of tests that is read, ends as skipped where it is told that plotly, or the packages of
-    finite elements, are missing. Tests that ask for fem in other processes, or only find it in a list of methods, are
-    marked ``fem``."""
+    """A test, or a module of tests that is read, ends as skipped where it is told that plotly, the packages of finite
+    elements, or a wing are missing. Tests that ask for fem in other processes, or only find it in a list of methods,
+    are marked ``fem``."""
     plain = InputError.__init__
 
     def told(error: InputError, lines: str | Sequence[str]) -> None:

@@ -19,10 +19,10 @@ PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # last are wings, which register (``base/wings.py``): nothing imports from them.
 ROOMS = (
     "base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "resolve", "report", "cli",
-    "measured", "viscoelastic", "many",
+    "hybrid", "measured", "viscoelastic", "many",
 )  # fmt: skip
 MOST_AT_TOP = 4
-WINGS = ("measured", "viscoelastic", "many")
+WINGS = ("hybrid", "measured", "viscoelastic", "many")
 # Libraries and the folders or modules that may import each.
 DOORS = {
     "afmformats": "measured/afm_formats.py",

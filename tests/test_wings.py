@@ -76,6 +76,9 @@ def test_without_a_wing_the_core_gives_the_same(wing: str, tmp_path: Path) -> No
         refused = jkr(verb, "gel.h5", option, "1")
         assert (refused.returncode, f"{verb}: {option} {needed}" in refused.stderr) == (2, True), option
         assert needed not in jkr("check", "gel.toml", option, "1").stderr  # which never had it
+    for name in WINGS[wing].get("methods", ()):
+        refused = jkr("run", "gel.toml", "--method", name.removeprefix("method "))
+        assert (refused.returncode, needed in refused.stderr) == (2, True)
     for name in WINGS[wing].get("functions", ()):
         program = f"{OWN.format(str(tmp_path))}; import jkrcli; jkrcli.{name}"
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

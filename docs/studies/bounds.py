@@ -18,7 +18,7 @@ from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Side, Spacing, Specimen
 from jkrcli.formulas import shift
-from jkrcli.methods.hybrid import Hybrid
+from jkrcli.hybrid.solver import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import method_class
 from jkrcli.resolve.analysis import analyse, error_of_point, with_solved_points

@@ -1,7 +1,8 @@
 """The core alone: a copy of the project without the folders of its wings and their tests.
 
 The shipped cases go through the verbs of the core in both, and what is said and written is the same to the byte, but
-for times; then the tests of the core's rooms that need no wing run in the copy, in the arithmetic of most laptops.
+for times and what is said of the methods of wings; then the tests of the core's rooms that need no wing run in the
+copy, in the arithmetic of most laptops.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ KEPT = (
 )  # fmt: skip
 SLOW = ("rough", "fem")  # cases of minutes, by a part of their names
 VERBS = (
-    "check {case}", "run {case} -o s.h5", "transform s.h5 --no-plots --json -o .", "pull-off s.h5 --json",
+    "check {case} -v", "run {case} -o s.h5", "transform s.h5 --no-plots --json -o .", "pull-off s.h5 --json",
     "cycle s.h5 --no-plots --json -o .", "show --json s.h5",
 )  # fmt: skip
 
@@ -55,12 +56,15 @@ def copied(folder: Path) -> Path:
 
 
 def said(project: Path, folder: Path, words: str) -> tuple[int, str, dict[str, bytes]]:
-    """What a command of the program in ``project`` says, but for times, and writes beside the series."""
-    environment = {**os.environ, "PYTHONPATH": str(project), "OPENBLAS_NUM_THREADS": "1"}
+    """What a command of the program in ``project`` says, in lines that are not folded, but for times and the methods of
+    wings, and writes beside the series."""
+    environment = {**os.environ, "PYTHONPATH": str(project), "OPENBLAS_NUM_THREADS": "1", "COLUMNS": "10000"}
     done = subprocess.run(
         [sys.executable, "-m", "jkrcli", *words.split()], cwd=folder, env=environment, capture_output=True, text=True
     )
     text = re.sub(r"[\d.e+-]+ s\b|\"timings_s\": \{[^}]*\}", "", done.stdout + done.stderr)
+    methods = "|".join(method for wing in wings() for method in wing.methods)
+    text = re.sub(rf"^ +({methods}) .*\n|; ({methods}) [^;\n]*", "", text, flags=re.M)
     left = {path.name: path.read_bytes() for path in sorted(folder.glob("*.csv"))}
     return done.returncode, text, left
 

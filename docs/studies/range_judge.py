@@ -14,7 +14,6 @@ from jkrcli.base.errors import JkrError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Problem, without_side_walls
 from jkrcli.formulas import shift
-from jkrcli.methods.hybrid.kernel import AdaptiveKernel
 from jkrcli.methods.integral.finite_range import Attraction
 from jkrcli.methods.integral.fredholm import Panels, Quadrature
 from jkrcli.methods.layered.contact import LayeredContact
@@ -75,6 +74,8 @@ def _finer(problem: Problem, curve: FiniteRangeCurve) -> Finer:
         through = Panels.through(np.array([reach]), half, contact.indenter.a0)
         matrix = replace(contact, order=NODES_IN_K).matrix(through)
         return Finer(Attraction.of(contact.indenter, contact.E_star, through, matrix), ROUNDING)
+    from jkrcli.hybrid.kernel import AdaptiveKernel  # a wing, which wide bodies do not need
+
     for tolerance in REFINED:
         try:
             kernel, errors, *_ = AdaptiveKernel(problem.indenter, problem.specimen, tolerance).accurate(reach)

@@ -29,6 +29,7 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import SolveError, Unknown
 from jkrcli.base.executors import Pool, completed
+from jkrcli.base.wings import wings
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Exponential, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.measured.curve import Curve
@@ -137,8 +138,8 @@ def variants_of(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
     elif room == "adhesion":
         able = [(body, way) for body in NOISY[: len(bodies)] for way in noise_cells.METHODS]
     else:
-        folder = rest[0] if rest else ""
-        names = USERS.get(folder, (folder.replace("_", "-"),)) if room == "methods" else ()
+        folder, of_wings = rest[0] if rest else "", {wing.name: tuple(wing.methods) for wing in wings()}
+        names = USERS.get(folder, (folder.replace("_", "-"),)) if room == "methods" else of_wings.get(room, ())
         methods = {name: method_class(name)() for name in names if name in METHODS}
         able = [(body, name) for body in bodies for name, held in methods.items() if not held.refusal(BODIES[body])]
     return [Variant(*pair, knob, value) for pair in able for value in knob.values]

@@ -6,26 +6,26 @@ that begin to attract each other, over surfaces that are drawn together and do n
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeAlias
 
 import numpy as np
 
-from ..base.errors import NOTICEABLE, Estimate, InputError, Refusal, Unknown, positive
-from ..base.numerics import MOST_STEPS, ROUNDED, SAME, TINY, UNSEEN, Array, composite_gauss, zeros_between
+from ..base.errors import Estimate, InputError, Refusal, Unknown, positive
+from ..base.numerics import MOST_STEPS, ROUNDED, SAME, TINY, Array, composite_gauss, zeros_between
 from ..base.units import show
+from ..base.wings import absent, offered
 from ..bodies.problem import NO_FINITE_RANGE, PUNCH_WITHOUT_RANGE, Problem, alone, without_side_walls
 from ..formulas import Parts
 from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow
 from ..methods.integral.logarithm import LogarithmicAttraction, panels_to
 from ..methods.layered.contact import LayeredContact, checked
 from ..methods.layered.spectrum import MINORS_ACCURACY, spectrum_seconds
-from ..methods.protocol import METHODS, HybridOptions
+from ..methods.protocol import METHODS
 from ..series import KeptKernel, Record, Series, Solution
 from .curve import (
     CONTROLS,
@@ -43,13 +43,11 @@ from .slopes import Slopes
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-    from ..methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, KernelContact
-
 # --------------------------------------------------------------------------------------------------
 # A problem's bodies with their kernel as far as adhesion of finite range reaches.
 #
-# Wide bodies have the exact kernel of ``layered``, cylinders that of ``hybrid``. It is computed anew for each reach
-# that the kernel of the series does not cover: how far the attraction reaches is known only with its range.
+# Wide bodies have the exact kernel of ``layered``, cylinders that which a wing finds. It is computed anew for each
+# reach that the kernel of the series does not cover: how far the attraction reaches is known only with its range.
 
 # Accuracy of the kernel and how far it is needed.
 # of K by its polynomials; tuned on ranges, by `make constants`: far below what is stated, at no cost
@@ -74,10 +72,23 @@ ATTRACTED_WAVES = 0.02  # tuned on linear laws of 1:1.05 to 1:20, by `make bench
 ATTRACTED_STACK = 0.25  # of what a solve needs for the spectrum; tuned on 1 to 1000 layers, by `make bench`
 
 
-TOLERANCES = (HybridOptions.tolerance, UNSEEN, NOTICEABLE)  # of cylinders, the first that is met; its error is stated
-
-
 Ready: TypeAlias = Callable[[float, float], "Attraction | LogarithmicAttraction"]  # for a reach [m] and a tolerance
+# The same of a kernel up to some reach, and the relative errors (columns, n) that it leaves at radii (n,) [m]
+KernelReached: TypeAlias = tuple[Callable[[float, float], Attraction], Callable[[Array], Array]]
+
+
+class CylinderKernel(Protocol):
+    """The kernel of bodies with side walls, which a wing knows."""
+
+    @property
+    def limit(self) -> float:
+        """The radius [m] to which attraction may reach: near the side."""
+
+    def seconds(self, reach: float) -> float:
+        """CPU seconds, about, of the kernel up to ``reach`` [m]."""
+
+    def reached(self, reach: float, kept: KeptKernel | None = None) -> KernelReached:
+        """The kernel up to ``reach`` [m], that which was ``kept`` where it goes as far; Refusal where none does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,13 +111,14 @@ class AttractedBody:
         half_spaces = alone(self.problem)
         return LayeredContact(half_spaces.indenter, half_spaces.specimen)
 
-    @property
-    def _cylinder(self) -> AdaptiveKernel | None:
+    @cached_property
+    def _cylinder(self) -> CylinderKernel | None:
         if self.problem.specimen.radius is None:
             return None
-        from ..methods.hybrid.kernel import AdaptiveKernel
-
-        return AdaptiveKernel(self.problem.indenter, self.problem.specimen, TOLERANCES[0])
+        if (known := offered("the kernel of a cylinder")) is None:
+            raise Refusal(f"adhesion of finite range: the kernel of a cylinder {absent('the kernel of a cylinder')}")
+        found: CylinderKernel = known(self.problem)
+        return found
 
     @property
     def limit(self) -> float:
@@ -156,26 +168,26 @@ class AttractedBody:
         if self.is_logarithmic:
             other = replace(self._wide, order=ATTRACTED_OTHER_ORDER)
             return self._logarithmic(other, reach, ATTRACTED_OTHER_PANELS)
-        cylinder, finer = self._kernel(reach)[1], self.tolerance * ATTRACTED_CHECKED
-        body = replace(self._wide, order=ATTRACTED_OTHER_ORDER) if cylinder is None else cylinder
-        return self._latest("check", reach, lambda: body.attraction(reach, finer))
+        reached, finer = self._kernel(reach)[1], self.tolerance * ATTRACTED_CHECKED
+        ready = reached[0] if reached else replace(self._wide, order=ATTRACTED_OTHER_ORDER).attraction
+        return self._latest("check", reach, lambda: ready(reach, finer))
 
     def kernel_error(self, reach: float, radii: Array) -> Array:
         """Relative error that the kernel itself leaves in delta and P up to ``radii`` [m]: that of nonadhesive contact,
         and of the density at its edge, whose square is S'."""
         if self._cylinder is None:  # that of g, of which S is the minimum of a quadratic form
             return np.full(radii.size, MINORS_ACCURACY if self.problem.specimen.is_graded else 0.0)
-        estimates = self._kernel(reach)[2]
-        assert estimates is not None
-        *columns, dS = estimates.at(np.asarray(radii))
+        reached = self._kernel(reach)[1]
+        assert reached is not None
+        *columns, dS = reached[1](np.asarray(radii))
         return np.max([*columns, dS / 2], axis=0)
 
-    def _kernel(self, reach: float) -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
-        def made() -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
+    def _kernel(self, reach: float) -> tuple[Attraction, KernelReached | None]:
+        def made() -> tuple[Attraction, KernelReached | None]:
             if self._cylinder is None:
-                return self._wide.attraction(reach, self.tolerance), None, None
-            contact, errors = _met(self._cylinder, reach, self.kept)
-            return contact.attraction(reach, self.tolerance), contact, errors
+                return self._wide.attraction(reach, self.tolerance), None
+            reached = self._cylinder.reached(reach, self.kept)
+            return reached[0](reach, self.tolerance), reached
 
         return self._latest("kernel", reach, made)
 
@@ -193,9 +205,7 @@ class AttractedBody:
         else:
             curve = ATTRACTED_POLYNOMIALS * wide.attraction_panels(reach, ATTRACTED_TOLERANCE).x.size ** 2
         stack = ATTRACTED_STACK * spectrum_seconds(self.problem)
-        sides = 0.0
-        if self._cylinder is not None:
-            sides, _ = self._cylinder.expected_cost(self._cylinder.levels(reach))
+        sides = 0.0 if self._cylinder is None else self._cylinder.seconds(reach)
         return ATTRACTED_CURVE + curve + stack + sides
 
     def reach(self, a: float, s: float, gap: float) -> float:
@@ -233,23 +243,6 @@ class AttractedBody:
             f"beyond {end} (at {show(self.limit, 'length')} the separation is still within the range): load less, or "
             "give a larger stress (a shorter range)"
         )
-
-
-def _met(
-    cylinder: AdaptiveKernel, reach: float, kept: KeptKernel | None = None
-) -> tuple[KernelContact, ErrorEstimates]:
-    """The contact up to ``reach`` [m] at the first tolerance that is met, and its errors; with the kernel that was
-    ``kept`` where that reaches and meets it."""
-    if kept is not None and reach <= kept.reach and kept.errors.sum(axis=0).max() <= TOLERANCES[0]:
-        return cylinder.from_kept(kept)
-    for tolerance in TOLERANCES:
-        with contextlib.suppress(Refusal):
-            return replace(cylinder, tolerance=tolerance).accurate(reach)[:2]
-    raise Refusal(
-        f"adhesion of finite range: the error of the cylinder's Green's function exceeds {TOLERANCES[-1]:g} within "
-        f"{show(reach, 'length')}, the radius of the cohesive zone: reduce the load, or give a larger stress (a "
-        "shorter range)"
-    )
 
 
 # --------------------------------------------------------------------------------------------------

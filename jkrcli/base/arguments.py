@@ -36,6 +36,7 @@ from typing import (
 
 from .errors import InputError, JkrError, did_you_mean
 from .units import KindError, Ranged, is_number, plain, shortly
+from .wings import absent
 
 Read: TypeAlias = Callable[[Any], Any]  # what is meant by a value; ValueError with a full sentence where it is wrong
 Words = ParamSpec("Words")
@@ -46,10 +47,12 @@ LISTS = (tuple, list, frozenset, Sequence, Iterable, Collection)
 
 @dataclass(frozen=True, eq=False)
 class OneOf:
-    """Annotation of a name among ``names``, which are looked up when it is read, or of ``more``."""
+    """Annotation of a name among ``names``, which are looked up when it is read, or of ``more``; ``kind``: the word by
+    which one of a wing that is not there is refused."""
 
     names: Iterable[str]
     more: tuple[str, ...] = ()
+    kind: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +74,7 @@ def reader(kind: Any) -> Read:
             return reader(parts[0])
         note = notes[-1]
         if isinstance(note, OneOf):
-            return partial(_choice, (*note.more, *note.names))
+            return partial(_choice, (*note.more, *note.names), kind=note.kind)
         if isinstance(note, PerName):
             return partial(_per_name, note)
         return partial(_whole, note) if parts[0] is int else note.read
@@ -99,10 +102,12 @@ def reader(kind: Any) -> Read:
     return partial(_instance, kind, f"a {kind.__name__}") if isinstance(kind, type) else lambda value: value
 
 
-def _choice(allowed: Sequence[Any], value: Any) -> Any:
+def _choice(allowed: Sequence[Any], value: Any, kind: str = "") -> Any:
     value, words = plain(value), ", ".join(map(str, allowed))
     if isinstance(value, str | int) and not isinstance(value, bool) and value in allowed:
         return value
+    if lacking := absent(f"{kind} {value}"):
+        raise ValueError(f'"{value}" {lacking}')
     raise (
         KindError(f"one of {words}", value)
         if not isinstance(value, str)

@@ -35,14 +35,16 @@ class Verb:
 @dataclass(frozen=True)
 class Wing:
     """What a wing registers: ``verbs`` of the command line, or more of one of the core; ``options`` of verbs that are
-    not its own alone, by the verb; ``functions`` of the Python interface with the modules that hold them; ``uses``:
-    words by which others refuse what they cannot do without it; ``offers``: by the names that others ask for, what it
-    adds to their results, as "module:name"."""
+    not its own alone, by the verb; ``functions`` and classes of the Python interface with the modules that hold them;
+    ``methods`` with the modules that make them known (``methods/protocol.py``); ``uses``: words by which others refuse
+    what they cannot do without it; ``offers``: by the names that others ask for, what it adds to their results, as
+    "module:name"."""
 
     name: str
     verbs: Mapping[str, Verb] = field(default_factory=dict)
     functions: Mapping[str, str] = field(default_factory=dict)
     options: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    methods: Mapping[str, str] = field(default_factory=dict)
     uses: tuple[str, ...] = ()
     offers: Mapping[str, str] = field(default_factory=dict)
 
@@ -51,8 +53,9 @@ class Wing:
         """All that is refused by name where the wing is not there, by kind."""
         own = [name for name, verb in self.verbs.items() if not verb.of_core]
         options = [f"{verb} {option}" for verb, some in self.options.items() for option in some]
-        kinds = ("verbs", own), ("options", options), ("functions", self.functions), ("uses", self.uses)
-        return {kind: list(names) for kind, names in kinds if names}
+        methods = [f"method {name}" for name in self.methods]
+        kinds = {"verbs": own, "options": options, "functions": self.functions, "methods": methods, "uses": self.uses}
+        return {kind: list(names) for kind, names in kinds.items() if names}
 
 
 @cache
@@ -69,11 +72,11 @@ def is_offered(name: str) -> bool:
 
 def offered(name: str) -> Any:
     """What a wing offers by this ``name``, its engine imported now; None where no wing does."""
-    for wing in wings():
-        if name in wing.offers:
-            module, attribute = wing.offers[name].split(":")
-            return getattr(import_module(f"jkrcli.{module}"), attribute)
-    return None
+    if not is_offered(name):
+        return None
+    place = next(wing.offers[name] for wing in wings() if name in wing.offers)
+    module, attribute = place.split(":")
+    return getattr(import_module(f"jkrcli.{module}"), attribute)
 
 
 def absent(name: str) -> str:

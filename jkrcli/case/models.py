@@ -38,6 +38,7 @@ from ..base.errors import InputError, counted, did_you_mean, nearest
 from ..base.files import read_bytes
 from ..base.registry import Registry
 from ..base.units import Ranged, doubtful_work
+from ..base.wings import absent
 from ..bodies.indenters import SHAPES, Indenter
 from ..bodies.problem import (
     LAWS,
@@ -777,7 +778,8 @@ def _tables_in(annotation: Any) -> Iterator[type[Table]]:
 
 def method_of(model: CaseModel, name: str) -> Method:
     """The method called ``name`` with the options that the case gives it."""
-    return method_class(name)(**options_of(model, name))
+    options = options_of(model, name)
+    return method_class(name)(**options)
 
 
 def fem_of(model: CaseModel) -> "FEM":
@@ -1003,10 +1005,14 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
             infinite = where.startswith("specimen.layers") and where.endswith(".thickness")
             return f"{where}: is required{'; a half-space is [specimen.half_space]' if infinite else ''}"
         case "extra_forbidden":
+            if lacking := absent(f"method {where}"):
+                return f"{where}: {lacking}"
             keys = _allowed(item["loc"], keys_at)
             hint = ELSEWHERE.get(where) or ELSEWHERE.get(str(item["loc"][-1])) or did_you_mean(item["loc"][-1], keys)
             return f"{where}: unknown key{hint} (allowed: {', '.join(keys)})"
         case "literal_error":
+            if lacking := absent(f"{where} {value}"):
+                return f"{where}: {shown(value)} {lacking}"
             allowed = [str(word).strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
             return f"{where}: must be one of {', '.join(allowed)}, got {shown(value)}{did_you_mean(value, allowed)}"
         case "union_tag_not_found":

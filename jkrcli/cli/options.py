@@ -22,6 +22,7 @@ from ..base import units
 from ..base.arguments import exactly_one
 from ..base.files import HANDED, received
 from ..base.units import Ranged, doubtful_work
+from ..base.wings import absent
 from ..methods.protocol import LESS, Forecast, Limits, check_cost
 from ..report.result import Output
 from .printing import LEVEL, QUIET, VERBOSE, forewarn, warn
@@ -275,6 +276,14 @@ class NumberRange(click.FloatRange):
 def choice(kind: Any) -> Any:
     """The words of a ``Literal``."""
     return click.Choice([str(word) for word in get_args(kind)])
+
+
+class MethodName(click.Choice):  # type: ignore[type-arg]
+    """The name of a method; that of a wing that is not there is refused by it."""
+
+    def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
+        lacking = absent(f"method {value}")
+        return f"{value} {lacking}" if lacking else super().get_invalid_choice_message(value, ctx)
 
 
 POSITIVE = NumberRange(min=0, min_open=True)

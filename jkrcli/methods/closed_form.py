@@ -15,7 +15,7 @@ from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.problem import Elastic, Layer, Loading, Problem, Rigid, without_side_walls
 from ..series import COLUMNS, ErrorBudget, Series, Solution
 from .layered.solver import Layered
-from .protocol import Forecast, without_coating, without_tension
+from .protocol import Forecast, by_equation, without_coating, without_tension
 from .radii import ROUGH, Search
 
 # Accuracies, relative.
@@ -99,7 +99,7 @@ def _formula(problem: Problem) -> Formula:
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
         case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
             return _thin_layer(problem, layer, base)
-    other = "layered" if problem.specimen.radius is None else "hybrid"
+    other = by_equation(problem.specimen)
     raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)")
 
 

@@ -12,9 +12,10 @@ from ..base.arguments import Checked, read_fields
 from ..base.errors import NOTICEABLE, InputError, Refusal, counted
 from ..base.process import SHARE, SILENCE, duration, free_memory, memory_words
 from ..base.units import Length, Ranged
+from ..base.wings import absent, wings
 
 if TYPE_CHECKING:
-    from ..bodies.problem import Problem
+    from ..bodies.problem import Problem, Specimen
     from ..series import Solution
 
 
@@ -88,7 +89,9 @@ class Descriptor:
 
 
 def method_class(name: str) -> Any:
-    """The class of the method called ``name``; imports its module, and only that."""
+    """The class of the method called ``name``; imports its module, and only that. InputError where there is none."""
+    if name not in METHODS:
+        raise InputError(f"method {name} {absent(f'method {name}') or 'is not known'}")
     solver = METHODS[name].solver
     if isinstance(solver, type):
         return solver
@@ -118,8 +121,14 @@ def without_coating(problem: Problem) -> str | None:
     """Why a method that knows no layers of the indenter refuses the problem; None where it has none."""
     if not problem.coatings:
         return None
-    able = "layered" if problem.specimen.radius is None else "hybrid"
-    return f"does not represent layers of the indenter: use method {able}, or leave indenter.layers out"
+    other = by_equation(problem.specimen)
+    return f"does not represent layers of the indenter: use method {other}, or leave indenter.layers out"
+
+
+def by_equation(specimen: Specimen) -> str:
+    """The method of the contact equation on a body, as a remedy; that of bodies with side walls is of a wing."""
+    name = "layered" if specimen.radius is None else "hybrid"
+    return name if name in METHODS else f"{name} (its wing is not installed)"
 
 
 def least_first() -> tuple[str, ...]:
@@ -316,7 +325,7 @@ def _why(chosen: Option, options: Sequence[Option]) -> str:
 
 
 # --------------------------------------------------------------------------------------------------
-# The options of the methods ``layered``, ``hybrid`` and ``fem``.
+# The options of the methods ``layered`` and ``fem``.
 
 
 @dataclass(frozen=True)
@@ -325,14 +334,6 @@ class LayeredOptions(Checked):
 
     where: ClassVar[str] = "layered"
     tolerance: Annotated[float, Ranged("number", least=1e-12, most=1e-2)] = 1e-8
-
-
-@dataclass(frozen=True)
-class HybridOptions(Checked):
-    """Options: ``tolerance``, the relative error of delta, P, S and S' at every radius."""
-
-    where: ClassVar[str] = "hybrid"
-    tolerance: Annotated[float, Ranged("number", least=1e-8, most=1e-2)] = 1e-5
 
 
 Solver: TypeAlias = Literal["auto", "superlu", "cholmod"]
@@ -423,11 +424,6 @@ _METHODS = (
         coating=True,
     ),
     Descriptor(
-        "hybrid",
-        "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes.",
-        "jkrcli.methods.hybrid:Hybrid", 30, HybridOptions, kernel=True, coating=True,
-    ),
-    Descriptor(
         "fem", "Finite elements for stacks of isotropic layers, wide or of finite radius.",
         "jkrcli.methods.fem:FEM", 40, FEMOptions, "mesh", tension=True,
     ),
@@ -440,3 +436,8 @@ def register(descriptor: Descriptor) -> None:
     by_effort = sorted([*METHODS.values(), descriptor], key=lambda method: method.effort)
     METHODS.clear()
     METHODS.update({method.name: method for method in by_effort})
+
+
+for _wing in wings():
+    for _module in _wing.methods.values():
+        importlib.import_module(f"jkrcli.{_module}")  # which registers the method

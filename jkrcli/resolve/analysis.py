@@ -817,12 +817,11 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
         return _columns(problem, a, w)
     _check_within(solution, a)
     # Whether the kernel of a cylinder gives the pressures at the radius a [m]; Refusal where nothing does
-    from ..methods.hybrid import Hybrid
-
     reason = nonsmooth_part(problem.specimen)
     if reason is not None and problem.specimen.surface_tension:
         raise Refusal(reason)
-    if reason is None and Hybrid().refusal(replace(problem, loading=Loading.given("radius", (a,)))) is None:
+    at_radius = replace(problem, loading=Loading.given("radius", (a,)))
+    if reason is None and "hybrid" in METHODS and method_class("hybrid")().refusal(at_radius) is None:
         # Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
         # little
         body = AttractedBody(problem, kept=solution.kernel)

@@ -18,8 +18,8 @@ from jkrcli.adhesion.rules import RULES
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, without_side_walls
+from jkrcli.hybrid.solver import Hybrid
 from jkrcli.methods.fem import FEM
-from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from studies.chart_reference import reference_of
 

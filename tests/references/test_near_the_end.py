@@ -11,8 +11,8 @@ from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfil
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.models import load_case
 from jkrcli.formulas import shift
+from jkrcli.hybrid.solver import Hybrid
 from jkrcli.methods.fem import FEM
-from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse, nonadhesive
 

@@ -13,7 +13,7 @@ from ...base.numerics import MOST_SOLVES
 from ...base.process import StageClock, one_thread
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
-from ..protocol import DOUBLED, FEMOptions, Forecast, without_coating
+from ..protocol import DOUBLED, FEMOptions, Forecast, by_equation, without_coating
 from . import mesh
 from .mesh import Grid, Layout
 
@@ -209,7 +209,7 @@ class FEM(FEMOptions):
         if problem.indenter.rim < math.inf:
             return (
                 "contact radii of nodes do not meet the sharp edge of a flat punch: use method "
-                f"{'layered' if specimen.radius is None else 'hybrid'}, or give indenter.flat_radius and edge_radius"
+                f"{by_equation(specimen)}, or give indenter.flat_radius and edge_radius"
             )
         if problem.sticks and (reason := self._unable_to_stick(problem)):
             return reason
@@ -219,11 +219,10 @@ class FEM(FEMOptions):
                 "(--tolerance)"
             )
         if problem.indenter.material is not None and (not specimen.is_half_space or specimen.surface_tension):
-            other = "layered" if specimen.radius is None else "hybrid"
             body = "surface under tension" if specimen.surface_tension else "layered or finite body"
             return (
                 f"an elastic indenter on a {body} is not represented by a rigid profile: "
-                f"use method {other}, or a rigid indenter"
+                f"use method {by_equation(specimen)}, or a rigid indenter"
             )
         if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
             return "a body of finite radius needs a rigid substrate: give the depth as a layer's thickness"

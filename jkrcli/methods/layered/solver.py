@@ -15,7 +15,7 @@ from ...formulas import shift
 from ...series import ErrorBudget, Solution
 from ..integral.density import Density, disc_warnings, nonsmooth_part, refuse_shrinking
 from ..integral.fredholm import FLOPS_PER_SECOND, InaccurateError, search, series_of
-from ..protocol import Forecast, LayeredOptions
+from ..protocol import Forecast, LayeredOptions, by_equation
 from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
 from .no_slip import StuckLayeredContact, why_unsupported
 from .spectrum import spectrum_seconds
@@ -45,7 +45,8 @@ class Layered(LayeredOptions):
         """Why the problem is none of a laterally unbounded stack, with the remedy; None where it is one."""
         radius = problem.specimen.radius
         if radius is not None:
-            other = "fem" if problem.sticks or problem.specimen.surface_tension else "hybrid"
+            by_fem = problem.sticks or problem.specimen.surface_tension
+            other = "fem" if by_fem else by_equation(problem.specimen)
             return (
                 f"the specimen has a finite radius of {radius:g} m, this method knows only laterally "
                 f"unbounded ones; use the method {other}, or leave the radius out"

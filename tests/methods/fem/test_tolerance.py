@@ -114,7 +114,7 @@ def test_run_takes_a_tolerance_and_records_it(jkr, tmp_path: Path) -> None:
     assert solved.budget.series < 1e-2
     assert set(solved.series.errors) == {"a", "P", "S", "dS"}
     jkr("run", case, "--method", "auto", "--tolerance", "5", "-o", "no.h5").refused(
-        "layered takes >= 1e-12 and <= 0.01, hybrid takes", "got 5"
+        "layered takes >= 1e-12 and <= 0.01, ", "got 5"
     )
     outcome = jkr("run", case, "--method", "closed-form", "--tolerance", "1e-3")
     assert outcome.err.startswith("jkr: error: --tolerance: method closed-form has none")

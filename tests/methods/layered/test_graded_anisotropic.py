@@ -28,9 +28,9 @@ from jkrcli.bodies.problem import (
     TransverselyIsotropic,
 )
 from jkrcli.case.models import parse_case
-from jkrcli.methods.hybrid import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import deviation, surface_series
+from jkrcli.methods.protocol import method_class
 
 ALL = GradedTransverselyIsotropic(Linear(1.0, 5.0, 1.0), Exponential(3.0, 9.0, 1.0), 0.2, 0.3, Power(0.5, 0.3, 0.7))
 ONE = GradedTransverselyIsotropic(5.0, Linear(4.0, 1.3, 1.0), 0.2, 0.1, 3.0)  # conjugate roots
@@ -110,12 +110,12 @@ def test_the_tail_is_the_spectrum_for_large_k(material):
 @pytest.mark.parametrize("base", [Rigid(), HalfSpace(Elastic(4.0, 0.3))])
 def test_hybrid_below_an_isotropic_layer_is_the_exact_method(base):
     specimen, radii = Specimen((Layer(Elastic(2.0, 0.3), 0.5), Layer(TABLES, 1.0)), base), (0.5, 1.0)
-    assert worst(solved(specimen, radii, Hybrid()), solved(specimen, radii)) < 1e-5
+    assert worst(solved(specimen, radii, method_class("hybrid")()), solved(specimen, radii)) < 1e-5
 
 
 def test_hybrid_needs_an_isotropic_contact():
     with pytest.raises(Refusal, match="isotropic material at the contact"):
-        solved(Specimen((Layer(ALL, 1.0),), Rigid()), (0.5,), Hybrid())
+        solved(Specimen((Layer(ALL, 1.0),), Rigid()), (0.5,), method_class("hybrid")())
 
 
 @pytest.mark.parametrize(

@@ -10,16 +10,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.errors import Refusal, SolveError
-from ...base.numerics import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array
-from ...base.process import duration
-from ...base.units import show
-from ...bodies.indenters import Indenter
-from ...bodies.problem import AnyGraded, Coated, HalfSpace, Specimen, contact_modulus
-from ...series import KeptKernel
-from ..integral.finite_range import Attraction, panels_for
-from ..integral.fredholm import EquationResult, Panels, Quadrature, rule, solve, tolerance_remedy
-from ..layered.contact import GRADED, LayeredContact
+from ..base.errors import Refusal, SolveError
+from ..base.numerics import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array
+from ..base.process import duration
+from ..base.units import show
+from ..bodies.indenters import Indenter
+from ..bodies.problem import AnyGraded, Coated, HalfSpace, Specimen, contact_modulus
+from ..methods.integral.finite_range import Attraction, panels_for
+from ..methods.integral.fredholm import EquationResult, Panels, Quadrature, rule, solve, tolerance_remedy
+from ..methods.layered.contact import GRADED, LayeredContact
+from ..series import KeptKernel
 from .correction import (
     LINE_EXTRA,
     REGION_LEAST,

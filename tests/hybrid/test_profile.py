@@ -10,7 +10,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid import Hybrid
+from jkrcli.hybrid.solver import Hybrid
 from jkrcli.resolve.analysis import JKR, profile_columns
 from jkrcli.series import Solution
 

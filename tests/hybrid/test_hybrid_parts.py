@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from jkrcli.bodies.problem import Elastic, Layer, Rigid, Specimen
 from jkrcli.formulas import point_force
-from jkrcli.methods.hybrid.correction import LineElements, Mesh, Region, RingField, lines
+from jkrcli.hybrid.correction import LineElements, Mesh, Region, RingField, lines
 
 T = np.array([0.2, 0.7])
 STEP = 1e-5

@@ -14,7 +14,8 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.problem import Elastic, Graded, Layer, Linear, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.methods.hybrid import Hybrid, correction
+from jkrcli.hybrid import correction
+from jkrcli.hybrid.solver import Hybrid
 from jkrcli.methods.integral.fredholm import COLUMNS
 from jkrcli.resolve.analysis import analyse, method_behind, profile_columns
 from jkrcli.series import Solution

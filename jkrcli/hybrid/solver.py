@@ -5,19 +5,20 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ...base.errors import JkrError, Refusal
-from ...base.numerics import MOST_SOLVES, NO_CLAIM, ROUNDED, Array
-from ...base.process import StageClock
-from ...base.units import show
-from ...bodies.problem import AnyTransverse, Elastic, Graded, HalfSpace, Problem, TransverselyIsotropic
-from ...series import ErrorBudget, KeptKernel, Solution
-from ..integral.density import disc_warnings, refuse_shrinking
-from ..integral.fredholm import FLOPS_PER_SECOND, search, series_of
-from ..layered.solver import Layered, expected_radius
-from ..protocol import AUTO_PATIENCE, Forecast, HybridOptions, without_coating, without_tension
-from ..radii import check_radius
+from ..base.errors import JkrError, Refusal
+from ..base.numerics import MOST_SOLVES, NO_CLAIM, ROUNDED, Array
+from ..base.process import StageClock
+from ..base.units import show
+from ..bodies.problem import AnyTransverse, Elastic, Graded, HalfSpace, Problem, TransverselyIsotropic
+from ..methods.integral.density import disc_warnings, refuse_shrinking
+from ..methods.integral.fredholm import FLOPS_PER_SECOND, search, series_of
+from ..methods.layered.solver import Layered, expected_radius
+from ..methods.protocol import AUTO_PATIENCE, Forecast, without_coating, without_tension
+from ..methods.radii import check_radius
+from ..series import ErrorBudget, KeptKernel, Solution
 from . import kernel
 from .kernel import AdaptiveKernel
+from .options import HybridOptions
 
 # --------------------------------------------------------------------------------------------------
 # The method ``hybrid``: the contact equation with a kernel that finite elements compute.

@@ -24,9 +24,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.errors import Refusal, SolveError
-from ...base.numerics import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array
-from ...bodies.problem import (
+from ..base.errors import Refusal, SolveError
+from ..base.numerics import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array
+from ..bodies.problem import (
     AnyGraded,
     AnyTransverse,
     Elastic,
@@ -37,8 +37,8 @@ from ...bodies.problem import (
     Specimen,
     TransverselyIsotropic,
 )
-from ...formulas import point_force
-from ..integral.fredholm import rule
+from ..formulas import point_force
+from ..methods.integral.fredholm import rule
 
 if TYPE_CHECKING:
     from scipy.sparse import coo_matrix, csr_matrix

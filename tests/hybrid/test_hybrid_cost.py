@@ -11,9 +11,10 @@ from stopwatch import takes_less_than
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid import Hybrid, kernel
-from jkrcli.methods.hybrid.correction import Mesh, Region, correction, lines
-from jkrcli.methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement
+from jkrcli.hybrid import kernel
+from jkrcli.hybrid.correction import Mesh, Region, correction, lines
+from jkrcli.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement
+from jkrcli.hybrid.solver import Hybrid
 from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)
@@ -139,10 +140,12 @@ def test_wide_layers_that_would_take_elements_long_are_solved_by_layered() -> No
     assert Hybrid().forecast(thin).note.endswith("by method layered")
     found, exact = Hybrid()(thin), Layered(1e-5)(thin)
     assert found.method == "layered"
+    assert found.solver == Layered(1e-5)
     np.testing.assert_array_equal(found.series.S, exact.series.S)
     assert "hybrid: elements would take" in found.warnings[0]
     assert "solved by method layered, exact for layers without sides" in found.warnings[0]
-    assert Hybrid(1e-3)(_problem("two layers")).method == "hybrid"
+    own = Hybrid(1e-3)(_problem("two layers"))
+    assert (own.method, own.solver) == ("hybrid", Hybrid(1e-3))
 
 
 def test_what_is_not_to_be_had_is_forecast_in_bounds() -> None:

@@ -1,0 +1,1 @@
+"""Bodies bounded by side walls: the contact equation with a kernel that finite elements compute."""

@@ -79,3 +79,4 @@ for delta in given.depth * np.linspace(0.1, 1, given.rows):
     rows.append((delta, p.sum() * dx * dy, area))
 
 np.savetxt(given.table, rows, fmt="%.9g", delimiter=",", header="delta_m,P_N,area_m2", comments="")
+print(f"{given.table}: load and area of contact at {len(rows)} depths to {given.depth:g} m")

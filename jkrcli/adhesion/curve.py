@@ -27,7 +27,6 @@ from ..base.numerics import (
     PiecewiseCubic,
     PiecewiseQuintic,
     composite_gauss,
-    distinct,
     rising_slopes,
     spline_slopes,
     zeros_between,
@@ -342,7 +341,7 @@ class Nonadhesive:
         """The functions of every second point from ``first`` on, the ends and the kinks; the same for every w."""
         if first not in self._thinned:
             last = self.a.size - 1
-            rows = distinct(np.concatenate([np.arange(first, last + 1, 2), [0, last], self.bends]))
+            rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], self.bends]))
             self._thinned[first] = self.at_rows(rows)
         return self._thinned[first]
 
@@ -745,7 +744,7 @@ class EquilibriumCurve(ABC):
     @property
     def _joints(self) -> Array:
         """Places (n,), the ends among them, of pieces over which Gauss' rule is accurate: those of the ``path``."""
-        return distinct(self.places)
+        return np.unique(self.places)
 
     @cached_property
     def _work_between(self) -> tuple[Array, Array]:

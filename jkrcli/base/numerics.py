@@ -37,14 +37,9 @@ def numbers_of(values: Any) -> Array:
     return np.array(filled)
 
 
-def distinct(values: Any) -> Array:
-    """Each of the ``values`` once, in rising order; the counts keep NumPy from loading its masked arrays, 10 ms."""
-    return np.unique(values, return_counts=True)[0]
-
-
 def evenly(rows: int, most: int) -> Array:
     """The numbers of at most ``most`` of so many ``rows``, evenly spread, the first and the last among them."""
-    return distinct(np.linspace(0, rows - 1, min(rows, most)).astype(int))
+    return np.unique(np.linspace(0, rows - 1, min(rows, most)).astype(int))
 
 
 # --------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.errors import InputError, Refusal, SolveError
-from ..base.numerics import MOST_STEPS, SAME, TINY, Array, distinct
+from ..base.numerics import MOST_STEPS, SAME, TINY, Array
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import Loading, Quantity
@@ -72,7 +72,7 @@ class Search:
                 steps = np.geomspace(SEARCH_NEAREST, SEARCH_FARTHEST, SEARCH_ABOVE_KINK)
                 beyond = steps * (radii[np.searchsorted(radii, kink, side="right")] - kink)
                 close = np.abs(radii / kink - 1) < SAME
-                radii = distinct(np.concatenate([radii[~close], [kink], kink + beyond]))
+                radii = np.unique(np.concatenate([radii[~close], [kink], kink + beyond]))
         return radii
 
     @property

@@ -47,7 +47,7 @@ from ..adhesion.validity import (
     yield_warning,
 )
 from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
-from ..base.numerics import HALF_WIDTH, MOST_SOLVES, ROUNDED, ROWS, SAME, UNSEEN, Array, composite_gauss, distinct
+from ..base.numerics import HALF_WIDTH, MOST_SOLVES, ROUNDED, ROWS, SAME, UNSEEN, Array, composite_gauss
 from ..base.process import PATIENCE
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI, show
@@ -575,7 +575,7 @@ def seconds_of_points(solution: Solution, devices: int = 0) -> float:
     """CPU seconds of the solved pull-off points of a curve, about, those by so many ``devices`` included; 0 where none
     are, or can be."""
     method, a = method_behind(solution), solution.series.a
-    radii = distinct(np.linspace(max(0.5 * a[-1], a[0]), a[-1], POINTS + STEPS.size * devices))
+    radii = np.unique(np.linspace(max(0.5 * a[-1], a[0]), a[-1], POINTS + STEPS.size * devices))
     problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
     with contextlib.suppress(Refusal):
         return SOLVED_EACH * method.forecast(problem).seconds if method and solver_of(solution) else 0.0
@@ -595,7 +595,7 @@ def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
     away[n, :, n] = np.inf
     nearer = np.min(away, axis=2) >= own + SOLVED_STEP / 2
     nearer[:, MIDDLE] = True
-    rows = distinct(sevens[nearer])
+    rows = np.unique(sevens[nearer])
     errors = {name: values[rows] for name, values in series.errors.items()}
     inner = replace(series, **columns_at(series, rows), errors=errors, unresolved=solution.unresolved[:, rows])
     middle = sevens[:, MIDDLE]
@@ -753,7 +753,7 @@ def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive],
     there."""
     before = np.array([])
     for step in range(MOST_SOLVES):
-        radii = distinct(wanted(body))
+        radii = np.unique(wanted(body))
         if all(is_solved_at(body, a) for a in radii):
             break
         apart = before[:0]

@@ -14,7 +14,7 @@ from ..adhesion.finite_range import AttractedBody, FiniteRangeBody, Range
 from ..adhesion.slopes import Slopes
 from ..adhesion.validity import FROM_RIM
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
-from ..base.numerics import ROUNDED, Array, distinct, zeros_between
+from ..base.numerics import ROUNDED, Array, zeros_between
 from ..base.process import PATIENCE, duration
 from ..bodies.indenters import Sphere
 from ..bodies.problem import Loading, Problem
@@ -258,6 +258,6 @@ def ranged(problem: Problem, series: Series, w: float, z0: float) -> Equilibrium
     """The adhesive curve at some of the radii of ``series``, of the range ``z0`` [m] and the work of adhesion ``w``
     [J/m^2]."""
 
-    some = distinct(np.linspace(0, len(series) - 1, RANGE_EFFECT_POINTS).astype(int))
+    some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_POINTS).astype(int))
     body = FiniteRangeBody(problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem))
     return body.curve(Range.of(w, length=z0))

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base.errors import JkrError, Refusal
-from ...base.numerics import SAME, Array, distinct
+from ...base.numerics import SAME, Array
 from ...base.units import show
 from ...bodies.indenters import Indenter
 from ...bodies.problem import AnyGraded, Specimen, stacks
@@ -98,7 +98,7 @@ class Density:
         """
         inner = np.concatenate([self.edges, self.indenter.joints])
         inner = inner[(inner > lo) & (inner < hi)]
-        theta = angle(distinct(np.concatenate([[lo], inner, [hi]])))
+        theta = angle(fredholm.distinct(np.concatenate([[lo], inner, [hi]])))
         pieces = np.maximum(np.ceil(np.diff(theta) / DENSITY_WIDEST), 1).astype(int)
         left, right = fredholm.split(theta[:-1], theta[1:], pieces)
         x, w = fredholm.crowded(left, right, self.coefficients.shape[1] + DENSITY_MORE)

@@ -24,10 +24,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base.numerics import Array, distinct
+from ...base.numerics import Array
 from ...bodies.indenters import Indenter
 from .finite_range import ATTRACTION_INNER, ContactDiscs, Rims, profile_kinks, tension_arc
-from .fredholm import abel_arcs, angle, crowded_rule, gauss, lagrange, panel_means, rule, to_legendre
+from .fredholm import abel_arcs, angle, crowded_rule, distinct, gauss, lagrange, panel_means, rule, to_legendre
 
 # The panels of a contact, and the points of the integrals.
 # theory: of a panel at the edge over the next: those beyond the neighbour lie a third of their width away, where ten

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ...base.errors import Refusal, SolveError, counted
-from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline, distinct
+from ...base.numerics import NO_CLAIM, Array, EvenCubic, cubic_spline
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Solid, Specimen, contact_modulus
 from ..integral import fredholm
-from ..integral.fredholm import Quadrature
+from ..integral.fredholm import Quadrature, distinct
 from .spectrum import LayeredSpectrum
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.polynomial import legendre, polynomial
 
 from ...base.errors import Refusal
-from ...base.numerics import ROUNDED, Array, distinct
+from ...base.numerics import ROUNDED, Array
 from ...bodies.indenters import Indenter
 from ...bodies.problem import AnyGraded, AnyTransverse, Coated, Material, Specimen
 from ..integral import fredholm
@@ -459,7 +459,7 @@ class StuckSpectrum(LayeredSpectrum):
             return (zz, zz + 2 * share * zr + share**2 * rr, share**2 * rr)[row] - 1
 
         ends = [resolved(partial(acting, row), *self.octaves)[:2] for row in range(3)]
-        edges = distinct(np.concatenate([np.ravel(pair) for pair in ends]))
+        edges = fredholm.distinct(np.concatenate([np.ravel(pair) for pair in ends]))
         return edges[:-1], edges[1:], self((edges[1:] + edges[:-1]) / 2)[:, None]
 
     def stuck_kernel(self, reach: float, order: int) -> StuckKernel:

@@ -5,6 +5,7 @@ is lost.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -80,11 +81,18 @@ def pull_off_ratios(
 ) -> dict[float, Estimate]:
     """The pull-off force under load control of one series with exact slopes over that of the other, for each of the
     ``works`` of adhesion [J/m^2]."""
-    ratios, bodies = dict[float, Estimate](), [Nonadhesive.of(each, "exact") for each in (one, other)]
-    for w in works:
-        first, second = (AdhesiveCurve(body, w).pull_off(LOAD_CONTROL) for body in bodies)
-        ratios[w] = outside if isinstance(first, Unknown) or isinstance(second, Unknown) else first.P / second.P
+    ratios = dict[float, Estimate]()
+    for w, first, second in zip(works, *(_pull_offs(each, tuple(works)) for each in (one, other)), strict=True):
+        known = isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint)
+        ratios[w] = first.P / second.P if known else outside
     return ratios
+
+
+@lru_cache(maxsize=2)  # one body is compared with several others
+def _pull_offs(series: Series, works: tuple[float, ...]) -> list[CriticalPoint | Unknown]:
+    """What lies between the rows is found once for all ``works``."""
+    functions = Nonadhesive.of(series, "exact")
+    return [AdhesiveCurve(functions, w).pull_off(LOAD_CONTROL) for w in works]
 
 
 NO_FORMULA = Unknown("no formula for a half-space under this tip")

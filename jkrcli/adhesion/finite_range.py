@@ -25,7 +25,7 @@ from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow
 from ..methods.integral.logarithm import LogarithmicAttraction, panels_to
 from ..methods.layered.contact import LayeredContact, checked
 from ..methods.layered.spectrum import MINORS_ACCURACY, spectrum_seconds
-from ..methods.protocol import METHODS
+from ..methods.protocol import METHODS, by_equation
 from ..series import KeptKernel, Record, Series, Solution
 from .curve import (
     CONTROLS,
@@ -693,7 +693,7 @@ def unable(problem: Problem, method: str) -> str | None:
     if method not in METHODS or not METHODS[method].kernel:
         return (
             f"adhesion of finite range needs the kernel of the contact equation, which the method {method} does not "
-            "have: solve the case with the method layered or hybrid"
+            f"have: solve the case with the method {by_equation(problem.specimen)}"
         )
     return None
 

@@ -789,6 +789,8 @@ def fem_of(model: CaseModel) -> "FEM":
 
 def options_of(model: CaseModel, name: str) -> dict[str, Any]:
     """The options of the method called ``name`` that the case gives, or that have a default."""
+    if name not in METHODS:
+        method_class(name)  # which refuses it by its name
     values = {
         option: getattr(getattr(model, place.table), place.key) for option, place in places(METHODS[name]).items()
     }

@@ -338,7 +338,9 @@ def told_of(result: Analysis, section: str) -> dict[str, Any]:
             return dict(zip(RATIOS, (h / R, a, result.w * R**2 / (problem.E_star * h**3)), strict=True))
         case "errors":
             return result.budget.as_dict()
-    return {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")}
+        case "comparison":
+            return {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")}
+    raise ValueError(section)
 
 
 def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:

@@ -100,7 +100,7 @@ def _formula(problem: Problem) -> Formula:
         case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
             return _thin_layer(problem, layer, base)
     other = by_equation(problem.specimen)
-    raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)")
+    raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} or fem")
 
 
 def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:

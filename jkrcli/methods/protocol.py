@@ -128,7 +128,7 @@ def without_coating(problem: Problem) -> str | None:
 def by_equation(specimen: Specimen) -> str:
     """The method of the contact equation on a body, as a remedy; that of bodies with side walls is of a wing."""
     name = "layered" if specimen.radius is None else "hybrid"
-    return name if name in METHODS else f"{name} (its wing is not installed)"
+    return name if name in METHODS else f"{name} (install the whole of jkrcli)"
 
 
 def least_first() -> tuple[str, ...]:

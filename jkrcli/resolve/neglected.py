@@ -23,7 +23,7 @@ from ..adhesion.curve import (
 )
 from ..adhesion.validity import Validity, judge, large_strains, refuse_wetting, sizes, with_large_strains
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
-from ..base.numerics import cubic_spline
+from ..base.numerics import Array, cubic_spline
 from ..base.process import PATIENCE
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
@@ -57,14 +57,15 @@ LEFT_OUT_ACCURACY = 1e-5
 LEFT_OUT_SLIGHT = (1e-3, 1e-2)
 # theory: the same on a half-space, where first order in kappa l/a is a formula, good to (kappa l/a)^2 at every radius
 LEFT_OUT_SLIGHTEST = 1e-7
-# Radii at which a tension is solved for: changes then differ by 1e-3 of themselves from those of 120 radii. Of the
-# largest radius, where load and S are compared; tuned on the shipped cases, by `make constants`
-LEFT_OUT_AT_END = (0.92, 0.96, 1.0)
-# Around pull-off without it, of its smallest and its largest radius, and in steps of their logarithm; tuned on the
-# same, by `make constants`
-LEFT_OUT_AROUND = (0.6, 1.4)
-LEFT_OUT_STEP = 0.14  # tuned on the same, by `make constants`
-LEFT_OUT_WIDE = (0.02, 20)  # choice: of the largest radius the least, and how many, where pull-off moves further
+# Radii at which a tension is solved for: on the shipped cases changes then differ by 1e-3 of themselves from those of
+# 120 radii. In steps of their logarithm from and to these shares of the radius of pull-off without it; tuned on bodies,
+# by `make constants`
+LEFT_OUT_FROM, LEFT_OUT_TO, LEFT_OUT_STEP = 0.6, 1.4, 0.14
+# Of the largest radius, from which on load and S are compared, at so many; tuned on bodies, by `make constants`
+LEFT_OUT_END, LEFT_OUT_ENDS = 0.92, 3
+# Of the largest radius the least, and how many, where pull-off moves further than that; tuned on bodies, by `make
+# constants`: half as many move what S changes by, by 7 %
+LEFT_OUT_SMALLEST, LEFT_OUT_FEW = 0.02, 20
 LEFT_OUT_PER_WORK = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
 # times as long as one spectrum take all that are solved; tuned on stacks of 500 and 1,000 layers, by `make guards`
 LEFT_OUT_SOLVED = 10
@@ -290,7 +291,7 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
     for slight in (*slightest, *LEFT_OUT_SLIGHT):
         trial = max(Ups, slight * neighbours.expected.a * rigid.E_star / 2)
         try:
-            omission, share = _of_trial(neighbours, rigid, trial), Ups / trial
+            omission, share = _of_trial(neighbours, rigid, trial, name, key), Ups / trial
         except JkrError as error:
             failed = Unknown(str(error))
             continue
@@ -302,30 +303,32 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
             except JkrError as error:  # a surface of so little tension wets the indenter
                 pulls[w] = Unknown(str(error))
         load, S = _part(share, omission.load), _part(share, omission.S)
-        return replace(omission, name=name, key=key, load=load, S=S, pull_off=pulls)
+        return replace(omission, load=load, S=S, pull_off=pulls)
     return NeglectedEffect(name, key, failed, failed)
 
 
-def _of_trial(neighbours: Neighbours, rigid: Problem, trial: float) -> NeglectedEffect:
+def _of_trial(neighbours: Neighbours, rigid: Problem, trial: float, name: str, key: str) -> NeglectedEffect:
     """A ``trial`` [N/m] of surface tension on a body with a ``rigid`` indenter: solved near the largest radius and
-    around pull-off without it; over all radii where pull-off with it lies elsewhere."""
-    a0, expected = rigid.indenter.a0, neighbours.expected
-    reach, known = expected.a - a0, [point for w, point, _ in expected.adhesion if w > 0]
-    least, count = LEFT_OUT_WIDE
-    choices = [reach * np.geomspace(least, 1.0, count)]
-    if pulled := [point.a - a0 for point in known if isinstance(point, CriticalPoint) and point.a > a0]:
-        first, last = LEFT_OUT_AROUND[0] * min(pulled), LEFT_OUT_AROUND[1] * max(pulled)
-        last = min(last, LEFT_OUT_AT_END[0] * reach)
-        around = np.exp(np.arange(math.log(first), math.log(last), LEFT_OUT_STEP))
-        choices.insert(0, np.append(around, reach * np.array(LEFT_OUT_AT_END)))
-    specimens = rigid.specimen, replace(rigid.specimen, surface_tension=trial)
-    for beyond in choices:
-        plain, tense = (resolve_with(rigid, a0 + beyond, Layered(LEFT_OUT_ACCURACY), PATIENCE, specimen=one).series
-                        for one in specimens)  # fmt: skip
-        omission = neighbours.over("", "", plain, tense)
-        if not any(isinstance(change, Unknown) for change in omission.pull_off.values()):
-            break
-    return omission
+    around pull-off without it; over all radii where pull-off with it lies elsewhere, or where there is none."""
+    a0, specimen = rigid.indenter.a0, rigid.specimen
+    reach = neighbours.expected.a - a0
+    pulled = {w: point.a - a0 for w, point, _ in neighbours.expected.adhesion
+              if w > 0 and isinstance(point, CriticalPoint) and point.a > a0}  # fmt: skip
+
+    def compared(beyond: Array) -> NeglectedEffect:
+        plain, tense = (
+            resolve_with(rigid, a0 + beyond, Layered(LEFT_OUT_ACCURACY), PATIENCE, specimen=one).series
+            for one in (specimen, replace(specimen, surface_tension=trial))
+        )
+        return neighbours.over(name, key, plain, tense)
+
+    if pulled:
+        first, last = LEFT_OUT_FROM * min(pulled.values()), LEFT_OUT_TO * max(pulled.values())
+        around = np.exp(np.arange(math.log(first), math.log(min(last, LEFT_OUT_END * reach)), LEFT_OUT_STEP))
+        near = compared(np.append(around, reach * np.linspace(LEFT_OUT_END, 1.0, LEFT_OUT_ENDS)))
+        if not any(isinstance(near.pull_off[w], Unknown) for w in pulled if w in near.pull_off):
+            return near
+    return compared(reach * np.geomspace(LEFT_OUT_SMALLEST, 1.0, LEFT_OUT_FEW))
 
 
 def _part(share: float, change: Estimate) -> Estimate:

@@ -348,9 +348,14 @@ def relaxation_at(t: Array, law: str, p: Mapping[str, float | Array]) -> Array:
             return of["ratio"] + (1 - of["ratio"]) * np.exp(-t / of["time"])
         case "power":  # ((t + onset)/time)^-exponent
             return ((t + of["onset"]) / of["time"]) ** -of["exponent"]
-    # Prony's series, 1 - sum of weight (1 - exp(-t/time))
-    terms = [name.removeprefix("weight") for name in p if name.startswith("weight")]
-    return 1 + sum(of[f"weight{i}"] * np.expm1(-t / of[f"time{i}"]) for i in terms)
+        case "prony":  # 1 - sum of weight (1 - exp(-t/time))
+            terms = [name.removeprefix("weight") for name in p if name.startswith("weight")]
+            return 1 + sum(of[f"weight{i}"] * np.expm1(-t / of[f"time{i}"]) for i in terms)
+    # Another, of one's own, for one set of parameters after the other
+    sets = np.broadcast_arrays(*p.values())
+    laws = (RELAXATIONS[law](**dict(zip(p, values, strict=True))) for values in zip(*map(np.ravel, sets), strict=True))
+    r = [one.modes(float(np.max(t, initial=TINY)))(t) for one in laws]
+    return np.reshape(r, (*sets[0].shape, t.size))
 
 
 @dataclass(frozen=True, eq=False)

@@ -128,7 +128,7 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
     "sticking": (STICKING, "transform own.h5 --range 0.5nm --no-plots", 'specimen.surface = "sliding"',
                  TIP, "transform own.h5 --range 0.5nm --no-plots"),
     "finite elements": ('method = "fem"' + TIP, "transform own.h5 --range 0.5nm --no-plots",
-                        "solve the case with the method layered or hybrid",
+                        "solve the case with the method layered",
                         'method = "layered"' + TIP, "transform own.h5 --range 0.5nm --no-plots"),
     "beyond the side": (CYLINDER, "transform own.h5 --range 30nm --no-plots", "give a larger stress (a shorter range)",
                         CYLINDER, "transform own.h5 --range 0.5nm --no-plots"),
@@ -164,7 +164,7 @@ def test_imported_series_have_no_kernel(jkr, tip: Path) -> None:
     assert jkr("import", "data.csv", "--case", "tip.toml", "-o", "data.h5").code == 0
     done = jkr("transform", "data.h5", "--range", "0.5 nm", "--no-plots")
     assert (done.code, done.err.count("error:")) == (2, 1)
-    assert "which the method import does not have: solve the case with the method layered or hybrid" in done.err
+    assert "which the method import does not have: solve the case with the method layered" in done.err
     assert jkr("transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q").code == 0
 
 

@@ -129,7 +129,7 @@ MUCH = (
     "{}); use a smaller contact"
 )
 FORMULAE = (
-    "method closed-form: solves homogeneous half-spaces and thin single isotropic layers only: use method {} (or fem)"
+    "method closed-form: solves homogeneous half-spaces and thin single isotropic layers only: use method {} or fem"
 )
 # fmt: off
 KINDS = {

@@ -1,16 +1,20 @@
 """What a case leaves out, against closed forms and identities."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from maugis import Maugis
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from jkrcli.adhesion.curve import LOAD_CONTROL, transform
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import GEL_TENSION, Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import displacement, over_hertz, over_jkr, sneddon_sphere
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.neglected import LEFT_OUT_GLASS, NeglectedEffect, neglected_effects, preview_effects
 
 GLASS = Elastic(*LEFT_OUT_GLASS)
@@ -64,6 +68,31 @@ def test_a_slight_surface_tension_on_a_half_space(E: float, within: float) -> No
     kappa = 2 * GEL_TENSION / Elastic(E, 0.5).E_star
     assert one.load == pytest.approx(3 * kappa / (math.pi * a), rel=within)  # (kappa l/a)^2 beside it
     assert one.S == pytest.approx(2 * kappa / (math.pi * a), rel=within)
+
+
+def of_many_radii(specimen: Specimen, w: float, radii: int = 120) -> tuple[float, float, float]:
+    """What a tension changes of load and S at the depth of ``a``, and of the pull-off force for ``w``."""
+    plain, tense = (
+        Layered(1e-5)(Problem(Paraboloid(R), one, Loading("radius", a, radii, "log"))).series
+        for one in (specimen, replace(specimen, surface_tension=GEL_TENSION))
+    )
+    load, S = (
+        math.exp(float(CubicSpline(np.log(tense.delta), np.log(column))(math.log(plain.delta[-1])))) / end - 1
+        for column, end in ((tense.P, plain.P[-1]), (tense.S, plain.S[-1]))
+    )
+    pulled = [transform(series, "exact", w).pull_off(LOAD_CONTROL).P for series in (tense, plain)]
+    return load, S, pulled[0] / pulled[1] - 1
+
+
+@pytest.mark.parametrize(("E", "w"), [(1e6, 1e-3), (3e4, 2e-5)], ids=["near", "elsewhere"])
+def test_a_surface_tension_on_a_layer_is_that_of_many_radii(E: float, w: float) -> None:
+    """Solved around pull-off without it; over all radii where pull-off with it lies elsewhere."""
+    specimen = layer(4e-6, Elastic(E, 0.45))
+    one = found(specimen, w)["surface tension"]
+    load, S, pulled = of_many_radii(specimen, w)
+    assert one.load == pytest.approx(load, rel=1e-4)
+    assert one.S == pytest.approx(S, rel=3e-4)
+    assert one.pull_off[w] == pytest.approx(pulled, rel=5e-6)
 
 
 def test_a_w_that_wets_has_no_pull_off_under_that_tension() -> None:

@@ -4,7 +4,7 @@
 import csv
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import described_body
@@ -20,7 +20,7 @@ from jkrcli.base.errors import InputError, SolveError
 from jkrcli.bodies.problem import Modes
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
-from jkrcli.viscoelastic import adhesive_fit, fits, lockstep_march
+from jkrcli.viscoelastic import adhesive_fit, fits, lockstep_march, timed_record
 from jkrcli.viscoelastic.adhesive_fit import ElasticLimits
 from jkrcli.viscoelastic.law_posterior import Nearby
 from jkrcli.viscoelastic.lockstep_march import March, Marched, Trial, passing
@@ -165,6 +165,19 @@ def test_laws_at_many_parameters_are_those_of_each() -> None:
     }
     for name, (values, law) in laws.items():
         np.testing.assert_allclose(relaxation_at(t, name, values), law.modes(3.0)(t), rtol=1e-8)
+
+
+def test_a_law_of_one_s_own_is_known_at_many_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclass(frozen=True)
+    class Own:
+        time: float
+
+        def modes(self, lasting: float) -> Modes:
+            return Modes(0.0, np.ones(1), np.array([1 / self.time]))
+
+    monkeypatch.setattr(timed_record, "RELAXATIONS", {"own": Own})
+    t, times = np.geomspace(0.1, 3, 5), np.array([0.5, 2.0, 7.0])
+    np.testing.assert_allclose(relaxation_at(t, "own", {"time": times}), np.exp(-t / times[:, None]), rtol=1e-12)
 
 
 @pytest.mark.parametrize(("before", "behind"), [(0.3, 0.3), (2.0, 0.5)])

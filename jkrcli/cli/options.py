@@ -96,7 +96,7 @@ def several(*options: Options) -> Options:
 
 
 def as_one(name: str, make: Callable[..., Any] | str, *options: Options) -> Options:
-    """Options that a verb takes as one argument ``name``: what ``make``, or "module:function" imported when the verb is
+    """Options that a verb takes as one argument ``name``: what ``make``, or "module:name" imported when the verb is
     called, makes of their values; of a dataclass those fields that are ``typed`` before the others. An option of the
     same ``name`` is one of theirs, wherever it stands."""
     if is_dataclass(make):
@@ -278,7 +278,7 @@ def choice(kind: Any) -> Any:
     return click.Choice([str(word) for word in get_args(kind)])
 
 
-class MethodName(click.Choice):  # type: ignore[type-arg]
+class MethodType(click.Choice):  # type: ignore[type-arg]
     """The name of a method; that of a wing that is not there is refused by it."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:

@@ -197,7 +197,7 @@ def _number(plan: Plan, number: int, option: str) -> int:
 
 
 @options.verb("case")
-@click.option("--method", type=options.MethodName(METHODS), help="Method, instead of the case's.")
+@click.option("--method", type=options.MethodType(METHODS), help="Method, instead of the case's.")
 @click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True, help="Runs.")
 @options.limits_options
 @options.json_option

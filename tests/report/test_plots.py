@@ -295,10 +295,12 @@ def test_matplotlib_keeps_its_own_words_but_in_the_program(begun: bool) -> None:
     code = (
         f"from jkrcli.base import process\nif {begun}: process.begin()\nimport jkrcli.report.plots\n"
         "from matplotlib import artist, lines\nprint('drawstyle' in lines.Line2D.set.__doc__)\n"
-        "print('drawstyle' in artist.kwdoc(lines.Line2D))"
+        "print('drawstyle' in artist.kwdoc(lines.Line2D))\n"
+        "print('drawstyle' in lines.Line2D.set.__signature__.parameters)\n"
+        "print('drawstyle' in artist.ArtistInspector(lines.Line2D).get_setters())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [str(not begun), "True"]
+    assert done.stdout.split() == [str(not begun), "True", str(not begun), "True"]
 
 
 def test_phases_of_a_history_are_drawn_apart_and_without_gaps() -> None:

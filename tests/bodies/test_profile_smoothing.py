@@ -99,7 +99,7 @@ def misses(seeds: range, points: int, flat: float, noise: float = NOISE) -> tupl
     return np.array(off), np.array(stated)
 
 
-@pytest.mark.parametrize(("points", "flat"), [(61, FLAT), (30, 0.0)])
+@pytest.mark.parametrize(("points", "flat"), [pytest.param(61, FLAT, marks=pytest.mark.slow), (30, 0.0)])
 def test_pull_off_under_a_noisy_tip_is_within_its_error(points: int, flat: float) -> None:
     """It was refused as not convex."""
     off, stated = misses(range(4), points, flat)

@@ -176,7 +176,8 @@ def test_units_of_length_and_force() -> None:
 
 @pytest.mark.parametrize(
     ("specimen", "relation"),
-    [(f"{LAYER}, surface_tension = 0.03", 1e-6), (f'{LAYER}, surface = "sticking"', 1e-7),
+    [pytest.param(f"{LAYER}, surface_tension = 0.03", 1e-6, marks=pytest.mark.slow),
+     (f'{LAYER}, surface = "sticking"', 1e-7),
      (f'{LAYER}, radius = "8 mm", side = "free"', 1e-4), (f"{LAYER}, half_space = {{ E = 1e5, nu = 0.3 }}", 1e-8)],
 )  # fmt: skip
 def test_pull_off_of_any_body_is_g_equal_w_at_the_full_end(jkr: Callable, specimen: str, relation: float) -> None:

@@ -104,7 +104,9 @@ def graded(exponent: float, length: float) -> Problem:
     return Problem(Paraboloid(1.0), Specimen((layer,), Rigid()), Loading("radius", 0.01, 100))
 
 
-@pytest.mark.parametrize(("exponent", "length", "unfinished"), [(0.4, 1e-8, 6e-4), (0.6, 1e-9, 1.7e-3)])
+@pytest.mark.parametrize(
+    ("exponent", "length", "unfinished"), [(0.4, 1e-8, 6e-4), pytest.param(0.6, 1e-9, 1.7e-3, marks=pytest.mark.slow)]
+)
 def test_pull_off_of_power_law_grading(exponent: float, length: float, unfinished: float) -> None:
     """(k + 3)/2 pi w R (Chen, Yan, Zhang and Gao 2009), less what a finite modulus at the surface takes off, about
     (length/a)^(1 - k): 1.2 % off in rows as high as the distance of vertices, in which the modulus grows a hundredfold.

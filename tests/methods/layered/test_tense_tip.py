@@ -109,6 +109,7 @@ def test_the_stated_error_holds_the_true_one() -> None:
     assert (np.abs(result.columns / exact - 1) <= errors).all()
 
 
+@pytest.mark.slow
 def test_pull_off_of_a_stiff_bead_is_that_of_a_rigid_one(jkr: Callable) -> None:
     """From the case to the curve: glass, 3e6 times as stiff as the gel; and a soft tip, which lets go elsewhere."""
     text = """

@@ -285,7 +285,7 @@ class Swept(Result):
         plan, failed, (strained, unknown) = self.plan, self.failed, self.strained
         doubts = [
             *([f"; large strains change the pull-off force in {strained:,} ({STRAINS})"] if strained else []),
-            *([f"; what large strains do to it is unknown in {unknown:,}"] if unknown else []),
+            *([f"; how large strains change the pull-off force is unknown in {unknown:,}"] if unknown else []),
         ]
         return [
             f"{counted(plan.count, 'case')}{f', {len(failed):,} of them failed' if failed else ''}"

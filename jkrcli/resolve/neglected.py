@@ -57,9 +57,9 @@ LEFT_OUT_ACCURACY = 1e-5
 LEFT_OUT_SLIGHT = (1e-3, 1e-2)
 # theory: the same on a half-space, where first order in kappa l/a is a formula, good to (kappa l/a)^2 at every radius
 LEFT_OUT_SLIGHTEST = 1e-7
-# Radii at which a tension is solved for: on the shipped cases changes then differ by 1e-3 of themselves from those of
-# 120 radii. In steps of their logarithm from and to these shares of the radius of pull-off without it; tuned on bodies,
-# by `make constants`
+# Radii at which a tension is solved for: on 60 random layers changes of load and S then differ by 3e-3 of themselves
+# from those of 120 radii, of pull-off by 2e-6. In steps of their logarithm from and to these shares of the radius of
+# pull-off without it; tuned on bodies, by `make constants`
 LEFT_OUT_FROM, LEFT_OUT_TO, LEFT_OUT_STEP = 0.6, 1.4, 0.14
 # Of the largest radius, from which on load and S are compared, at so many; tuned on bodies, by `make constants`
 LEFT_OUT_END, LEFT_OUT_ENDS = 0.92, 3

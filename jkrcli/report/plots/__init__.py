@@ -52,8 +52,8 @@ def axis_of(name: str, *values: Array | float) -> tuple[float, str]:
 
 
 # --------------------------------------------------------------------------------------------------
-# matplotlib's import without the lists of properties that it writes into its own docstrings and signatures, four
-# tenths of its time, and, in the process ``jkr``, without what its surroundings say: no figure depends on it.
+# matplotlib's import without the lists of properties that it writes into its own docstrings and signatures, a quarter
+# of its time, and, in the process ``jkr``, without what its surroundings say: no figure depends on it.
 
 
 def _properties() -> Any:

@@ -22,11 +22,9 @@ LAYER = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 10e-6),), jkr.Rigid())
 SPHERE = jkr.Paraboloid(100e-6)
 
 
-def curve(
-    points: int, w: float, method: str = "layered", body: jkr.Specimen = LAYER, devices: tuple[float, ...] = ()
-) -> AdhesiveCurve:
+def curve(points: int, w: float, method: str = "layered", devices: tuple[float, ...] = ()) -> AdhesiveCurve:
     loading = jkr.Loading("radius", 40e-6, points)
-    return with_solved_points(jkr.transform(jkr.solve(jkr.Problem(SPHERE, body, loading), method), w), *devices).jkr
+    return with_solved_points(jkr.transform(jkr.solve(jkr.Problem(SPHERE, LAYER, loading), method), w), *devices).jkr
 
 
 def judged(coarse: Cycle, fine: Cycle, least: float = 0.0) -> list[float]:
@@ -50,8 +48,7 @@ def cycled(one: EquilibriumCurve, two: EquilibriumCurve, stiffness: float) -> Cy
     return found
 
 
-@pytest.mark.parametrize("stiffness", [20.0, math.inf])
-@pytest.mark.parametrize("ratio", [1.0, 3.0])
+@pytest.mark.parametrize(("stiffness", "ratio"), [(20.0, 3.0), (math.inf, 1.0)])
 def test_energies_of_few_rows_state_what_interpolation_leaves(stiffness: float, ratio: float) -> None:
     """25 rows were 4e-6 off and said nothing."""
     coarse, fine = (
@@ -67,7 +64,7 @@ STACK = jkr.Specimen(
 )
 
 
-@pytest.mark.parametrize("rows", [5, 8, 14, 25, 100])
+@pytest.mark.parametrize("rows", [5, 14])
 @pytest.mark.parametrize("spacing", ["radius", "log", "depth"])
 def test_energies_of_stacks_are_within_what_is_stated_by_splines_through_many_radii(rows: int, spacing: str) -> None:
     """Of few rows they were up to 26 times beyond: gaps beside solved points were not seen, and work was integrated
@@ -107,7 +104,7 @@ def splined(w: float, stiffness: float) -> dict[str, float]:
 FILM = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.5), 1e-6),), jkr.HalfSpace(jkr.Elastic(6e3, 0.3)))
 
 
-@pytest.mark.parametrize(("rows", "spacing"), [(14, "radius"), (25, "radius"), (25, "depth")])
+@pytest.mark.parametrize(("rows", "spacing"), [(14, "radius"), (25, "depth")])
 def test_energies_across_a_jump_to_smaller_contact_count_what_its_place_errs_by(rows: int, spacing: str) -> None:
     """A stiff film on a soft half-space has two folds: up to 16 times beyond, as the upper one's place had no error."""
     w, loading = 1.8e-4, jkr.Loading("radius", 13e-6, rows, spacing)
@@ -137,12 +134,10 @@ def test_energies_of_finite_range_state_their_errors() -> None:
 @pytest.mark.slow
 def test_energies_by_elements_state_those_of_the_mesh() -> None:
     """1e-3 off without a word."""
+    coarse, fine = (curve(60, 0.02, method) for method in ("fem", "layered"))
     ratios = []
-    for nu in (0.3, 0.45, 0.49):
-        body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, nu), 10e-6),), jkr.Rigid())
-        coarse, fine = (curve(60, 0.02, method, body) for method in ("fem", "layered"))
-        for stiffness in (20.0, math.inf):
-            ratios += judged(cycled(coarse, coarse, stiffness), cycled(fine, fine, stiffness), 1e-6)
+    for stiffness in (20.0, math.inf):
+        ratios += judged(cycled(coarse, coarse, stiffness), cycled(fine, fine, stiffness), 1e-6)
     assert np.median(ratios) < 30
 
 

@@ -58,7 +58,7 @@ def force(curve: FiniteRangeCurve, R: float) -> float:
     return -point.P / (math.pi * curve.w * R)
 
 
-@pytest.mark.parametrize("lam", [0.01, 0.1, 1.0, 7.0, 50.0])
+@pytest.mark.parametrize("lam", [0.1, 7.0])
 def test_half_space_is_the_closed_form_of_maugis(lam: float) -> None:
     exact = Maugis(1.0, 1.0, 1e-6, lam, 1 + np.geomspace(1e3, 1e-6, 41))
     problem = jkr.Problem(jkr.Paraboloid(1.0), HALF_SPACE, jkr.Loading.given("radius", tuple(exact.a)))
@@ -71,15 +71,16 @@ def test_half_space_is_the_closed_form_of_maugis(lam: float) -> None:
 
 LAYERS = [  # nu, q = w R^2/(E* h^3), mu, -P_min/(pi w R), a/h, c/h: three computations agree on these digits
     (0.3, 1, 0.3, 1.982055, 0.554, 2.6195),
+    (0.499, 100, 3, 2.360242, 3.469, 4.51138),
     (0.3, 1, 1, 1.893768, 1.113, 1.66494),
     (0.3, 1, 3, 1.811069, 1.387, 1.46900),
     (0.3, 1, 10, 1.795308, 1.434, 1.44182),
     (0.499, 100, 1, 2.089937, 1.844, 6.80848),
-    (0.499, 100, 3, 2.360242, 3.469, 4.51138),
     (0.499, 100, 10, 2.336444, 4.254, 4.29213),
 ]
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("nu", "q", "mu", "pulled", "a", "c"), LAYERS)
 def test_pull_off_of_bonded_layers(nu: float, q: float, mu: float, pulled: float, a: float, c: float) -> None:
     R = 1000.0
@@ -97,10 +98,9 @@ def attracted(curve: FiniteRangeCurve, nu: float, R: float) -> Uncontacted:
     return Uncontacted(nu, R, curve.law.stress, curve.law.length)
 
 
-@pytest.mark.parametrize("mu", [3.4, 3.5])
-def test_surfaces_on_the_ridge_come_together_without_contact(mu: float) -> None:
+def test_surfaces_on_the_ridge_come_together_without_contact() -> None:
     """Under displacement control; "increase [loading] radius" was the answer."""
-    curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, mu)
+    curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, 3.4)
     jump_in, exact = stability_under(curve, DISPLACEMENT).jump_in, attracted(curve, 0.499, 1000.0)
     assert not isinstance(jump_in, jkr.Unknown)
     assert jump_in.a == 0
@@ -149,7 +149,7 @@ def test_several_radii_of_attraction_are_told() -> None:
 BODIES = {"half-space": HALF_SPACE, "nu = 0.3": layer(0.3), "nu = 1/2": layer(0.5), "coating": COATING}
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", BODIES)
 def test_short_range_goes_to_jkr_like_one_over_the_tabor_number_squared(name: str) -> None:
     """The whole curve at every radius beyond those where c is far from a, and the pull-off force."""
@@ -182,6 +182,7 @@ def test_ranges_that_are_next_to_none_are_solved_up_to_rounding(name: str) -> No
             finite_range_curve(solution, w, stress=mu * (w / 100.0) ** (1 / 3))
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_long_range_goes_to_a_rigid_sphere(name: str) -> None:
     """P_H - 2 pi w R at every radius, and with it the pull-off force, in proportion to mu."""
@@ -211,6 +212,7 @@ def test_long_range_goes_to_a_rigid_sphere_while_it_ends_on_a_cylinder() -> None
         finite_range_curve(solution, w, stress=0.004 * (w / R) ** (1 / 3))
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_load_and_displacement_change_together_as_a_flat_end_and_its_annulus_say(name: str) -> None:
     """dP = S d(delta) - 2 pi c sigma (1 - u_a(c)) dc along the curve; u_a of a flat end by other nodes."""
@@ -225,7 +227,7 @@ def test_load_and_displacement_change_together_as_a_flat_end_and_its_annulus_say
         assert abs(dP - (bulk - rim)) < 1e-8 * (abs(bulk) + abs(rim)), (a, c)  # measured: 3e-9
 
 
-@pytest.mark.first(3)
+@pytest.mark.first(2)
 @pytest.mark.parametrize("stiffness", [0.7, DISPLACEMENT])
 @pytest.mark.parametrize("name", BODIES)
 def test_energy_of_a_loop_is_what_its_jumps_lose(name: str, stiffness: float) -> None:
@@ -266,7 +268,7 @@ def surface_of(curve: FiniteRangeCurve, state: Equilibrium) -> tuple[np.ndarray,
     return r, weights, attracted_surface(body.attraction(1.3 * c), a, curve.law.stress, curve.law.length, r, body.scale)
 
 
-@pytest.mark.first(3)
+@pytest.mark.first(2)
 @pytest.mark.parametrize("mu", [0.3, 3.0])
 @pytest.mark.parametrize("name", BODIES)
 def test_pressure_is_continuous_and_the_gap_grows_to_the_range(name: str, mu: float) -> None:
@@ -302,6 +304,7 @@ def flat_end(specimen: jkr.Specimen, R: float, a: float, c: float) -> tuple[floa
     return math.pi * contact.E_star * panels.w @ phi, math.acos(a / c) / 2 * v @ beyond
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_curve_is_smooth_where_the_surfaces_first_touch(name: str) -> None:
     curve = curve_of(BODIES[name], 100.0, 2.0, 1e-4, 0.5)
@@ -311,18 +314,6 @@ def test_curve_is_smooth_where_the_surfaces_first_touch(name: str) -> None:
     left, right = (np.array(curve.rates(np.array(c0 * x))) for x in (1 - 1e-4, 1 + 1e-4))
     assert left[1] / left[0] == pytest.approx(right[1] / right[0], rel=2e-2)  # dP/d(delta)
     assert curve.point(0.0).delta == -curve.law.length
-
-
-def test_change_of_units() -> None:
-    length, load = 1e-6, 1e-3
-    near = curve_of(layer(0.4), 100.0, 2.0, 1e-4, 1.0)
-    modulus = load / length**2
-    specimen = jkr.Specimen((jkr.Layer(jkr.Elastic((1 - 0.4**2) * modulus, 0.4), length),), jkr.Rigid())
-    far = finite_range_curve(solved(specimen, 100 * length, 2 * length), 1e-4 * load / length,
-                             stress=near.law.stress * modulus)  # fmt: skip
-    assert np.allclose(far.places, near.places * length, rtol=1e-9, atol=0)
-    assert np.allclose(far.delta, near.delta * length, rtol=1e-8, atol=1e-12 * length)
-    assert np.allclose(far.P, near.P * load, rtol=1e-7, atol=1e-10 * load)
 
 
 def test_interpolation_between_the_points_stays_within_what_is_stated() -> None:
@@ -345,17 +336,17 @@ def test_one_of_stress_and_range_is_given_and_positive() -> None:
     assert Range.of(0.1, length=1e-9).stress == pytest.approx(1e8)
 
 
-@pytest.mark.parametrize("length", [1e-7, 1e-6])
-def test_attraction_up_to_the_end_of_a_profile_is_refused_in_words(length: float) -> None:
+def test_attraction_up_to_the_end_of_a_profile_is_refused_in_words() -> None:
     """And not with a warning of numpy, which would fail here."""
     table = jkr.TableProfile((0.0, 4e-6, 8e-6, 8.2e-6), (0.0, 0.4e-6, 1.6e-6, 1.681e-6))
     body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.3), 5e-6),), jkr.Rigid())
     solution = jkr.solve(jkr.Problem(table, body, jkr.Loading("radius", 8.1e-6, 20)))
     with pytest.raises(jkr.Refusal, match=r"beyond the end of the profile .* give a larger stress"):
-        finite_range_curve(solution, 0.05, length=length)
+        finite_range_curve(solution, 0.05, length=1e-7)
 
 
-@pytest.mark.parametrize("length", [2e-9, 2e-8])
+@pytest.mark.first(1)
+@pytest.mark.parametrize("length", [2e-8, 2e-9])
 def test_a_flat_end_has_its_kinks_where_contact_or_attraction_reach_its_edge(length: float) -> None:
     """There delta was 9 % off, minima stood that do not exist, and pull-off was 1.7 % off with 0.3 % stated: against
     states on panels half as wide, and in the least of a polynomial through such."""
@@ -414,6 +405,7 @@ def test_pull_off_where_the_attracted_radius_falls_as_the_contact_grows() -> Non
 WITHOUT = [(0.1, 10.0, 0.499, math.inf), (0.03, 3.0, 0.5, 0.5), (0.3, 1.0, 0.0, math.inf), (0.1, 100.0, 0.3, 8.0)]
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("mu", "q", "nu", "stiffness"), WITHOUT)
 def test_pull_off_without_contact_is_that_of_a_constant_tension(
     mu: float, q: float, nu: float, stiffness: float

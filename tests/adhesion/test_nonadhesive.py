@@ -33,10 +33,9 @@ def exact_hertz() -> Nonadhesive:
     return Nonadhesive(series, slopes(series))
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_no_adhesion_is_the_limit_of_little(seed: int) -> None:
+def test_no_adhesion_is_the_limit_of_little() -> None:
     """On noisy data too: the fitted columns, not those of the data, which lie up to 0.7 % of the load beside them."""
-    series = noisy_hertz(seed)
+    series = noisy_hertz(0)
     body = Nonadhesive(series, slopes(series, "integral"))
     nothing = AdhesiveCurve(body, 0.0)
     assert np.max(np.abs(nothing.P - series.P)) > 3e-3 * series.P[-1]
@@ -49,13 +48,6 @@ def test_no_adhesion_is_the_limit_of_little(seed: int) -> None:
             np.testing.assert_allclose(limit - ours, apart, rtol=1e-6, atol=1e-15 * limit[-1])
         for ours, limit in zip(little.at(series.a), nothing.at(series.a), strict=True):
             np.testing.assert_allclose(ours, limit, rtol=0, atol=1e4 * np.sqrt(w) * limit[-1] + 1e-14 * limit[-1])
-
-
-def test_the_columns_of_exact_slopes_are_the_curve_without_adhesion() -> None:
-    body = exact_hertz()
-    curve = AdhesiveCurve(body, 0.0)
-    np.testing.assert_array_equal(curve.delta, body.series.delta)
-    np.testing.assert_array_equal(curve.P, body.series.P)
 
 
 def test_solved_radii_of_large_errors_leave_the_ends_of_the_series() -> None:
@@ -102,22 +94,16 @@ def gel(radii: Array) -> Nonadhesive:
     return Nonadhesive(series, slopes(series))
 
 
-def noisy(size: float) -> Nonadhesive:
-    """The same as another program gave it: a, delta and P alone, with noise of relative ``size``."""
+def noisy() -> Nonadhesive:
+    """The same as another program gave it: a, delta and P alone, with noise of a thousandth."""
     exact, rng = gel(EVEN).series, np.random.default_rng(1)
-    a, delta, P = (getattr(exact, name) * (1 + size * rng.normal(size=100)) for name in ("a", "delta", "P"))
+    a, delta, P = (getattr(exact, name) * (1 + 1e-3 * rng.normal(size=100)) for name in ("a", "delta", "P"))
     series = Series(a, delta, P)
     return Nonadhesive(series, slopes(series))
 
 
 EVEN = np.linspace(1.2e-5, 1.2e-3, 100)  # the first gap is a factor of two wide
-BODIES = {
-    "even": lambda: gel(EVEN),
-    "few": lambda: gel(np.linspace(6e-5, 1.2e-3, 20)),
-    "logarithmic": lambda: gel(np.geomspace(5e-6, 1.2e-3, 60)),
-    "measured": lambda: noisy(1e-6),
-    "noisy": lambda: noisy(1e-3),
-}
+BODIES = {"few": lambda: gel(np.linspace(6e-5, 1.2e-3, 20)), "noisy": noisy}
 
 
 @pytest.mark.parametrize("name", BODIES)

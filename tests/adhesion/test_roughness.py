@@ -106,10 +106,10 @@ def profile_spectrum(spectrum: PowerSpectrum, q: Array) -> Array:
     return np.array([quad(lambda s, k=k: law(k * math.cosh(s)) * k * math.cosh(s), 0, 40)[0] / math.pi for k in q])
 
 
-@pytest.fixture(name="tables")
-def _tables(tmp_path: Path) -> dict[str, Path]:
+@pytest.fixture(name="tables", scope="module")
+def _tables(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """One spectrum in each convention, to 4e-4 of U at 40 points a decade."""
-    spectrum = python.Roughness(longest=20e-6, **WAVES).spectrum
+    spectrum, folder = python.Roughness(longest=20e-6, **WAVES).spectrum, tmp_path_factory.mktemp("tables")
     q = np.geomspace(*spectrum.q, 133)
     C = spectrum.at(q)
     columns = {"C": C, "C_iso": C * (2 * math.pi) ** 2, "q_C_iso_over_pi": q * C * 4 * math.pi,
@@ -118,7 +118,7 @@ def _tables(tmp_path: Path) -> dict[str, Path]:
              "q_C_iso_over_pi": ("µm⁻¹", 1e-6, "µm³", 1e18)}  # fmt: skip
     paths = {}
     for name, column in columns.items():
-        (x, by_q, y, by_C), paths[name] = units[name], tmp_path / f"{name}.csv"
+        (x, by_q, y, by_C), paths[name] = units[name], folder / f"{name}.csv"
         rows = "".join(f"{a * by_q!r},{b * by_C!r}\n" for a, b in zip(q.tolist(), column.tolist(), strict=True))
         paths[name].write_text(f"q ({x}),PSD ({y})\n{rows}")
     rows = "".join(
@@ -126,7 +126,7 @@ def _tables(tmp_path: Path) -> dict[str, Path]:
     )
     other = "".join(f"{a * 1e-6!r} {b * 1e18!r}\n" for a, b in zip(q.tolist(), columns["C_1D"].tolist(), strict=True))
     heading = "# {0}\n# ----\n# Columns: Wavevector (µm⁻¹), PSD (µm³)\n{1}\n"
-    paths["contact.engineering"] = tmp_path / "psd.txt"
+    paths["contact.engineering"] = folder / "psd.txt"
     paths["contact.engineering"].write_text(
         "# Power-spectral density (PSD)\n\n# Topography: x\n\n"
         + heading.format("1D PSD along x", other) + heading.format("q/π × 2D PSD", rows)
@@ -150,16 +150,15 @@ def test_the_headings_of_contact_engineering_say_the_convention(tables: dict[str
         _ = python.Roughness(psd=tables["contact.engineering"], convention="C_iso").spectrum
 
 
-def test_a_given_rms_tells_the_wrong_convention(tables: dict[str, Path]) -> None:
+def test_a_given_rms_tells_the_wrong_convention(tables: dict[str, Path], tmp_path: Path) -> None:
     """C_iso read as C makes U 39.5 times too large, and the rms 6.28 times."""
-    text = tables["C_iso"].read_text()
-    tables["C_iso"].write_text(text.replace("q (1/m),PSD (m^4)", "q,PSD"))
-    wrong = python.Roughness(psd=tables["C_iso"], convention="C")
-    right = python.Roughness(psd=tables["C_iso"], convention="C_iso")
+    table = tmp_path / "C_iso.csv"
+    table.write_text(tables["C_iso"].read_text().replace("q (1/m),PSD (m^4)", "q,PSD"))
+    wrong, right = (python.Roughness(psd=table, convention=name) for name in ("C", "C_iso"))
     assert wrong.spectrum.rms / right.spectrum.rms == pytest.approx(2 * math.pi, rel=1e-12)
     with pytest.raises(InputError, match=r"rms of .* is 314.2 nm, 50 nm is given: convention=C_iso gives it"):
-        _ = python.Roughness(psd=tables["C_iso"], convention="C", rms="50 nm").spectrum
-    near = python.Roughness(psd=tables["C_iso"], convention="C_iso", rms="60 nm")
+        _ = python.Roughness(psd=table, convention="C", rms="50 nm").spectrum
+    near = python.Roughness(psd=table, convention="C_iso", rms="60 nm")
     assert any("60 nm is given" in text for text in near.on(problem()).warnings())
 
 

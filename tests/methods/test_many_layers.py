@@ -57,9 +57,9 @@ def test_sizes_on_a_grid_are_those_at_its_points() -> None:
 
 @pytest.mark.first(1)
 @pytest.mark.parametrize("goal", [Loading("radius", 5e-5), Loading("load", 5e-4)])
-def test_a_thousand_layers_are_surveyed_at_once(goal: Loading) -> None:
-    problem = stack(1000, goal)
-    with takes_less_than(2):
+def test_three_hundred_layers_are_surveyed_at_once(goal: Loading) -> None:
+    problem = stack(300, goal)
+    with takes_less_than(1):
         options = {option.name: option for option in survey(problem, lambda name: method_class(name)())}
     assert "elements expected" in options["fem"].refusal
 

@@ -6,13 +6,11 @@ from conftest import refused_by
 from scipy.sparse import csc_matrix, diags
 
 from jkrcli.base.errors import Refusal, SolveError, installs
-from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem import FEM, elasticity
 from jkrcli.methods.fem.elasticity import assemble, condense, factorise, sparse_factor
 from jkrcli.methods.fem.mesh import MeshedBody, make_grid, ringed_quads, tensor_quads, triangles
-from jkrcli.methods.fem.model import Discretisation, Model, run
 
 HEIGHT, WIDTH = 1.5, 2.0
 CASES = [
@@ -68,22 +66,9 @@ def test_uniform_strain_is_exact_on_any_mesh(element, order, mixed):
 
 
 @pytest.mark.parametrize(("element", "order", "mixed"), CASES)
-def test_rigid_lift_has_no_energy_and_the_stiffness_is_symmetric(element, order, mixed):
-    system = system_of(body(element), [Elastic(3.0, 0.35)], order, mixed=mixed)
-    N = len(system.nodes)
-    lift = np.zeros(system.K.shape[0])
-    lift[N : 2 * N] = 1.0
-    scale = abs(system.K).max()
-    assert np.abs(system.K @ lift).max() < 1e-12 * scale
-    assert abs(system.K - system.K.T).max() < 1e-12 * scale
-
-
-@pytest.mark.parametrize(("element", "order", "mixed"), CASES)
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.4999])
+@pytest.mark.parametrize("nu", [0.3, 0.4999])
 def test_a_confined_cylinder_has_the_oedometer_stiffness(element, order, mixed, nu):
     """Roller sides and a sliding base: uniform axial strain; P = (lambda + 2 mu) area / height per displacement."""
-    if nu == 0.0 and mixed:
-        pytest.skip("lambda = 0 needs no pressure")
     material = Elastic(2.0, nu)
     system = system_of(body(element), [material], order, bonded=False, side="roller", mixed=mixed)
     surface = condense(system, factorise(system, system.normal))
@@ -150,20 +135,6 @@ def test_the_root_is_that_of_the_condensed_matrix(solver: str) -> None:
     b = np.linspace(1, 2, 40)
     np.testing.assert_allclose(A @ found.solve(b), b, rtol=1e-13)
     assert found.entries >= 79  # the two diagonals of the factor
-
-
-def test_both_libraries_give_the_same_surface() -> None:
-    pytest.importorskip("cvxopt")
-    method = FEM(**QUICK)
-    reach = method.reach(UNIT)
-    models: dict[str, Model] = {}
-    for solver in ("superlu", "cholmod"):
-        layout = run(method, UNIT, StageClock()).level.model.discretisation.layout
-        models[solver] = Discretisation(layout, 2, (), reach, solver).build(StageClock())  # type: ignore[arg-type]
-    C = [model.surface.C for model in models.values()]
-    np.testing.assert_allclose(C[0], C[1], rtol=1e-12, atol=1e-12 * C[0].max())
-    assert [model.factor.factor.name for model in models.values()] == ["SuperLU", "CHOLMOD"]
-    assert models["cholmod"].surface.residual < 1e-12
 
 
 def test_the_solver_is_recorded_and_saddle_points_stay_with_scipy() -> None:

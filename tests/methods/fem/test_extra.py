@@ -81,25 +81,19 @@ ASKED = (
 )
 
 
-def test_one_line_names_the_packages_and_what_to_type(folder: Path) -> None:
-    (code, *_), *asked = without_fem(folder, "run layer.toml -o layer.h5", *ASKED)
-    assert code == 0
+def test_one_line_names_the_packages_and_the_doctor_and_the_automatic_choice_do_without(folder: Path) -> None:
+    done = without_fem(folder, "run layer.toml -o layer.h5", *ASKED, "doctor --json", "run cylinder.toml")
+    (code, *_), *asked, (doctor, told, _), (solved, chosen, _) = done
+    assert (code, doctor, solved) == (0, 0, 0)
     for line, (code, _, errors) in zip(ASKED, asked, strict=True):
         assert (code, errors.count("\n")) == (2, 1), (line, errors)
         assert "finite elements need packages that are not installed (gmsh, scikit-fem, meshio)" in errors, line
         assert "-m pip install" in errors, line
-    assert {path.name for path in folder.iterdir()} == {"layer.toml", "cylinder.toml", "layer.h5"}
-
-
-def test_the_doctor_and_the_automatic_choice_do_without(folder: Path) -> None:
-    lines = "doctor --json", "run cylinder.toml"
-    (doctor, told, _), (solved, chosen, _) = without_fem(folder, *lines)
+    assert {path.name for path in folder.iterdir()} == {"layer.toml", "cylinder.toml", "layer.h5", "cylinder.h5"}
     found = {finding["part"]: finding for finding in json.loads(told)["findings"]}
-    assert doctor == 0
     for package in ("gmsh", "scikit-fem", "meshio"):
         assert found[package]["state"] == "optional"
         assert "-m pip install" in found[package]["remedy"]
-    assert solved == 0
     assert "method    hybrid" in chosen
 
 

@@ -104,27 +104,15 @@ def test_given_loads_are_met_exactly():
     np.testing.assert_allclose(FEM(contact="incremental", **QUICK)(problem).raw.P, loads, rtol=1e-8)
 
 
-def test_units_do_not_matter():
-    def case(length, force):
-        E = force / length**2
-        body = Specimen((Layer(Elastic(3 * E, 0.3), 0.5 * length),), HalfSpace(Elastic(E, 0.4)))
-        return FEM(**QUICK)(Problem(Paraboloid(10 * length), body, Loading("depth", 0.05 * length))).series
-
-    one, other = case(1.0, 1.0), case(1e-6, 3e-4)
-    np.testing.assert_allclose(other.a, one.a * 1e-6, rtol=1e-8)  # lengths keep 12 digits, radii come from a search
-    np.testing.assert_allclose(other.delta, one.delta * 1e-6, rtol=1e-8)
-    np.testing.assert_allclose(other.P, one.P * 3e-4, rtol=1e-8)
-
-
-def convergence(element, order, sizes):
+def convergence(sizes):
     """Root mean square errors of P(delta) on the paraboloid, all sizes of a mesh refined together."""
     material = Elastic(1.0, 0.3)
     body = MeshedBody((300.0,), (material,), 300.0, True, "free", True, True, completed=True)
     errors = []
     for h in sizes:
-        layout = scaled_layout(body, element, 1.1, 0.0, 0.2, h, h)
+        layout = scaled_layout(body, "triangle", 1.1, 0.0, 0.2, h, h)
         layout = replace(layout, law=replace(layout.law, far_growth=h))
-        model = Discretisation(layout, order, (), 1.1).build(StageClock())
+        model = Discretisation(layout, 1, (), 1.1).build(StageClock())
         events = nested_events(model.contact(Paraboloid(10.0)), 0.0, "radius", 1.0)
         use = events.delta > 0.01
         exact = hertz(np.sqrt(10 * events.delta), material.E_star, 10.0)[1]
@@ -132,18 +120,13 @@ def convergence(element, order, sizes):
     return np.polyfit(np.log(sizes), np.log(errors), 1)[0], errors[-1]
 
 
-@pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
-def test_first_order_elements_converge_with_order_two(element):
-    slope, last = convergence(element, 1, (0.2, 0.1, 0.05))
-    assert 1.8 < slope < 2.2  # measured 1.97 and 1.94
+def test_first_order_elements_converge_with_order_two():
+    slope, last = convergence((0.2, 0.1, 0.05))
+    assert 1.8 < slope < 2.2  # measured 1.97
     assert last < 3e-3
 
 
-@pytest.mark.parametrize(
-    "indenter",
-    [PowerLaw(0.1, 1.0), PowerLaw(0.05, 4.0), RoundedFlat(0.5, 20.0)],
-    ids=["cone", "fourth power", "rounded flat"],
-)
+@pytest.mark.parametrize("indenter", [PowerLaw(0.1, 1.0), RoundedFlat(0.5, 20.0)], ids=["cone", "rounded flat"])
 def test_other_profiles_on_the_half_space(indenter):
     problem = Problem(indenter, Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
     solution = FEM(estimate_error=False)(problem)
@@ -154,7 +137,7 @@ def test_other_profiles_on_the_half_space(indenter):
         assert solution.series.S0 == pytest.approx(2 * problem.E_star * indenter.a0, rel=1e-3)
 
 
-@pytest.mark.parametrize("nu", [0.3, 0.5, *(pytest.param(nu, marks=pytest.mark.slow) for nu in (0.49, 0.499, 0.49999))])
+@pytest.mark.parametrize("nu", [0.3, 0.5, pytest.param(0.49999, marks=pytest.mark.slow)])
 def test_bonded_layer_at_any_poisson_ratio(nu):
     problem = Problem(Paraboloid(1000.0), Specimen((Layer(Elastic(1.0, nu), 1.0),), Rigid()), Loading("radius", 5.0))
     solution = FEM(estimate_error=False)(problem)
@@ -169,13 +152,12 @@ def test_bonded_layer_at_any_poisson_ratio(nu):
     "specimen",
     [
         Specimen((Layer(Elastic(10.0, 0.3), 0.3),), HalfSpace(Elastic(1.0, 0.4))),
-        Specimen((Layer(Elastic(0.1, 0.45), 0.3),), HalfSpace(Elastic(1.0, 0.25))),
         Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid(bonded=False)),
         Specimen(
             (Layer(Elastic(1.0, 0.3), 0.3), Layer(Elastic(0.1, 0.5), 0.1), Layer(Elastic(5.0, 0.3), 1.0)), Rigid()
         ),
     ],
-    ids=["stiff coating", "soft coating", "sliding base", "soft interlayer"],
+    ids=["stiff coating", "sliding base", "soft interlayer"],
 )
 def test_stacks_agree_with_the_exact_layer_solution(specimen):
     problem = Problem(Paraboloid(10.0), specimen, Loading("radius", 1.0))
@@ -230,11 +212,10 @@ def bonded(nu):
     [
         (UNIT, {}),
         (UNIT, {"order": 1, "element": "quadrilateral"}),
-        (bonded(0.3), {}),
         (bonded(0.499), {}),
         (replace(UNIT, specimen=Specimen((Layer(Elastic(10.0, 0.3), 0.3),), HalfSpace(Elastic(1.0, 0.4)))), {}),
     ],
-    ids=["half-space", "first-order quadrilaterals", "layer", "nearly incompressible layer", "coating"],
+    ids=["half-space", "first-order quadrilaterals", "nearly incompressible layer", "coating"],
 )
 def test_error_columns_bound_the_error_of_every_row(problem, options):
     solution = FEM(**options)(problem)
@@ -269,6 +250,7 @@ def test_nested_ends_where_the_loading_ends(to, maximum, corrected):
     assert "nested has one radius per node, where it first touches" in solution.facts["radii"]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("to", "values"), [("depth", (0.002, 0.03, 0.1)), ("load", (0.001, 0.02)), ("radius", (0.2, 0.5, 0.9))]
 )

@@ -13,7 +13,7 @@ from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Loading, Power, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.formulas import hertz
+from jkrcli.formulas import jkr
 from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import method_class
@@ -54,9 +54,10 @@ def worst(found: Series, exact: Series, name: str, errors: np.ndarray) -> float:
     return float(np.max((np.abs(getattr(found, name) - getattr(exact, name)) / errors)[rows]))
 
 
-def test_errors_of_load_and_depth_are_known_at_equal_radius_and_at_equal_depth() -> None:
+def test_errors_of_load_and_depth_are_known_at_equal_radius_and_at_equal_depth(tmp_path) -> None:
     """P(a) was off by four times what was stated: that is the error of P(delta)."""
-    found = FEM()(COATING).series
+    solution = FEM()(COATING)
+    found = solution.series
     at_depth = Layered()(replace(COATING, loading=Loading.given("depth", tuple(found.delta)))).series
     at_radius = Layered()(replace(COATING, loading=Loading.given("radius", tuple(found.a)))).series
     assert worst(found, at_depth, "P", found.errors["P"]) <= 1
@@ -65,20 +66,15 @@ def test_errors_of_load_and_depth_are_known_at_equal_radius_and_at_equal_depth()
     assert worst(found, at_radius, "P", told["P"]) <= 1
     assert worst(found, at_radius, "delta", told["delta"]) <= 1
     assert worst(found, at_radius, "P", found.errors["P"]) > 1  # why both are told
-
-
-def test_the_file_says_what_each_error_is_compared_at(tmp_path) -> None:
-    solution = FEM(spacing=0.12)(COATING)
     store.write_solution(tmp_path / "x.h5", solution)
     with h5py.File(tmp_path / "x.h5") as file:
         words = {name: data.attrs["description"].decode() for name, data in file["errors"].items()}
-        told = file["errors/P_at_equal_a"][()]
+        np.testing.assert_array_equal(file["errors/P_at_equal_a"][()], told["P"])
     assert words["P"] == "estimated absolute error of P at equal displacement"
     assert words["dS_da"] == "estimated absolute error of dS_da at equal radius"
     assert words["delta_at_equal_a"] == "estimated absolute error of delta at equal radius"
-    np.testing.assert_array_equal(told, solution.series.errors_at_radius["P"])
-    assert store.read_solution(tmp_path / "x.h5").series.errors.keys() == solution.series.errors.keys()
-    assert Layered()(COATING).series.errors_at_radius == {}  # exact radii: all errors are at equal radius
+    assert store.read_solution(tmp_path / "x.h5").series.errors.keys() == found.errors.keys()
+    assert at_radius.errors_at_radius == {}  # exact radii: all errors are at equal radius
 
 
 @pytest.mark.slow
@@ -91,6 +87,7 @@ def test_a_free_side(body: Problem) -> None:
     assert worst(found, exact, "P", found.errors_at_radius["P"]) <= 1
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("body", [WIDE_SPHERE, STEEP], ids=["the rim of a sphere", "two meshes that agree by accident"])
 def test_loads_at_equal_depth(body: Problem) -> None:
     found = FEM()(body).series
@@ -121,7 +118,8 @@ def test_pull_off_of_power_law_grading(exponent: float, length: float, unfinishe
     assert stated < 2e-3
 
 
-@pytest.mark.parametrize("exponent", [0.2, 0.6, 0.8])
+@pytest.mark.first(1)
+@pytest.mark.parametrize("exponent", [0.6, 0.2, 0.8])
 def test_the_forecast_of_a_graded_body_is_what_the_run_says(exponent: float) -> None:
     """It was 9e-4 where the run said 2.3e-2."""
     problem = graded(exponent, 1e-6)
@@ -142,6 +140,7 @@ def test_pull_off_of_a_sphere_on_a_sliding_stack() -> None:
     assert abs(point.delta - delta) <= stated["delta"]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("nu", [0.3, 0.49])
 def test_pull_off_on_a_clamped_cylinder(nu: float) -> None:
     """Under displacement control P was 1.37 times as far off as was stated, with a spring 1.06 times."""
@@ -177,12 +176,7 @@ HARD = [  # indenter, specimen, contact radius, surface spacing
         table(30.8), stack(0.5, Rigid()), 30.8, 0.22, id="table on an incompressible layer", marks=pytest.mark.slow
     ),
     pytest.param(PowerLaw(0.1 / (4 * 14.6**3), 4.0), stack(0.124, SLIDING), 14.6, 0.1, id="power on a sliding layer"),
-    pytest.param(Paraboloid(3.46), stack(0.25, Rigid(), 3.0), 1.0, 0.1, id="paraboloid on a layer"),
-    pytest.param(Paraboloid(0.52), stack(0.5, HalfSpace(Elastic(0.78, 0.3))), 0.107, 0.06, id="soft below, once 1.8"),
     pytest.param(Paraboloid(2.0), stack(0.5, HalfSpace(Elastic(49.0, 0.3))), 0.339, 0.09, id="stiff below, once 1.5"),
-    pytest.param(
-        PowerLaw(0.07 / (4 * 0.84**3), 4.0), stack(0.22, HalfSpace(Elastic(1.13, 0.3))), 0.84, 0.117, id="once 1.2"
-    ),
 ]
 
 
@@ -206,8 +200,10 @@ PLATE = Problem(PowerLaw(0.1, 1.0), stack(0.3, HalfSpace(Elastic(0.007, 0.3))), 
 @pytest.mark.slow
 def test_a_contact_that_is_no_disc_is_solved_estimated_and_said() -> None:
     """A cone bends the stiff coating like a plate, and lifts off in the middle: increments, with an honest radius."""
-    coarse, fine = (FEM(contact="incremental", spacing=spacing)(PLATE) for spacing in (0.1, 0.04))
-    assert "increments the contact is no full disc: its middle lifts off" in coarse.warnings[0]
+    coarse, fine = FEM(spacing=0.1)(PLATE), FEM(contact="incremental", spacing=0.04)(PLATE)
+    assert coarse.facts["contact"] == "incremental"
+    assert any("nested contact does not hold here" in line for line in coarse.warnings)
+    assert any("increments the contact is no full disc: its middle lifts off" in line for line in coarse.warnings)
     assert set(coarse.series.errors) == {"a", "P"}
     P = np.interp(coarse.series.delta, fine.series.delta, fine.series.P)
     inside = coarse.series.delta <= fine.series.delta[-1]
@@ -215,13 +211,7 @@ def test_a_contact_that_is_no_disc_is_solved_estimated_and_said() -> None:
     assert (share[-4:] < 1).all()  # the deepest, where P is nearly linear from one increment to the next
 
 
-@pytest.mark.slow
-def test_nested_contact_that_is_no_disc_becomes_increments() -> None:
-    solution = FEM(spacing=0.1)(PLATE)
-    assert solution.facts["contact"] == "incremental"
-    assert any("nested contact does not hold here" in line for line in solution.warnings)
-
-
+@pytest.mark.first(1)
 @pytest.mark.parametrize("contact", ["nested", "incremental"])
 def test_a_mesh_whose_error_is_not_estimated_states_none_at_pull_off(contact: str) -> None:
     """What a smooth series leaves of a fit, 1e-4, tells nothing of its mesh, which is off by more."""
@@ -238,16 +228,17 @@ def test_a_mesh_whose_error_is_not_estimated_states_none_at_pull_off(contact: st
     assert isinstance(other.pull_off_errors["load"], dict)
 
 
-@pytest.mark.parametrize("unit", [1e-6, 1e3])
-def test_units_do_not_matter_to_nearly_incompressible_bodies(unit: float) -> None:
-    """Lengths in ``unit`` m and moduli 1e-11 or 1e11 Pa: pressures and displacements differ by many orders."""
-    modulus = 1e-11 if unit > 1 else 1e11
+def test_units_do_not_matter_to_nearly_incompressible_bodies() -> None:
+    """Pressures and displacements differ by many orders."""
+    unit, modulus = 1e-6, 1e11
     method = FEM(spacing=0.15, estimate_error=False)
     plain = Problem(Paraboloid(10.0), stack(0.4999, Rigid()), Loading("radius", 1.0))
     layer = Specimen((Layer(Elastic(modulus, 0.4999), unit),), Rigid())
     other = Problem(Paraboloid(10.0 * unit), layer, Loading("radius", unit))
-    P = method(other).series.P / (modulus * unit**2)
-    np.testing.assert_allclose(P, method(plain).series.P, rtol=1e-8)  # round-off of the saddle point: 1e-10
+    found, expected = method(other).series, method(plain).series
+    np.testing.assert_allclose(found.P / (modulus * unit**2), expected.P, rtol=1e-8)  # of the saddle point: 1e-10
+    np.testing.assert_allclose(found.a / unit, expected.a, rtol=1e-8)
+    np.testing.assert_allclose(found.delta / unit, expected.delta, rtol=1e-8)
 
 
 @pytest.fixture(scope="module")
@@ -256,6 +247,7 @@ def default_series() -> Series:
     return FEM()(DEFAULT).series
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("w", [50.0, 500.0, 5.0])
 def test_the_adhesive_curve_of_the_half_space(default_series: Series, w: float) -> None:
     """JKR's pull-off -1.5 pi w R within 2e-4, and the curve within 2e-3 of the pull-off force and displacement, for the
@@ -268,14 +260,7 @@ def test_the_adhesive_curve_of_the_half_space(default_series: Series, w: float) 
     a = (9 * np.pi * w * R**2 / (8 * DEFAULT.E_star)) ** (1 / 3)  # at pull-off
     first, last = 0.32 * a, min(2.56 * a, curve.a[-1])
     delta, P = curve.at(np.geomspace(first, last, 60))
-    length = abs(float(jkr(np.array(a), w)[0]))
-    exact = jkr(np.geomspace(0.9 * first, 1.1 * last, 200_000), w)
+    length = abs(float(jkr(np.array(a), DEFAULT.E_star, R, w)[0]))
+    exact = jkr(np.geomspace(0.9 * first, 1.1 * last, 200_000), DEFAULT.E_star, R, w)
     distances = [np.hypot((exact[0] - d) / length, (exact[1] - p) / pull).min() for d, p in zip(delta, P, strict=True)]
     assert max(distances) < 2e-3
-
-
-def jkr(a: np.ndarray, w: float) -> tuple[np.ndarray, np.ndarray]:
-    """delta [m] and P [N] of the paraboloid on the half-space, closed form: S' = 2 E*."""
-    delta, P = hertz(a, DEFAULT.E_star, R)
-    t = np.sqrt(2 * np.pi * w * a / DEFAULT.E_star)
-    return delta - t, P - 2 * DEFAULT.E_star * a * t

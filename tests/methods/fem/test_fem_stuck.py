@@ -59,9 +59,12 @@ def incremental(contact):
 
 
 def test_one_pass_through_the_factor_is_the_disc_grown_ring_by_ring(at_touch):
-    delta, P, _ = incremental(at_touch)
+    delta, P, frozen = incremental(at_touch)
     np.testing.assert_allclose(at_touch.delta, delta, rtol=1e-8, atol=1e-12 * delta[-1])
     np.testing.assert_allclose(at_touch.P, P, rtol=1e-8, atol=1e-12 * P[-1])
+    outward = np.setdiff1d(np.arange(frozen.size), at_touch.surface.normal)
+    ours = -(at_touch.L @ at_touch.z)[outward]
+    np.testing.assert_allclose(ours, frozen[outward], atol=1e-9 * np.abs(frozen).max())
 
 
 def test_energy_let_go_by_the_outer_ring_is_that_of_both_modes(at_touch):
@@ -81,13 +84,6 @@ def test_energy_let_go_by_the_outer_ring_is_that_of_both_modes(at_touch):
     assert released == pytest.approx((delta[k] - depth) ** 2 * dS / 2, rel=1e-6)
 
 
-def test_frozen_displacements_are_those_of_discs_grown_ring_by_ring(at_touch):
-    _, _, frozen = incremental(at_touch)
-    outward = np.setdiff1d(np.arange(frozen.size), at_touch.surface.normal)
-    ours = -(at_touch.L @ at_touch.z)[outward]
-    np.testing.assert_allclose(ours, frozen[outward], atol=1e-9 * np.abs(frozen).max())
-
-
 @pytest.mark.parametrize("nu", [0.0, 0.3])
 def test_the_half_space_has_mossakovskis_factor(nu):
     problem = Problem(PARABOLOID, Specimen((), HalfSpace(Elastic(1.0, nu))), Loading("radius", 1.0), True)
@@ -99,14 +95,7 @@ def test_the_half_space_has_mossakovskis_factor(nu):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("nu", "options"),
-    [
-        (0.499, {}),
-        (0.3, {"order": 1}),
-        (0.5, {"layout": "zones"}),
-        (0.45, {}),
-        (0.499, {"element": "quadrilateral"}),
-    ],
+    ("nu", "options"), [(0.3, {"order": 1}), (0.5, {"layout": "zones"}), (0.499, {"element": "quadrilateral"})]
 )
 def test_a_confined_layer_that_sticks_is_as_accurate_as_one_that_slides(nu, options):
     problem = Problem(PARABOLOID, bonded(nu), Loading("radius", 2.0), True)

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.linalg import solve_triangular
 
 from jkrcli.base.errors import SolveError
-from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.indenters import Indenter, Paraboloid, RoundedFlat, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen
 from jkrcli.methods.integral.fredholm import Panels, Quadrature, forward_substitution, panel_means, phase_allowed, solve
 from jkrcli.methods.layered.contact import LayeredContact
@@ -52,24 +52,9 @@ def test_kernel_is_its_integral(specimen: Specimen) -> None:
     assert kernel.square(x) == pytest.approx(expected, abs=1e-12 + rounding)
 
 
-def test_kernel_of_a_half_space_is_zero() -> None:
-    kernel = LayeredSpectrum(Specimen((), HalfSpace(Elastic(1.0, 0.3)))).kernel(10.0)
-    assert not kernel.square(np.linspace(0, 5, 7)).any()
-    assert kernel.scale == np.inf
-
-
 def test_rough_spectrum_is_reported() -> None:
     with pytest.raises(SolveError, match="not smooth near k"):
         resolved(lambda k: np.sign(k - 1 / 3), np.array([0.0]), np.array([1.0]))
-
-
-@pytest.mark.parametrize(("order", "width"), [(1, 0.2), (2, 0.2), (3, 0.4)])
-def test_order_of_the_quadrature(order: int, width: float) -> None:
-    """Gauss panels of m nodes are of order 2 m."""
-    contact, radii = LayeredContact(Paraboloid(100.0), COATED), np.array([4.0])
-    exact = contact.solved(radii, Quadrature(14, 1.0, 0))
-    errors = [abs(contact.solved(radii, Quadrature(order, w, 0)).dS[0] / exact.dS[0] - 1) for w in (width, width / 2)]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2 * order, abs=0.4)  # pre-asymptotic by some percent
 
 
 def test_phase_allowed_bounds_the_error_of_gauss_quadrature() -> None:
@@ -80,9 +65,7 @@ def test_phase_allowed_bounds_the_error_of_gauss_quadrature() -> None:
         assert 1e-9 < error <= 1e-8  # the leading term, which bounds an alternating series
 
 
-@pytest.mark.parametrize(
-    "indenter", [Paraboloid(3.0), Sphere(6.0), PowerLaw(0.1, 1.0), PowerLaw(0.1, 1.5), RoundedFlat(1.0, 4.0), TABLE]
-)
+@pytest.mark.parametrize("indenter", [RoundedFlat(1.0, 4.0), TABLE])
 def test_panel_means_integrate_exactly(indenter: Indenter) -> None:
     """sum w F q over the nodes is int F q for polynomials q of degree order - 1, kinks of F or not."""
     panels = Panels.through(np.array([0.7, 1.9, 4.1]), Quadrature(3, 1.3, 0))
@@ -98,15 +81,6 @@ def test_panel_means_integrate_exactly(indenter: Indenter) -> None:
         )[0]
         # F starts like (x - b)^(3/2) at kinks just left of a panel
         assert np.sum(panels.w * F * panels.x**degree) == pytest.approx(expected, rel=1e-8)
-
-
-def test_nested_radii_agree_with_single_ones() -> None:
-    contact, radii = LayeredContact(Paraboloid(100.0), THREE), np.array([0.01, 0.5, 1.7, 6.0])
-    together, _ = contact.refined(radii, 1e-10)
-    for n, a in enumerate(radii):
-        alone, _ = contact.refined(np.array([a]), 1e-10)
-        for name in ("delta", "P", "S", "dS"):
-            assert getattr(together, name)[n] == pytest.approx(getattr(alone, name)[0], rel=2e-10)  # both tolerances
 
 
 @pytest.mark.parametrize("specimen", BODIES)

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 from compliance import compliance_ratio
-from hypothesis import given
-from hypothesis import strategies as st
-from layers_of_any_kind import assert_finite_elements_agree, assert_moduli_scale_loads_and_not_depths, read_back
+from layers_of_any_kind import assert_finite_elements_agree, assert_moduli_scale_loads_and_not_depths
 from scipy.linalg import expm
 
 from jkrcli.base.errors import InputError
@@ -14,8 +12,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.case.models import parse_case
 from jkrcli.formulas import hertz
 from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.elasticity import Boussinesq, TransversePointForce, assemble
-from jkrcli.methods.fem.mesh import MeshedBody, triangles
+from jkrcli.methods.fem.elasticity import Boussinesq, TransversePointForce
 from jkrcli.methods.layered.spectrum import LayerMedium, deviation
 
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
@@ -24,7 +21,6 @@ FIBRES = TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 0.3)
 SHEAR_STIFF = TransverselyIsotropic(0.18251, 0.44968, 0.75576, 0.50840, 9.56748)  # D^2/A^2 = -18
 MATERIALS = [AS_FIVE, REAL, CONJUGATE, FIBRES, SHEAR_STIFF]
 PARABOLOID = Paraboloid(100.0)
-COLUMNS = ("delta", "P", "S", "dS")
 
 
 # ---------------------------------------------------------------------- constants
@@ -35,32 +31,9 @@ def test_isotropic_constants_are_those_of_the_isotropic_material():
     assert AS_FIVE.surface.E_star == AS_FIVE.E_star
 
 
-@given(
-    st.floats(0.1, 10), st.floats(0.1, 10), st.floats(-0.9, 0.9), st.floats(-0.99, 0.99), st.floats(0.1, 10)
-)  # fmt: skip
-def test_stiffness_is_the_inverse_of_the_compliance(E_p, E_z, nu_p, share, G_z):
-    nu_zp = share * np.sqrt((1 - nu_p) * E_z / (2 * E_p))
-    C11, C12, C13, C33, _ = TransverselyIsotropic(E_p, E_z, nu_p, nu_zp, G_z).stiffness
-    C = np.array([[C11, C12, C13], [C12, C11, C13], [C13, C13, C33]])
-    nu, axial = nu_p / E_p, nu_zp / E_z
-    S = np.array([[1 / E_p, -nu, -axial], [-nu, 1 / E_p, -axial], [-axial, -axial, 1 / E_z]])
-    assert C @ S == pytest.approx(np.eye(3), abs=1e-11)  # the condition number reaches 1e4
-    assert np.linalg.eigvalsh(C).min() > 0
-
-
 def test_constants_of_no_material():
     with pytest.raises(InputError, match=r"^nu_zp: must lie between -0.5 and 0.5 for a positive strain energy"):
         TransverselyIsotropic(1.0, 1.0, 0.5, 0.5, 1.0)
-
-
-# ---------------------------------------------------------------------- finite elements
-@pytest.mark.parametrize("order", [1, 2])
-def test_the_element_with_isotropic_constants_is_the_isotropic_one(order):
-    grid = triangles(np.array([0.0, 0.2, 0.7, 1.0, 1.6, 2.0]), 1.5, np.array([0.4]), "0.3+0.1*x")
-    layers = ((Elastic(1.0, 0.4), material) for material in (ISOTROPIC, AS_FIVE))
-    bodies = (MeshedBody((0.4, 1.1), two, 2.0, True, "free", cut_below=False, cut_beside=False) for two in layers)
-    one, other = (assemble(grid, body, order).K for body in bodies)
-    assert abs(one - other).max() < 1e-14 * abs(one).max()
 
 
 @pytest.mark.parametrize("material", [REAL, CONJUGATE])
@@ -112,19 +85,6 @@ def test_the_way_through_a_layer_is_a_matrix_exponential(material):
     assert medium.generator(still) == pytest.approx(medium.generator(still)[0] * still, rel=1e-13)
 
 
-@pytest.mark.parametrize("ratio", [-100.0, -18.0, -3.0, -0.1, 0.3, 0.9, 0.99])
-def test_the_way_through_a_layer_at_any_ratio_of_the_roots(ratio):
-    """D^2/A^2 far below -1: stiffness in shear far above the others."""
-    c = max(0.0, -0.5 - ratio)
-    e = 2 + 2 * ratio + 2 * c
-    medium = LayerMedium(c, ((1 - ratio) ** 2 - c**2) / e, e)
-    assert medium.squares == pytest.approx((4, 4 * ratio), rel=1e-9)
-    B, m = medium.generator(np.eye(5)), np.array([1.0, 0.3, 0.2, -0.1, 0.05])[:, None]
-    for y in (1e-3, 0.05, 0.099, 0.101, 0.23, 0.5, 0.9, 0.99, 1.01, 1.5):
-        exact = expm(y * (B - 2 * np.eye(5))) @ m
-        assert medium.through(m, np.array([y])) == pytest.approx(exact, rel=1e-11, abs=1e-11 * np.abs(exact).max())
-
-
 @pytest.mark.parametrize("base", [Rigid(), Rigid(False), HalfSpace(Elastic(4.0, 0.3))])
 def test_isotropic_constants_give_the_isotropic_spectrum(base):
     k = np.geomspace(1e-3, 20, 20)
@@ -146,10 +106,8 @@ def test_a_layer_on_its_own_half_space_is_the_half_space():
     ("layers", "base"),
     [
         ((Layer(REAL, 1.0),), Rigid()),
-        ((Layer(SHEAR_STIFF, 1.0),), Rigid()),
-        pytest.param((Layer(CONJUGATE, 1.0),), Rigid(False), marks=pytest.mark.slow),
-        pytest.param((Layer(FIBRES, 1.0),), HalfSpace(REAL), marks=pytest.mark.slow),
-        pytest.param((Layer(Elastic(1.0, 0.4), 0.5), Layer(FIBRES, 1.0)), Rigid(), marks=pytest.mark.slow),
+        ((Layer(CONJUGATE, 1.0),), Rigid(False)),
+        ((Layer(Elastic(1.0, 0.4), 0.5), Layer(FIBRES, 1.0)), HalfSpace(REAL)),
     ],
 )
 def test_two_methods_agree_within_the_stated_errors(layers, base):
@@ -169,11 +127,6 @@ def case(keys):
 
 
 FIVE = "E_p = '5 MPa'\nE_z = '1 MPa'\nnu_p = 0.2\nnu_zp = 0.1\nG_z = '300 kPa'"
-
-
-def test_a_case_with_five_constants_reads_back():
-    found = read_back(case(FIVE))
-    assert found.specimen.layers[0].material == TransverselyIsotropic(5e6, 1e6, 0.2, 0.1, 3e5)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """Layers many thousand times deeper than the thinnest one: every kernel sees them, whatever the ratio."""
 
-import math
 from dataclasses import replace
 from functools import cache
 
@@ -11,7 +10,7 @@ from numpy.polynomial import legendre
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.no_slip import StuckSpectrum
-from jkrcli.methods.layered.solver import Layered, surface_profile
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import (
     LayeredSpectrum,
 )
@@ -19,8 +18,6 @@ from jkrcli.methods.layered.surface_tension import TenseSpectrum
 from studies.stack_judge import compliances, contact
 
 RUBBER = HalfSpace(Elastic(1e6, 0.5))
-WAFER = Layer(Elastic(160e9, 0.25), 2e-3)
-OXIDE = Specimen((Layer(Elastic(70e9, 0.2), 1e-7), WAFER), RUBBER)
 
 
 def ratio(decades: float, base: Rigid | HalfSpace) -> Specimen:
@@ -29,10 +26,10 @@ def ratio(decades: float, base: Rigid | HalfSpace) -> Specimen:
     return Specimen((Layer(Elastic(1.0, 0.4), 1.0), thick, middling), base)
 
 
-STACKS = [ratio(decades, base) for decades in (4.2, 6.0, 8.0) for base in (Rigid(), HalfSpace(Elastic(0.1, 0.25)))]
+STACKS = [ratio(decades, base) for decades in (4.2, 8.0) for base in (Rigid(), HalfSpace(Elastic(0.1, 0.25)))]
 
 
-@pytest.mark.parametrize("thick", [1e4, 1.5e4, 2e4, 1e7])
+@pytest.mark.parametrize("thick", [1e4, 1e7])
 def test_ratios_once_refused_are_solved(thick: float) -> None:
     slab = Specimen((Layer(Elastic(3e6, 0.45), 1e-7), Layer(Elastic(2e6, 0.5), thick * 1e-7)), Rigid())
     stiff = Specimen((Layer(Elastic(70e9, 0.2), 1e-7), Layer(Elastic(160e9, 0.25), thick * 1e-7)), RUBBER)
@@ -68,7 +65,7 @@ def test_sliding_and_sticking_kernels_see_every_layer(specimen: Specimen) -> Non
     assert w @ (own**2 * found[2]) == pytest.approx(dk @ (k**2 * (rr / (1 - nu) - 1)), rel=2e-10)
 
 
-@pytest.mark.parametrize("kappa", [1e-3, 1.0, 1e3, 1e6])
+@pytest.mark.parametrize("kappa", [1e-3, 1.0, 1e6])
 @pytest.mark.parametrize("specimen", STACKS)
 def test_kernels_under_surface_tension_see_every_layer(specimen: Specimen, kappa: float) -> None:
     k, dk, (zz, _, _) = judged(specimen)
@@ -76,13 +73,3 @@ def test_kernels_under_surface_tension_see_every_layer(specimen: Specimen, kappa
     tense = TenseSpectrum(replace(specimen, surface_tension=kappa * specimen.surface.E_star / 2))
     found = tense.kernel(1.0).weights.sum() - dk @ ((g - 1) / ((1 + kappa * g * k) * (1 + kappa * k)))
     assert abs(found) < 1e-10 * (dk @ (g / (1 + kappa * g * k)))
-
-
-def test_fields_see_every_layer() -> None:
-    a, w = 2e-6, 0.05
-    problem = Problem(Paraboloid(2e-4), OXIDE, Loading.given("radius", (a,)))
-    found = surface_profile(problem, a, w)
-    delta, P, S, dS = contact(OXIDE, 2e-4, np.array([a]))[:, 0]
-    shift = math.sqrt(4 * math.pi * w * a / dS)
-    assert found.delta == pytest.approx(delta - shift, rel=1e-8)
-    assert found.P == pytest.approx(P - shift * S, rel=1e-8)

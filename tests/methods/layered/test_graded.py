@@ -8,7 +8,7 @@ import pytest
 from compliance import compliance_ratio
 from hypothesis import given
 from hypothesis import strategies as st
-from layers_of_any_kind import assert_finite_elements_agree, assert_moduli_scale_loads_and_not_depths, read_back
+from layers_of_any_kind import assert_finite_elements_agree, read_back
 from numpy.polynomial import chebyshev, legendre
 from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import CubicSpline
@@ -34,7 +34,7 @@ from jkrcli.case.models import parse_case
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.contact import GRADED, LayeredContact
 from jkrcli.methods.layered.solver import Layered, surface_profile
-from jkrcli.methods.layered.spectrum import LayeredSpectrum, Tail, deviation, surface_series
+from jkrcli.methods.layered.spectrum import LayeredSpectrum, Tail, deviation
 
 LAWS = [
     Linear(1.0, 5.0, 1.0),
@@ -43,7 +43,6 @@ LAWS = [
     Power(1.0, 0.3, 0.7),
     Tabulated((0.0, 0.3, 1.0), (1.0, 3.0, 2.0)),
 ]
-BASES = [Rigid(), Rigid(False), HalfSpace(Elastic(4.0, 0.3))]
 COLUMNS = ("delta", "P", "S", "dS")
 
 
@@ -106,32 +105,23 @@ def test_wrong_laws(make, line):
         make()
 
 
-@pytest.mark.parametrize("nu", [0.3, 0.5])
-@pytest.mark.parametrize("law", [Exponential(1.0, 5.0, 1.0), Linear(5.0, 1.0, 1.0), Power(1.0, 0.3, 0.7)])
+@pytest.mark.parametrize(
+    ("law", "nu"), [(Exponential(1.0, 5.0, 1.0), 0.5), (Linear(5.0, 1.0, 1.0), 0.3), (Power(1.0, 0.3, 0.7), 0.4)]
+)
 def test_the_spectrum_solves_the_riccati_equation(law, nu):
     k = np.array([0.1, 1.0, 6.0])
     assert compliance_ratio(layer(law, nu, Rigid()), k) == pytest.approx(compliance_by_ode(law, nu, k), rel=1e-9)
 
 
-@pytest.mark.parametrize("base", BASES)
-def test_a_split_layer_is_the_whole_layer(base):
-    whole = layer(Linear(1.0, 5.0, 1.0), 0.4, base)
-    parts = (Linear(1.0, 2.0, 0.25), 0.25), (Linear(2.0, 5.0, 0.75), 0.75)
-    split = Specimen(tuple(Layer(Graded(law, 0.4), h) for law, h in parts), base)
-    k = np.concatenate([[0.0], np.geomspace(1e-3, 300, 25)])
-    one, two = compliance_ratio(whole, k), compliance_ratio(split, k)
-    assert one[1:] == pytest.approx(two[1:], rel=1e-9)  # each is extrapolated to 1e-10
-
-
-@pytest.mark.parametrize("base", BASES)
-def test_a_constant_law_is_the_homogeneous_layer(base):
-    k = np.geomspace(1e-3, 100, 25)
+def test_a_constant_law_is_the_homogeneous_layer():
+    base, k = HalfSpace(Elastic(4.0, 0.3)), np.geomspace(1e-3, 100, 25)
     homogeneous = Specimen((Layer(Elastic(2.0, 0.45), 1.0),), base)
     for law in (Linear(2.0, 2.0, 1.0), Power(2.0, 0.5, 0.0), Tabulated((0.0, 0.4, 1.0), (2.0, 2.0, 2.0))):
         assert compliance_ratio(layer(law, 0.45, base), k) == pytest.approx(compliance_ratio(homogeneous, k), rel=1e-11)
         assert Tail.of(layer(law, 0.45, base)) is None
 
 
+@pytest.mark.slow
 def test_gibson_soil_is_a_winkler_foundation():
     """An incompressible half-space with G = m z sinks by p/(2 m) under any pressure p (Gibson, Geotechnique 17 (1967)).
 
@@ -154,13 +144,6 @@ def test_a_graded_layer_below_does_not_spoil_the_decay():
     stack = Specimen((Layer(Elastic(1.0, 0.3), 1.0), Layer(Graded(Linear(2.0, 5.0, 1.0), 0.3), 1.0)), Rigid())
     ratio = deviation(stack, np.array([30.0, 31.0]))
     assert ratio[1] / ratio[0] == pytest.approx(np.exp(-2) * (31 / 30) ** 2, rel=0.01)  # next order: 1/(k h)
-
-
-# ---------------------------------------------------------------------- tail
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
-def test_the_first_term_of_the_tail(nu):
-    for law, slope in ((Linear(1.0, 5.0, 1.0), 4.0), (Power(1.0, 0.3, 0.7), 0.7 / 0.3)):
-        assert surface_series(Graded(law, nu), 3)[1] == pytest.approx(-slope * (1 - nu / 2) / (1 - nu), rel=1e-14)
 
 
 @pytest.mark.parametrize("law", LAWS[:4])
@@ -229,11 +212,6 @@ def test_a_change_of_units_changes_nothing():
         assert getattr(series, name) == pytest.approx(factor * getattr(unit, name), rel=1e-9)
 
 
-def test_the_moduli_scale_loads_and_not_depths():
-    law, nu, base = CONTACTS[2]
-    assert_moduli_scale_loads_and_not_depths(layer(law, nu, base))
-
-
 def test_an_elastic_indenter_is_a_softer_contact():
     """A far stiffer one changes nothing; one as stiff as the surface halves E* where the layer is thick."""
     specimen = layer(Linear(1.0, 1.5, 1.0), 0.3, Rigid())
@@ -277,15 +255,9 @@ def sums_by_galerkin(law, nu, g, a, R, count=30):
     return np.array([phi[0] * a, a**3 / R * (phi[0] / 3 + 2 / 15 * phi[1])])
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
-    ("law", "nu", "base"),
-    [
-        (Linear(1.0, 5.0, 1.0), 0.45, math.inf),
-        (Exponential(5.0, 1.0, 1.0), 0.5, math.inf),
-        (Exponential(10.0, 1.0, 1.0), 0.3, 1.0),
-        (Power(1.0, 0.1, 0.5), 0.4, 3.0),
-    ],
+    ("law", "nu", "base"), [(Linear(1.0, 5.0, 1.0), 0.45, math.inf), (Exponential(10.0, 1.0, 1.0), 0.3, 1.0)]
 )
 def test_contact_by_another_equation(law, nu, base):
     """delta_H = d(int phi_1 F)/dS by a Chebyshev series over ln(a): to 1e-7 but for S', where 1e-6 is stated."""
@@ -314,9 +286,8 @@ def test_contact_by_another_equation(law, nu, base):
     [
         CONTACTS[0],
         CONTACTS[1],
-        pytest.param(*CONTACTS[2], marks=pytest.mark.slow),
-        pytest.param(Linear(5.0, 1.0, 1.0), 0.499, Rigid(), marks=pytest.mark.slow),
-        pytest.param(LAWS[4], 0.3, Rigid(False), marks=pytest.mark.slow),
+        (Linear(5.0, 1.0, 1.0), 0.499, Rigid()),
+        (LAWS[4], 0.3, HalfSpace(Elastic(1.0, 0.3))),
     ],
 )
 def test_finite_elements_agree_within_the_stated_errors(law, nu, base):

@@ -103,14 +103,6 @@ def test_displacement_is_the_specimens_own() -> None:
     assert_allclose(both.gap, rigid.gap, rtol=1e-11)
 
 
-def test_change_of_units() -> None:
-    small = Specimen((Layer(Elastic(1e9, 0.5), 1e-6),), Rigid())
-    one = at(INCOMPRESSIBLE, Sphere(20.0), 2.0, 1e-4)
-    two = at(small, Sphere(20e-6), 2e-6, 1e-4 * 1e9 * 1e-6)
-    assert_allclose(two.pressure / 1e9, one.pressure, rtol=1e-9)
-    assert_allclose(two.displacement / 1e-6, one.displacement, rtol=1e-9, atol=1e-12)
-
-
 @pytest.mark.parametrize("indenter", [*SHAPES, TableProfile((0.0, 1.0, 2.0, 4.0), (0.0, 0.1, 0.3, 1.0))])
 def test_abel_slope_is_the_derivative(indenter: object) -> None:
     x, step = np.array([0.3, 1.3, 2.7, 3.9]), 1e-5

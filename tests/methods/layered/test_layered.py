@@ -121,24 +121,10 @@ def test_nearly_equal_substrate_is_nearly_a_half_space(contrast: float) -> None:
     assert stiffening[2] > 0.9 * contrast - 1e-14  # a/h = 30 feels the substrate almost alone
 
 
-def test_elastic_indenter_softens_a_layer() -> None:
-    """The indenter's own compliance adds in series in the limit of a thick layer, and dominates on a stiff one."""
-    soft = Elastic(1e-6, 0.5)
-    series = at(bonded(0.3), Paraboloid(100.0, soft), 3.0).series
-    delta, P = Paraboloid(100.0).half_space(series.a, soft.E_star)  # type: ignore[misc]
-    assert series.delta == pytest.approx(delta, rel=1e-5)  # the layer is 1e-6 as compliant
-    assert_allclose(series.P, P, rtol=1e-5)
-
-
-@pytest.mark.parametrize("indenter", [*SHAPES[:1], *SHAPES[2:]])
-def test_change_of_units(indenter: object) -> None:
+def test_change_of_units() -> None:
     """Lengths by 1e-6 and pressures by 1e9: every column scales, whatever the loading."""
     length, pressure = 1e-6, 1e9
-    small = {
-        Sphere: lambda s: Sphere(s.R * length),
-        PowerLaw: lambda s: PowerLaw(s.B * length ** (1 - s.d), s.d),
-        RoundedFlat: lambda s: RoundedFlat(s.b * length, s.edge_radius * length),
-    }[type(indenter)](indenter)
+    indenter, small = RoundedFlat(0.5, 9.0), RoundedFlat(0.5 * length, 9.0 * length)
     layers = (Layer(Elastic(3.0, 0.5), 1.0), Layer(Elastic(0.1, 0.3), 2.0))
     other = tuple(Layer(layer.material.scaled(pressure), layer.thickness * length) for layer in layers)
     for loading, factor in [
@@ -146,7 +132,7 @@ def test_change_of_units(indenter: object) -> None:
         (Loading("load", 0.2, 7, "depth"), pressure * length**2),
         (Loading("radius", 0.9, 7), length),
     ]:
-        one = Layered()(Problem(indenter, Specimen(layers, Rigid()), loading)).series  # type: ignore[arg-type]
+        one = Layered()(Problem(indenter, Specimen(layers, Rigid()), loading)).series
         scaled = Loading(loading.to, loading.maximum * factor, loading.points, loading.spacing)
         two = Layered()(Problem(small, Specimen(other, Rigid()), scaled)).series
         assert two.a / length == pytest.approx(one.a, rel=1e-9)  # radii are searched to 1e-10 in depth or load
@@ -158,7 +144,7 @@ def test_change_of_units(indenter: object) -> None:
 # -- loading --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("indenter", [Sphere(50.0), PowerLaw(0.05, 1.0), PowerLaw(1e-3, 4.0), RoundedFlat(0.5, 30.0)])
+@pytest.mark.parametrize("indenter", [PowerLaw(0.05, 1.0), RoundedFlat(0.5, 30.0)])
 @pytest.mark.parametrize(
     "specimen", [bonded(0.5), Specimen((Layer(Elastic(1e3, 0.3), 1.0),), HalfSpace(Elastic(1.0, 0.5)))]
 )
@@ -232,7 +218,7 @@ def test_a_contact_within_the_flat_end_or_a_load_beyond_the_profile_is_refused()
 # -- the method -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("points", [100, 1600, 6400])
+@pytest.mark.parametrize("points", [100, 1600])
 def test_nodes_do_not_follow_the_points(points: int) -> None:
     """Radii of one series, solved in groups, are those of a few alone."""
     problem = Problem(Paraboloid(1000.0), bonded(0.4), Loading("radius", 16.0, points))

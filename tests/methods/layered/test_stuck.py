@@ -56,7 +56,7 @@ def test_flat_ends_that_stick_to_an_incompressible_layer():
     np.testing.assert_allclose(flat_ends(0.5, *FLAT, order=8), flat_ends(0.5, *FLAT), rtol=1e-7)  # a/h = 40: 4e-8
 
 
-@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.45, 0.4999])
+@pytest.mark.parametrize("nu", [-0.5, 0.3, 0.4999])
 def test_the_half_space_has_mossakovskis_factor(nu):
     series = solved(Specimen((), HalfSpace(Elastic(1.0, nu))), 0.01, 1.0, 30.0)
     factor = (1 - nu) * math.log(3 - 4 * nu) / (1 - 2 * nu)
@@ -72,6 +72,7 @@ def test_an_incompressible_half_space_does_not_notice(indenter):
         np.testing.assert_allclose(getattr(sticking, name), getattr(sliding, name), rtol=1e-8)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("nu", "at_depth", "at_radius"), [(0.5, 1.674, 1.519), (0.499, 1.627, 1.498)])
 def test_a_growing_paraboloid_on_a_confined_layer(nu, at_depth, at_radius):
     sliding = solved(bonded(nu), 10 / 3, sticks=False)
@@ -99,7 +100,7 @@ BODIES = [
 
 
 @pytest.mark.parametrize(
-    ("specimen", "indenter"), [(BODIES[0], RoundedFlat(0.4, 50.0)), *((body, PARABOLOID) for body in BODIES)]
+    ("specimen", "indenter"), [(BODIES[0], RoundedFlat(0.4, 50.0)), (BODIES[3], PARABOLOID), (BODIES[5], PARABOLOID)]
 )
 def test_slopes_are_derivatives(specimen, indenter):
     step = 1e-4
@@ -109,8 +110,8 @@ def test_slopes_are_derivatives(specimen, indenter):
     assert dS / (2 * step) == pytest.approx(series.dS[1], rel=1e-5)
 
 
-@pytest.mark.parametrize("nu", [0.2, 0.5])
-def test_a_split_layer_is_a_whole_one_and_units_scale(nu):
+def test_a_split_layer_is_a_whole_one_and_units_scale():
+    nu = 0.2
     whole = solved(bonded(nu), 0.5, 2.0)
     split = solved(Specimen((Layer(Elastic(1.0, nu), 0.3), Layer(Elastic(1.0, nu), 0.7)), Rigid()), 0.5, 2.0)
     small = solved(bonded(nu, 7e6, 1e-6), 0.5e-6, 2e-6, indenter=Paraboloid(1e-3))
@@ -136,18 +137,7 @@ def test_a_transversely_isotropic_layer_with_isotropic_constants_is_that_layer()
 
 
 @pytest.mark.parametrize(
-    ("specimen", "indenter"),
-    [
-        (bonded(0.5), RoundedFlat(0.4, 50.0)),
-        (bonded(0.5), PowerLaw(1e-2, 1.5)),
-        (bonded(0.3), PowerLaw(1e-2, 1.5)),
-        (bonded(0.3), PARABOLOID),
-        pytest.param(  # 17 pieces
-            Specimen((Layer(Elastic(13.0, 0.45), 0.2),), HalfSpace(Elastic(1.0, 0.49))),
-            PARABOLOID,
-            marks=pytest.mark.slow,
-        ),
-    ],
+    ("specimen", "indenter"), [(bonded(0.5), RoundedFlat(0.4, 50.0)), (bonded(0.3), PowerLaw(1e-2, 1.5))]
 )
 def test_stated_errors_hold(specimen, indenter):
     rough = Layered(1e-3)(stuck(specimen, "radius", 0.5, 1.0, 3.0, indenter=indenter)).series
@@ -197,17 +187,8 @@ def test_the_list_of_radii_changes_nothing():
             assert error <= series.errors[name][at] + exact.errors[name][0]
 
 
-MORE_BODIES = [
-    *BODIES,
-    bonded(0.45),
-    bonded(0.499),
-    Specimen((Layer(Elastic(1.0, 0.5), 1.0),), HalfSpace(Elastic(100.0, 0.3))),
-    Specimen((Layer(Elastic(20.0, 0.1), 0.2), Layer(Elastic(1.0, 0.4), 2.0)), HalfSpace(Elastic(5.0, 0.0))),
-]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("specimen", MORE_BODIES)
+@pytest.mark.parametrize("specimen", BODIES)
 def test_finite_elements_agree_within_their_stated_errors(specimen):
     problem = Problem(PARABOLOID, specimen, Loading("radius", 1.5), True)
     fem = FEM()(problem)

@@ -86,7 +86,7 @@ def pull_off(specimen, largest, w=1.0):
     return -solved(curve, solver_of(solution)).pull_off(LOAD_CONTROL).P / np.pi
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("beta", sorted(PULL_OFF, reverse=True))
 def test_pull_off_over_tension_and_thickness(beta):
     specimens = [half_space(2 * beta), *(bonded(nu, 2 * beta, q ** (-1 / 3)) for nu, q in BODIES[1:])]
@@ -119,7 +119,7 @@ def energies(contact, a):
     return np.pi * contact.E_star * np.array([grid.w @ one, grid.w @ (one * F), grid.w @ (psi * F)])
 
 
-@pytest.mark.parametrize("specimen", [half_space(0.3), bonded(0.5, 0.5), bonded(0.3, 0.02)], ids=str)
+@pytest.mark.parametrize("specimen", [half_space(0.3), bonded(0.5, 0.5)], ids=str)
 def test_the_energy_is_a_parabola_with_one_zero_of_its_derivative(specimen):
     step = 0.004
     contact = SurfaceTensionSolver(UNIT, specimen)
@@ -132,9 +132,10 @@ def test_the_energy_is_a_parabola_with_one_zero_of_its_derivative(specimen):
 
 
 @pytest.mark.parametrize(
-    "indenter", [Sphere(2.0), PowerLaw(0.3, 1.0), PowerLaw(1.0, 4.0), RoundedFlat(0.5, 1.0)], ids=str
-)
-@pytest.mark.parametrize("body", ["half-space", "coating", "graded", "lamellar"])
+    ("indenter", "body"),
+    [(Sphere(2.0), "half-space"), (PowerLaw(0.3, 1.0), "coating"), (PowerLaw(1.0, 4.0), "lamellar"),
+     (RoundedFlat(0.5, 1.0), "graded")],
+)  # fmt: skip
 def test_the_series_hangs_together(indenter, body):
     """S' is the derivative of S, and P_H' = S delta_H': any body, any tip."""
     specimen = half_space(0.2) if body == "half-space" else others(0.2)[body]
@@ -147,14 +148,14 @@ def test_the_series_hangs_together(indenter, body):
     assert slope(series.P, step) == pytest.approx(series.S[2] * slope(series.delta, step), rel=rel)
 
 
-@pytest.mark.parametrize("specimen", [half_space(0.4), bonded(0.3, 0.1), others(0.5)["coating"]], ids=str)
+@pytest.mark.parametrize("specimen", [bonded(0.3, 0.1), others(0.5)["coating"]], ids=str)
 def test_another_way_to_solve_it(specimen):
     series = at(specimen, 1.0)
     found = [series.S[0], series.delta[0], series.P[0]]
     np.testing.assert_allclose(found, galerkin(specimen, 1.0)[:3], rtol=1e-5)  # of its differences and 12 terms
 
 
-@pytest.mark.parametrize("indenter", [UNIT, PowerLaw(0.3, 1.0), RoundedFlat(0.5, 1.0)], ids=str)
+@pytest.mark.parametrize("indenter", [UNIT, RoundedFlat(0.5, 1.0)], ids=str)
 def test_a_slight_tension_is_a_correction_to_first_order(indenter):
     left = []
     for kappa in (1e-2, 1e-3):

@@ -58,9 +58,8 @@ def stiffness(specimen: Specimen, ratio: float, terms: int = 60) -> float:
 
 @pytest.mark.parametrize(
     ("ratio", "kappa", "h", "rel"),
-    [(1.0, 0.1, None, 2e-7), (1.0, 1.0, None, 2e-8), (10.0, 0.1, None, 2e-6), (0.1, 0.1, 1.0, 1e-7),
-     (1.0, 30.0, 0.1, 1e-8), (100.0, 1.0, 1.0, 1e-4)],
-)  # fmt: skip
+    [(1.0, 1.0, None, 2e-8), (0.1, 0.1, 1.0, 1e-7), (1.0, 30.0, 0.1, 1e-8)],
+)
 def test_stiffness_is_that_of_the_energy_in_hankel_space(
     ratio: float, kappa: float, h: float | None, rel: float
 ) -> None:
@@ -70,8 +69,8 @@ def test_stiffness_is_that_of_the_energy_in_hankel_space(
     assert S == pytest.approx(stiffness(specimen, ratio), rel=rel)
 
 
-@pytest.mark.parametrize("h", [None, 1.0])
-def test_a_slight_tension_is_none(h: float | None) -> None:
+def test_a_slight_tension_is_none() -> None:
+    h = 1.0
     plain = replace(under_tension(1.0, h), surface_tension=0.0)
     expected = LayeredContact(tip(2.0), plain).refined(RADII, 1e-9)[0].columns
     off = [np.abs(columns(TenseTipSolver(tip(2.0), under_tension(kappa, h))) / expected - 1)[:, -1].max()

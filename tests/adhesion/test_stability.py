@@ -31,7 +31,7 @@ from jkrcli.adhesion.device_path import (
 from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.adhesion.work_of_pull_off import work_from_pull_off
 from jkrcli.base.errors import Unknown
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw
+from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz, scales_half_space, thin_incompressible_layer, thin_layer
 from jkrcli.methods.layered.solver import Layered
@@ -85,21 +85,13 @@ PUBLISHED = [
 
 
 @pytest.mark.parametrize(("what", "stiffness", "cube"), PUBLISHED)
-@pytest.mark.parametrize("method", ["closed form", "layered"])
-def test_critical_values_of_the_paraboloid_on_a_half_space(method: str, what: str, stiffness: float, cube: float):
-    found = stability_under(classical() if method == "closed form" else layered_half_space(), stiffness)
+def test_critical_values_of_the_paraboloid_on_a_half_space(what: str, stiffness: float, cube: float):
+    found = stability_under(classical(), stiffness)
     delta, P = bar(cube ** (1 / 3))
     assert units(getattr(found, what)) == pytest.approx((delta, P, cube), rel=1e-6, abs=1e-6)  # 1e-6 of the unit
 
 
-@cache
-def layered_half_space() -> AdhesiveCurve:
-    specimen = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
-    loading = Loading("radius", 1.73e-5, 60)
-    return curve(Layered()(Problem(Paraboloid(R), specimen, loading)).series)
-
-
-@pytest.mark.parametrize("stiffness", [1e3, 2e4, 1e5, 1e6, 1e8])
+@pytest.mark.parametrize("stiffness", [2e4, 1e6])
 def test_a_device_of_given_stiffness_against_the_closed_form(stiffness: float) -> None:
     """d(delta + P/k)/da = 0 with the derivatives of Eq. 18 written out, bracketed by the two pure controls."""
     soft = P0 / (stiffness * DELTA0)
@@ -127,18 +119,6 @@ def test_what_many_devices_do_together_is_what_each_does_alone() -> None:
         return [[getattr(each, name) for name in names] for each in found]
 
     assert values(behaviours(curve(half_space()), devices)) == values(alone)
-
-
-@settings(max_examples=12, deadline=None)
-@given(st.floats(-2, 3), st.floats(0.01, 2))
-def test_monotone_in_stiffness_between_the_two_ends(log: float, step: float) -> None:
-    stiffnesses = (0.0, 1e5 * 10**log, 1e5 * 10 ** (log + step), RIGID)
-    found = [classical().pull_off(stiffness) for stiffness in stiffnesses]
-    for column in ("P", "delta", "a"):
-        values = [getattr(point, column) for point in found]
-        assert all(np.diff(values) > 0) if column == "P" else all(np.diff(values) < 0)
-    energies = [stability_under(classical(), stiffness).energy_lost for stiffness in stiffnesses[1:]]
-    assert all(np.diff(energies) < 0)
 
 
 def test_energy_lost_per_cycle_is_the_published_one() -> None:
@@ -245,8 +225,6 @@ def dipped(first: float, *dips: tuple[float, float, float]) -> AdhesiveCurve:
 
 
 BODIES = {
-    "4.5e-5": lambda: stiff_coating(4.5e-5),
-    "1.15e-4": lambda: stiff_coating(1.15e-4),
     "1.8e-4": lambda: stiff_coating(1.8e-4),
     "three radii at first contact": lambda: dipped(1e-7, (6e-6, 0.995, 0.08)),
     "several landings in": lambda: dipped(1e-7, (1.1e-5, 0.97, 0.03), (1.2e-5, 0.97, 0.03), (1.5e-5, 0.9, 0.05)),
@@ -255,7 +233,7 @@ BODIES = {
 
 
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("stiffness", [0.0, 30.0, 1e5, RIGID])
+@pytest.mark.parametrize("stiffness", [30.0, RIGID])
 def test_paths_are_the_envelope_of_the_device_position(body: str, stiffness: float) -> None:
     """Brute force: a growing contact passes a radius when D exceeds all D before it, a shrinking one when D lies below
     all D at larger radii; but for samples next to the ends of the stretches."""
@@ -316,21 +294,6 @@ def test_an_approach_that_jumps_out_of_the_series_ends_there() -> None:
     assert path.jumps == ()  # where it lands is not known
 
 
-def test_jumps_of_a_stiff_coating_dissipate() -> None:
-    """With the jump back the loop is the area between its paths, by trapezoids over the sampled envelope of D."""
-    ours, stiffness = stiff_coating(1.8e-4), RIGID
-    whole = cycle(ours, ours, stiffness)
-    a = np.geomspace(ours.a[0], ours.a[-1], 200_001)
-    delta, P = ours.at(a)
-    D = np.linspace(whole.retraction.jumps[-1].start.delta, float(delta[-1]), 40_001)[1:-1]
-    back = np.minimum.accumulate(delta[::-1])[::-1]
-    out = P[np.searchsorted(back, D, side="right") - 1]
-    forth = np.maximum.accumulate(np.maximum(delta, 0))
-    inwards = np.where(D < 0, 0.0, P[np.minimum(np.searchsorted(forth, D), a.size - 1)])
-    area = float(np.sum((inwards - out)[1:] + (inwards - out)[:-1]) / 2 * (D[1] - D[0]))
-    assert whole.energy_lost == pytest.approx(area, rel=1e-3)  # first order in the sampling of the jumps
-
-
 def test_branches_in_words() -> None:
     ours = classical()
     words = branch(ours)
@@ -345,10 +308,9 @@ def test_no_adhesion() -> None:
     assert vars(found) == vars(Stability(RIGID, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION))
 
 
-@pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7), (1e9, 1e-9)])
 @pytest.mark.parametrize("w", [None, 1.8e-4])
-def test_change_of_units(w: float | None, length: float, force: float) -> None:
-    plain = classical() if w is None else stiff_coating(w)
+def test_change_of_units(w: float | None) -> None:
+    plain, length, force = classical() if w is None else stiff_coating(w), 1e-3, 1e7
     stiff, scaled = force / length, in_units(plain.series, length, force)
     other = curve(scaled, plain.w * stiff)
     for stiffness in (0.0, 30.0 if w else 3e4, RIGID):
@@ -416,16 +378,6 @@ def test_forward_and_inverse_are_a_pair(log_w: float, stiffness: float) -> None:
     )  # a minimum: root of round-off
 
 
-@pytest.mark.parametrize("stiffness", [0.0, 0.1])
-def test_change_of_units_of_w(stiffness: float) -> None:
-    length, force = 1e6, 1e-3
-    stiff, plain = force / length, gel()
-    here = work_behind(plain, 1e-7, stiffness, 1e-3)
-    there = work_behind(in_units(plain, length, force), 1e-7 * force, stiffness * stiff, 1e-3 * length)
-    assert there.w == pytest.approx(here.w * stiff, rel=1e-8)
-    assert there.half_space == pytest.approx(here.half_space * stiff, rel=1e-13)
-
-
 def test_a_force_outside_the_series_is_refused_with_the_range() -> None:
     """The ends: a^3 = 1.5 (3 pi w R^2/(4 E*)) at the first and last radius, times 1.5 pi w R: 2 E* a^3/(... R)."""
     least, greatest = (4 * E_STAR * a**3 / (3 * R) for a in (half_space().a[0], half_space().a[-1]))
@@ -440,14 +392,6 @@ def test_a_force_that_the_last_stable_branch_jumps_past_is_refused() -> None:
     (answer,) = refused_by(work_behind, stiff_coating(1.8e-4).series, 3.1e-7, math.inf)
     assert answer.startswith("load: no work of adhesion gives a pull-off force of 310 nN: where the last stable branch")
     assert "the force jumps past it" in answer
-
-
-def test_a_cone_has_no_half_space_answer() -> None:
-    specimen = Specimen((), HalfSpace(Elastic(1e6, 0.3)))
-    problem = Problem(PowerLaw(0.3, 1.0), specimen, Loading("radius", 1e-5, 40))
-    answer = work_behind(Layered()(problem).series, 1e-6)
-    assert answer.half_space is None
-    assert answer.point.P == pytest.approx(-1e-6, rel=1e-9)
 
 
 @pytest.mark.parametrize("load", [0.0, -1.0, math.nan])

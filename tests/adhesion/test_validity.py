@@ -115,8 +115,7 @@ def radius_of_cone(E: float) -> float:
     return found.a * 1e9 / E  # a ~ w/E*
 
 
-@pytest.mark.parametrize("spacing", ["log", "radius"])
-@pytest.mark.parametrize("control", ["load", "displacement"])
+@pytest.mark.parametrize(("control", "spacing"), [("load", "log"), ("displacement", "radius")])
 def test_a_stiff_cone_has_no_pull_off_at_picometres_and_no_advice_in_a_circle(control: str, spacing: str) -> None:
     assert radius_of_cone(70e9) < 0.1e-9
     found = analyse(solve(pressed(CONE, 70e9, spacing=spacing))[1], [W])[0].pull_off[control]

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from finite_bodies import FINITE, cylinder, stack
+from finite_bodies import FINITE, stack
 from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 
 from jkrcli.base.errors import Refusal
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
+from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
 from jkrcli.bodies.problem import (
     Coated,
     Elastic,
@@ -33,25 +33,20 @@ from jkrcli.methods.fem import FEM
 from jkrcli.methods.integral.fredholm import COLUMNS, rule
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayeredSpectrum
-from jkrcli.resolve.analysis import analyse, profile_columns, solver_of
+from jkrcli.resolve.analysis import profile_columns, solver_of
 from jkrcli.series import Series, Solution
 
 PARABOLOID = Paraboloid(1000.0)
 
 
 WIDE = {  # body, largest contact radius
-    "bonded, a/h = 2": (stack((1.0, 0.4, 1.0)), 2.0),
     "bonded, a/h = 1": (stack((1.0, 0.3, 1.0)), 1.0),
-    "bonded, a/h = 0.3": (stack((1.0, 0.45, 1.0)), 0.3),
     "sliding": (stack((1.0, 0.3, 1.0), base=Rigid(False)), 2.0),
     "soft coating": (stack((1.0, 0.4, 1.0), base=HalfSpace(Elastic(10.0, 0.25))), 2.0),
     "stiff coating": (stack((1.0, 0.4, 1.0), base=HalfSpace(Elastic(0.1, 0.25))), 1.0),
     "1:10": (stack((1.0, 0.4, 1.0), (10.0, 0.3, 1.0)), 2.0),
-    "10:1": (stack((10.0, 0.4, 1.0), (1.0, 0.3, 1.0)), 2.0),
     "nu = 0.499": (stack((1.0, 0.499, 1.0)), 5.0),
-    "nu = 1/2": (stack((1.0, 0.5, 1.0)), 5.0),
     "nu = 1/2 below": (stack((1.0, 0.3, 1.0), (2.0, 0.5, 1.0)), 2.0),
-    "nu = 0 above 1/2": (stack((1.0, 0.0, 1.0), (2.0, 0.5, 1.0)), 1.0),
 }
 
 
@@ -74,7 +69,7 @@ def stated(solution: Solution) -> float:
 
 
 # ---------------------------------------------------------------------------------------------- accuracy and cost
-@pytest.mark.parametrize("name", ["bonded, a/h = 2", "soft coating", "1:10", "10:1", "nu = 0.499"])
+@pytest.mark.parametrize("name", ["soft coating", "nu = 0.499"])
 def test_a_ten_thousandth_at_two_thousand_unknowns(name: str) -> None:
     specimen, a = WIDE[name]
     solution = solve(specimen, a, 1e-3)
@@ -83,7 +78,7 @@ def test_a_ten_thousandth_at_two_thousand_unknowns(name: str) -> None:
     assert difference(solution.series, exact(specimen, a), ("P", "S", "dS")) < 1.1e-4
 
 
-@pytest.mark.first(6)
+@pytest.mark.first(4)
 @pytest.mark.parametrize("name", WIDE)
 def test_wide_bodies_within_the_tolerance(name: str) -> None:
     specimen, a = WIDE[name]
@@ -105,7 +100,7 @@ def test_the_kernel_converges_exponentially_and_is_symmetric() -> None:
 
 
 @pytest.mark.first(1)
-@pytest.mark.parametrize("name", ["free", "clamped", "free, nu = 1/2", "free, 10:1"])
+@pytest.mark.parametrize("name", ["free", "clamped"])
 def test_better_than_second_order_where_a_free_side_meets_a_held_one(name: str) -> None:
     """In two dimensions the second order is one over the number of unknowns."""
     region = Region.of(FINITE[name], 1.0, 1e-9)
@@ -117,12 +112,6 @@ def test_better_than_second_order_where_a_free_side_meets_a_held_one(name: str) 
     assert order > 2  # that is fourth order in the size
 
 
-# ---------------------------------------------------------------------------------------------- identities
-def test_a_split_layer_is_the_whole_layer() -> None:
-    whole, split = stack((1.0, 0.4, 2.0)), stack((1.0, 0.4, 0.7), (1.0, 0.4, 1.3))
-    assert difference(solve(whole, 1.5, 1e-6).series, solve(split, 1.5, 1e-6).series) < 2e-6  # both stated errors
-
-
 def test_slabs_within_little_memory_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     body = stack((1.0, 0.4, 1.0), base=HalfSpace(Elastic(10.0, 0.25)))
     whole = solve(body, 1.0, 1e-3).series
@@ -130,24 +119,7 @@ def test_slabs_within_little_memory_change_nothing(monkeypatch: pytest.MonkeyPat
     assert difference(solve(body, 1.0, 1e-3).series, whole) < 1e-10
 
 
-def test_units_do_not_matter() -> None:
-    length, modulus = 1e-4, 1e6
-    one = Problem(Paraboloid(5.0), cylinder(1.5, 1.0, "free", below=3.0), Loading("depth", 0.05, 7))
-    layers = tuple(
-        Layer(Elastic(x.material.E * modulus, x.material.nu), x.thickness * length) for x in one.specimen.layers
-    )
-    small = replace(one.specimen, layers=layers, radius=1.5 * length)
-    other = Problem(Paraboloid(5.0 * length), small, Loading("depth", 0.05 * length, 7))
-    a, b = Hybrid(1e-4)(one).series, Hybrid(1e-4)(other).series
-    force = modulus * length**2
-    for name, scale in (("a", length), ("delta", length), ("P", force), ("S", force / length), ("dS", modulus)):
-        assert_allclose(getattr(b, name), scale * getattr(a, name), rtol=1e-8)  # rounding through the search
-
-
-@pytest.mark.parametrize(
-    "indenter",
-    [Sphere(3.0, Elastic(3.0, 0.3)), PowerLaw(0.1, 1.0), RoundedFlat(0.5, 9.0), Paraboloid(20.0, Elastic(0.5, 0.5))],
-)
+@pytest.mark.parametrize("indenter", [Sphere(3.0, Elastic(3.0, 0.3)), RoundedFlat(0.5, 9.0)])
 def test_any_indenter(indenter: object) -> None:
     specimen = stack((1.0, 0.4, 1.0))
     solution = solve(specimen, 1.2, 1e-5, indenter)
@@ -156,25 +128,13 @@ def test_any_indenter(indenter: object) -> None:
     assert solution.series.S0 == pytest.approx(wanted.S0, rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    "loading", [Loading("depth", 0.05, 9, "depth"), Loading("load", 0.1, 5), Loading.given("load", (0.01, 0.1))]
-)
+@pytest.mark.parametrize("loading", [Loading("depth", 0.05, 9, "depth"), Loading.given("load", (0.01, 0.1))])
 def test_loadings_end_where_they_should(loading: Loading) -> None:
     series = Hybrid(1e-5)(Problem(Paraboloid(5.0), FINITE["free, tall"], loading)).series
     column = series.delta if loading.to == "depth" else series.P
     assert column[-1] == pytest.approx(loading.maximum, rel=1e-7)  # a hundredth of the tolerance
     if loading.spacing == "given":
         assert_allclose(column, loading.values, rtol=1e-7)
-
-
-def test_a_cylinder_becomes_a_layer_as_it_gets_wider() -> None:
-    layer = stack((1.0, 0.3, 1.0))
-    wanted, distances = exact(layer, 1.0), []
-    for L in (2.0, 4.0, 8.0, 30.0):
-        solution = solve(replace(layer, radius=L, side="free"), 1.0, 1e-5)
-        distances.append(difference(solution.series, wanted))
-    assert (np.diff(distances) < 0).all()
-    assert distances[-1] < stated(solution)
 
 
 # ---------------------------------------------------------------------------------------------- moduli that vary
@@ -224,16 +184,9 @@ def test_a_wide_cylinder_is_the_layer_without_sides_and_a_narrow_one_is_not() ->
     assert abs(narrow.series.S[-1] / exact.S[-1] - 1) > 1e-4
 
 
-def test_pull_off_is_solved_with_the_kept_kernel() -> None:
-    solution = solved(Coated((Layer(SKIN, 1e-4),), CORE))
-    assert solver_of(solution) is not None
-    point, exact = (analyse(one, [0.05])[0].pull_off["load"]
-                    for one in (solution, Layered()(without_side_walls(solution.problem))))  # fmt: skip
-    assert point.P == pytest.approx(exact.P, rel=2e-3)  # as the side changes it
-
-
 def test_without_sides_and_for_profiles_it_is_refused() -> None:
     solution = solved(Coated((Layer(SKIN, 1e-4),), CORE))
+    assert solver_of(solution) is not None
     with pytest.raises(Refusal, match="how a coated indenter and the specimen share the displacement is not derived"):
         profile_columns(solution, 5e-4, 0.05, None)
     assert "use method layered" in str(Hybrid().refusal(without_side_walls(solution.problem)))

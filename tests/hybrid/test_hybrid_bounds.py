@@ -7,7 +7,7 @@ import pytest
 from stated_errors import stationary
 
 from jkrcli.base.errors import Refusal
-from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, _falls
 from jkrcli.hybrid.solver import Hybrid
@@ -29,9 +29,6 @@ ON_ITS_BASE = Specimen((Layer(Elastic(24416.76, 0.5), 2.993e-3),), HalfSpace(Ela
 SUBSTRATE_AT_A_HALF = Specimen(
     (Layer(Elastic(1911.0, 0.4738), 0.24597), Layer(Elastic(1171.0, 0.3267), 0.027916)),
     HalfSpace(Elastic(989.3, 0.499964)),
-)
-SOFT_ON_STIFF = Specimen(
-    (Layer(Elastic(1768684.295, 0.45203966), 0.283013057),), HalfSpace(Elastic(14104746.447, -0.0495905455))
 )
 SOFT_ON_ROCK = Specimen(
     (Layer(Elastic(24375146.5, 0.33829060), 5.90928622),), HalfSpace(Elastic(6.73762402e10, 0.420661156))
@@ -65,19 +62,12 @@ AUXETIC_PLATE = Specimen(
     Rigid(),
 )
 SQUEEZED = Specimen((Layer(Elastic(1e6, 0.5), 1.0),), Rigid())
-TWO_THICK = Specimen((Layer(Elastic(578150.0, -0.24721), 1e-3), Layer(Elastic(142371.0, 0.5), 3.4848e-4)), Rigid())
 BODIES = {
     # 7e-5 and 9e-5 off in S and S' where 1.7e-6 and 3.4e-6 were stated: degrees 4 and 6 err alike
     "three layers": Problem(Paraboloid(10.0), STACK, Loading.given("radius", (0.36, 0.72))),
     # S 1.5e-6 and S' 3.1e-6 off where 4.3e-7 and 8.7e-7 were stated: three intervals along r, longer than they should
     # be, where degrees 4, 6 and 8 err by 8e-3, -7e-6 and 4e-5 of K
     "a thick layer": Problem(Paraboloid(1.0), THICK, Loading.given("radius", (1e-5, 2e-5, 3.6e-5))),
-    # S 8.9e-7 off where 5.0e-7 was stated: degree 4 errs less than 6, by accident, and 2 by 4.5e-4
-    "two thick layers": Problem(Paraboloid(10.0), TWO_THICK, Loading.given("radius", (4e-6, 8.978e-6))),
-    # P 5.8e-7 off where 3.3e-7 was stated, below the least radius that was looked at
-    "small radii": Problem(
-        Sphere(13.7145431), SOFT_ON_STIFF, Loading.given("radius", tuple(np.linspace(0.1, 1.0, 37)))
-    ),
     # delta 5.4e-7 and P 1.5e-6 off where 2.5e-7 and 9e-7 were stated: where the body is cut again it had other
     # elements, whose errors, a thousand times what the cut itself costs, were extrapolated
     "a half-space that is hard to move": Problem(
@@ -95,20 +85,6 @@ BODIES = {
     ),
     # 2.9e-6 off in S' where 1.4e-6 was stated: the order that extrapolation takes for granted is none here
     "half-space at 1/2": Problem(PowerLaw(0.05, 2.0), SUBSTRATE_AT_A_HALF, Loading.given("radius", (0.3, 1.0))),
-    # delta and S 1.0e-6 off where 1.2e-7 was stated: the stiff layer is a plate on the soft ones, and its field reaches
-    # farther than their thickness
-    "a stiff layer on soft ones that slide": Problem(
-        PowerLaw(8.655500410655576e16, 3.830447755123821),
-        Specimen(
-            (
-                Layer(Elastic(5670.633114487696, 0.27967781310066425), 1.6620208023219314e-06),
-                Layer(Elastic(8.19396490157368, -0.3966240040884905), 1.0696052938837382e-06),
-                Layer(Elastic(2.8200847489695473, 0.5), 8.103211393252246e-07),
-            ),
-            Rigid(bonded=False),
-        ),
-        Loading("radius", 4.7152705017796287e-07, 20, "depth"),
-    ),
 }
 
 
@@ -134,14 +110,13 @@ def test_a_level_that_is_right_by_accident_hides_no_error_beside_a_singular_corn
     assert max(ratios(problem, Hybrid(1e-6)).values()) <= 1.0  # itself good to 1.5e-7
 
 
-@pytest.mark.parametrize("tolerance", [1e-5, 1e-4])
-def test_errors_fall_less_at_half_of_the_radius_than_at_the_largest(tolerance: float) -> None:
+def test_errors_fall_less_at_half_of_the_radius_than_at_the_largest() -> None:
     """Of P, with the rounding of a slender rod: thousands of times as soft as the contact. What another order of sums
     moves was 3e-7, now 1e-11, so that the errors stated hold whatever the order."""
     d, a = 1.5944587619, 13.239209946
     radii = tuple(np.linspace(0.5, 1, 11) * a)
     problem = Problem(PowerLaw(0.1 * a ** (1 - d) / d, d), ROLLERS, Loading.given("radius", radii))
-    assert max(ratios(problem, Hybrid(1e-7), Hybrid(tolerance)).values()) <= 1.0
+    assert max(ratios(problem, Hybrid(1e-7), Hybrid(1e-5)).values()) <= 1.0
 
 
 def test_an_error_that_falls_slowly_at_small_radii_is_not_stated_by_the_largest() -> None:
@@ -215,11 +190,6 @@ def test_a_row_beside_a_solved_radius_does_not_disturb_it() -> None:
     assert abs(point.P - stationary(problem, result.w, point.a, "load")[0]) <= stated["P"]
 
 
-ROUNDED = Problem(
-    RoundedFlat(0.0129603782, 0.7347112373),
-    Specimen((Layer(Elastic(1869041.45, 0.25165), 2.624645e-3),), Rigid(bonded=False), 0.0976244413, "free"),
-    Loading("radius", 0.0266900152, 34, "depth"),
-)
 THREE_LAYERS = Problem(
     Paraboloid(8.18295e-05),
     Specimen((
@@ -231,38 +201,23 @@ THREE_LAYERS = Problem(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("problem", "w", "exact"), [(ROUNDED, 10.3102738, Hybrid(1e-7)), (THREE_LAYERS, 28.0806614, Layered(1e-11))]
-)
-def test_short_waves_of_a_kernel_of_polynomials_count_for_the_place(problem: Problem, w: float, exact: Method) -> None:
-    """S'' was 1.2e-4 and 1.5e-5 off at the end of the kernel's reach, 1.2e-5 and 4.8e-6 stated, where S' was right to
-    9e-7: delta at load pull-off was 6.3 and 3.0 times as far off as was stated."""
-    result = analyse(Hybrid()(problem), [w])[0]
+def test_short_waves_of_a_kernel_of_polynomials_count_for_the_place() -> None:
+    """S'' was 1.5e-5 off at the end of the kernel's reach, 4.8e-6 stated, where S' was right to 9e-7: delta at load
+    pull-off was 3.0 times as far off as was stated."""
+    problem = THREE_LAYERS
+    result = analyse(Hybrid()(problem), [28.0806614])[0]
     point, stated = result.pull_off["load"], result.pull_off_errors["load"]
-    P, delta = stationary(problem, result.w, point.a, "load", exact)
+    P, delta = stationary(problem, result.w, point.a, "load", Layered(1e-11))
     assert abs(point.P - P) <= stated["P"]
     assert abs(point.delta - delta) <= stated["delta"] < 1e-4 * abs(delta)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("indenter", "body", "loading", "w"),
-    [
-        (PowerLaw(0.231, 1.0), Specimen((Layer(Elastic(2.36e9, 0.5), 2.3e-6),), Rigid(bonded=False)),
-         Loading("radius", 3e-5, 60), 1039.0),
-        (Sphere(0.058, Elastic(7.7e8, -0.09)), Specimen(
-            (Layer(Elastic(1.75e10, 0.5), 0.0128), Layer(Elastic(3.43e10, 0.4999998), 0.00578)),
-            HalfSpace(Elastic(6.77e10, 0.4977))), Loading("radius", 0.0466, 20, "log"), 8.46e6),
-    ],
-    ids=["cone", "sphere"],
-)  # fmt: skip
-def test_points_are_solved_where_that_takes_seconds(
-    indenter: Indenter, body: Specimen, loading: Loading, w: float
-) -> None:
-    """Above one second they were interpolated without a word: forces 1.4 and 1.5 % off, 0.2 and 0.4 % stated."""
-    problem = Problem(indenter, body, loading)
-    result = analyse(Hybrid()(problem), [w])[0]
-    true = analyse(Layered()(problem), [w])[0]
+def test_points_are_solved_where_that_takes_seconds() -> None:
+    """Above one second they were interpolated without a word: forces 1.4 % off, 0.2 % stated."""
+    sliding = Specimen((Layer(Elastic(2.36e9, 0.5), 2.3e-6),), Rigid(bonded=False))
+    problem = Problem(PowerLaw(0.231, 1.0), sliding, Loading("radius", 3e-5, 60))
+    result, true = (analyse(method(problem), [1039.0])[0] for method in (Hybrid(), Layered()))
     for control, point in result.pull_off.items():
         exact, stated = true.pull_off[control], result.pull_off_errors[control]
         assert is_refined(result.curve, point)

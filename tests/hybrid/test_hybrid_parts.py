@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -59,6 +59,7 @@ def test_far_away_the_ring_is_a_point_force() -> None:
     assert_allclose(f.u_r, np.broadcast_to(force * u_r, (2, 1)), rtol=1e-5)
 
 
+@settings(max_examples=25, deadline=None)
 @given(st.lists(st.integers(1, 7), min_size=1, max_size=5), st.integers(0, 2**31))
 def test_line_elements_reproduce_polynomials(degrees: list[int], seed: int) -> None:
     """Of the lowest degree on the line, their derivatives and integrals, at Gauss points and elsewhere."""

@@ -52,14 +52,11 @@ def controls(jkr: Callable, R: float, specimen: str, *options: str, loading: str
 
 
 @pytest.mark.parametrize("loading", ["radius = 20e-6", 'depth = "1 um"\nspacing = "depth"', 'load = "1 mN"'])
-@pytest.mark.parametrize(("E_nu", "R", "w"), [((5e6, 0.45), 20e-6, 0.05), ((70e9, 0.2), 20e-6, 1.0)])
-def test_kendalls_pull_off_under_either_control(jkr: Callable, E_nu, R: float, w: float, loading: str) -> None:
-    E, nu = E_nu
-    specimen = f"half_space = {{ E = {E}, nu = {nu} }}"
+def test_kendalls_pull_off_under_either_control(jkr: Callable, loading: str) -> None:
+    R, w, E_star = 20e-6, 0.05, 5e6 / (1 - 0.45**2)
     text = CASE.replace("{{ {loading} }}", "{{ " + loading.replace("\n", ", ") + " }}")
-    Path("punch.toml").write_text(text.format(R=R, specimen=specimen).replace("w = 0.05", f"w = {w}"))
+    Path("punch.toml").write_text(text.format(R=R, specimen="half_space = { E = 5e6, nu = 0.45 }"))
     found = jkr("pull-off", "punch.toml", "--json").told["results"][0]["controls"]
-    E_star = E / (1 - nu**2)
     for one in found:
         assert one["pull_off"]["a_m"] == R
         assert one["pull_off"]["P_N"] == pytest.approx(-math.sqrt(8 * math.pi * w * E_star * R**3), rel=1e-10)
@@ -70,7 +67,7 @@ def test_kendalls_pull_off_under_either_control(jkr: Callable, E_nu, R: float, w
     assert found[1]["energy_lost_J"] == pytest.approx(2 * math.pi * R**2 * w, rel=1e-10)
 
 
-@pytest.mark.parametrize("R_over_h", [0.2, 0.45, 1.0, 5.0])
+@pytest.mark.parametrize("R_over_h", [0.2, 5.0])
 def test_pull_off_from_a_layer_is_that_of_the_reference(jkr: Callable, R_over_h: float) -> None:
     """P = S sqrt(4 pi w a/S') at a = R under either control; held, contact is lost where S'/a is least, or there."""
     R = R_over_h * H
@@ -146,39 +143,23 @@ def test_trace_follows_the_full_end_then_the_receding_edge() -> None:
                               / (2 * E_STAR * slope(a)), rel=1e-4)  # fmt: skip
 
 
-@pytest.mark.parametrize("stiffness_N_per_m", [LOAD_CONTROL, 1e6, DISPLACEMENT_CONTROL])
-def test_another_w_on_retraction_leaves_the_loading_line(stiffness_N_per_m: float) -> None:
+def test_another_w_on_retraction_leaves_the_loading_line() -> None:
     """The full end is pinned at whatever w: P = S delta both ways, pull-off goes with the root of w."""
     R = 0.4 * H
     solution = jkrcli.solve(on_layer(R, jkrcli.Loading("load", 0.02)), "layered")
     approach, retraction = (one.curve for one in analyse(solution, [W, 4 * W]))
-    whole = cycle(approach, retraction, stiffness_N_per_m)
-    plain = cycle(approach, approach, stiffness_N_per_m)
+    whole = cycle(approach, retraction, 1e6)
+    plain = cycle(approach, approach, 1e6)
     columns, S = whole.path.rows(20), 2 * E_STAR * R * stiffness(0.4)
     np.testing.assert_allclose(columns["P_N"], S * columns["delta_m"], rtol=1e-8, atol=1e-15)
     assert columns["P_N"][-1] == pytest.approx(2 * plain.path.rows(20)["P_N"][-1], rel=1e-9)
-
-
-def test_units_of_length_and_force() -> None:
-    """All lengths times 1e-6 and all forces times 1e-9: every number scales."""
-    length, force = 1e-6, 1e-9
-    bodies = [(H, E, W, 1.0, 1.0), (H * length, E * force / length**2, W * force / length, length, force)]
-    found = []
-    for h, modulus, w, one, unit in bodies:
-        specimen = jkrcli.Specimen((jkrcli.Layer(jkrcli.Elastic(modulus, 0.5), h),))
-        problem = jkrcli.Problem(FlatPunch(2 * h), specimen, jkrcli.Loading("load", 0.1 * unit, 100, "log"))
-        analysed = analyse(jkrcli.solve(problem, "layered"), [w])[0]
-        for point in analysed.pull_off.values():
-            found.append([point.a / one, point.delta / one, point.P / unit])
-        found.append([*analysed.curve.series.end, 0.0][:3] / np.array([one, one, unit]))
-    np.testing.assert_allclose(found[:3], found[3:], rtol=1e-8)
 
 
 @pytest.mark.parametrize(
     ("specimen", "relation"),
     [pytest.param(f"{LAYER}, surface_tension = 0.03", 1e-6, marks=pytest.mark.slow),
      (f'{LAYER}, surface = "sticking"', 1e-7),
-     (f'{LAYER}, radius = "8 mm", side = "free"', 1e-4), (f"{LAYER}, half_space = {{ E = 1e5, nu = 0.3 }}", 1e-8)],
+     (f'{LAYER}, radius = "8 mm", side = "free"', 1e-4)],
 )  # fmt: skip
 def test_pull_off_of_any_body_is_g_equal_w_at_the_full_end(jkr: Callable, specimen: str, relation: float) -> None:
     """P = S delta, G = S' delta^2/(4 pi R) = w, S' the slope of S of punches a little larger and smaller."""
@@ -240,23 +221,21 @@ def test_a_loading_that_ends_inside_the_punch_says_that_the_rim_is_not_reached(j
     assert beyond.count("jkr: error") == 1
 
 
-@pytest.mark.parametrize("reached", ["1 mm", "0.8 mm"])
-def test_neglected_effects_are_at_the_radius_that_is_reached(jkr: Callable, reached: str) -> None:
+def test_neglected_effects_are_at_the_radius_that_is_reached(jkr: Callable) -> None:
     """The substrate in series, S_film and S_glass, moves S by less than their ratio, wherever loading ends."""
-    Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading=f'radius = "{reached}"'))
+    Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading='radius = "0.8 mm"'))
     said = jkr("check", "punch.toml", "--json").told["left_out"]
     changes = {one["name"]: one["S"] for one in said}
-    a = float(reached.split()[0])
+    a = 0.8
     film, glass = 2 * E_STAR * a * 1e-3 * stiffness(a), 2 * 70e9 / (1 - 0.2**2) * a * 1e-3
     (substrate,) = (S for name, S in changes.items() if name.startswith("elastic substrate"))
     assert -1.5 * film / glass < substrate < 0
 
 
-@pytest.mark.parametrize("rule", ["loocv", "gcv-kept"])
-def test_the_error_of_smoothed_slopes_at_the_rim(rule: str) -> None:
+def test_the_error_of_smoothed_slopes_at_the_rim() -> None:
     """It holds the true one, and is not the scale of the noise times the bias of the end."""
     solution = jkrcli.solve(on_layer(5 * H, jkrcli.Loading("radius", 5 * H)), "layered")
-    exact, (one,) = analyse(solution, [W])[0].pull_off["load"].P, analyse(solution, [W], rule)
+    exact, (one,) = analyse(solution, [W])[0].pull_off["load"].P, analyse(solution, [W], "loocv")
     off = abs(one.pull_off["load"].P / exact - 1)
     stated = one.pull_off_errors["load"]["P"] / abs(exact)
     assert off <= stated < 0.05

@@ -36,9 +36,10 @@ def pull_off_of(jkr: Any, table: str, shape: str, *words: Any) -> dict[str, Any]
     return found
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("ratio", "exact", "hertz"),
-    [(1.5, 1.4981, 1.4966), (2, 1.4945, 1.4902), (4, 1.4788, 1.4633), (10, 1.4468, 1.4113), (30, 1.4001, 1.3407)],
+    [(4, 1.4788, 1.4633), (1.5, 1.4981, 1.4966), (2, 1.4945, 1.4902), (10, 1.4468, 1.4113), (30, 1.4001, 1.3407)],
 )
 def test_the_least_energy_over_all_ellipses(ratio: float, exact: float, hertz: float) -> None:
     """-P/(pi w sqrt(R1 R2)) under load control, every digit; at ratio 1 JKR's."""
@@ -48,14 +49,16 @@ def test_the_least_energy_over_all_ellipses(ratio: float, exact: float, hertz: f
     assert ellipses.pull_off(ratio, w=1e-3) == pytest.approx(ellipses.pull_off(ratio), rel=1e-7)
 
 
-@pytest.mark.parametrize("row", range(len(ELLIPSES)))
+@pytest.mark.first(3)
+@pytest.mark.parametrize("row", range(len(ELLIPSES))[::-1])
 def test_the_table_over_the_radii_is_that_of_the_energy(row: int) -> None:
     ratio, *stated = ELLIPSES[row].tolist()
     energy, restricted = ellipses.pull_off(ratio), ellipses.restricted(ratio)
     assert stated == pytest.approx([a / b - 1 for a, b in zip(energy, restricted, strict=True)], abs=6e-6)
 
 
-@pytest.mark.parametrize("ratio", [1.1, 1.4, 1.8, 2.5, 3.5, 5.0, 8.0, 13.0, 40.0, 75.0])
+@pytest.mark.first(3)
+@pytest.mark.parametrize("ratio", [1.4, 3.5, 40.0, 1.1, 1.8, 2.5, 5.0, 8.0, 13.0, 75.0])
 def test_ten_ellipses_lie_within_the_stated_error_of_the_energy(jkr: Any, tmp_path: Path, ratio: float) -> None:
     """Under both controls the energy's force lies in the stated range, whose width it needs but for ``BETWEEN``."""
     ellipse_table(tmp_path / "table.csv", ratio)
@@ -112,30 +115,21 @@ def test_nothing_is_compared_with_discs_and_what_is_not_known_is_said(jkr: Any, 
 def test_refusals_in_one_line(jkr: Any, tmp_path: Path, words: tuple[str, ...], message: str) -> None:
     ellipse_table(tmp_path / "table.csv", 4.0)
     (tmp_path / "two.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-9,{i**1.5}e-9\n" for i in range(1, 20)))
-    pull_off_of(jkr, "table.csv", "any")
+    assert jkr("import", "table.csv", "--contact-shape", "any", *BODY, "-o", "shape.h5").code == 0
     outcome = jkr(*words)
     assert (outcome.code, outcome.out) == (2, "")
     assert message in " ".join(outcome.err.split())
 
 
-@pytest.mark.parametrize(
-    "words",
-    [("cycle", "--w-approach", "10 mJ/m^2"), ("export", "--dem", "--w", "10 mJ/m^2"), ("explore",), ("show",)],
-    ids=lambda words: words[0],
-)
-def test_verbs_that_state_no_change_by_other_shapes_warn_of_it(
-    jkr: Any, tmp_path: Path, words: tuple[str, ...]
-) -> None:
+def test_verbs_that_state_no_change_by_other_shapes_warn_of_it(jkr: Any, tmp_path: Path) -> None:
     ellipse_table(tmp_path / "table.csv", 4.0)
-    pull_off_of(jkr, "table.csv", "ellipse=4")
-    verb, *options = words
-    outcome = jkr(verb, "shape.h5", *options).ok
-    said = " ".join(outcome.err.split())
-    assert "R1/R2 = 4: what other shapes change of the pull-off force: -0.03 to +1.1 % (load)" in said
-    assert "no error here includes it" in said
-    if verb == "export":
-        rows = np.loadtxt(tmp_path / "shape-dem.csv", delimiter=",", skiprows=1)
-        assert -rows[0, 2] == pytest.approx(ellipses.restricted(4.0)[1] * math.pi * W * R, rel=1e-4)
+    assert jkr("import", "table.csv", "--contact-shape", "ellipse=4", *BODY, "-o", "shape.h5").code == 0
+    for verb, *words in (("cycle", "--w-approach", "10 mJ/m^2"), ("export", "--dem", "--w", "10 mJ/m^2"), ("show",)):
+        said = " ".join(jkr(verb, "shape.h5", *words).ok.err.split())
+        assert "R1/R2 = 4: what other shapes change of the pull-off force: -0.03 to +1.1 % (load)" in said
+        assert "no error here includes it" in said
+    rows = np.loadtxt(tmp_path / "shape-dem.csv", delimiter=",", skiprows=1)
+    assert -rows[0, 2] == pytest.approx(ellipses.restricted(4.0)[1] * math.pi * W * R, rel=1e-4)
     outcome = jkr("transform", "shape.h5", "--w", "10 mJ/m^2", "--no-plots")
     assert "other shapes" not in outcome.err  # it is part of the result
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError, Unknown
@@ -185,6 +185,7 @@ def test_an_area_that_is_misread_is_named_where_loads_agree(tmp_path: Path) -> N
     assert re.search(r"contact radii are off those of these bodies by -1\.\d%, where loads agree: .*--area", warning)
 
 
+@settings(max_examples=30, deadline=None)
 @given(
     fraction=st.floats(1e-6, 0.999),
     indenter=st.sampled_from(
@@ -274,6 +275,7 @@ def test_wrong_choices_name_the_columns(tmp_path: Path, monkeypatch, reading: Se
         read_series(Path("t.csv"), on_a_half_space(Sphere(R)), reading)
 
 
+@settings(max_examples=40, deadline=None)
 @given(st.text(alphabet='aAP delta_mN,;\t\n.0123456789-e#"\x00(um)', max_size=200))
 def test_any_text_gives_a_series_or_a_sentence(tmp_path_factory, text: str) -> None:
     path = tmp_path_factory.mktemp("any") / "t.csv"

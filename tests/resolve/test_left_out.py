@@ -84,6 +84,7 @@ def of_many_radii(specimen: Specimen, w: float, radii: int = 120) -> tuple[float
     return load, S, pulled[0] / pulled[1] - 1
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("E", "w"), [(1e6, 1e-3), (3e4, 2e-5)], ids=["near", "elsewhere"])
 def test_a_surface_tension_on_a_layer_is_that_of_many_radii(E: float, w: float) -> None:
     """Solved around pull-off without it; over all radii where pull-off with it lies elsewhere."""
@@ -128,12 +129,6 @@ def test_a_base_of_the_layers_own_material_is_the_half_space() -> None:
     assert base.load == pytest.approx(formula.load, rel=1e-4)
     assert base.S == pytest.approx(formula.S, rel=1e-4)
     assert base.pull_off[1.0] == pytest.approx(formula.pull_off[1.0], rel=2e-3)
-
-
-def test_layers_far_thicker_than_the_contact_matter_as_little_as_their_base() -> None:
-    rows = found(layer(1e3 * a))
-    assert rows["half-space formula"].load == pytest.approx(0, abs=2e-3)
-    assert rows["elastic substrate"].load == pytest.approx(0, abs=1e-5)
 
 
 def test_large_strains_are_those_of_rubber() -> None:
@@ -213,13 +208,3 @@ def test_weight_of_a_soft_half_space_alone_is_told() -> None:
     assert one.S > one.load
     assert "weight of" not in found(half_space(Elastic(100.0, 0.3)))
     assert "weight of" not in found(layer(R, soft))
-
-
-def test_a_change_of_units_changes_nothing() -> None:
-    """Lengths a thousand times as large, with the tension, the density and w that go with them."""
-    rows = found(layer(a), 0.02)
-    problem = Problem(Paraboloid(1e3 * R), layer(1e3 * a), Loading("radius", 1e3 * a, 40))
-    big = {one.name: one for one in neglected_effects(problem, preview_effects(problem, (20.0,), 3e-7), (20.0,), 3e-7)}
-    for name in ("no slip", "exact sphere"):
-        assert big[name].load == pytest.approx(rows[name].load, rel=1e-6, abs=1e-9)
-        assert big[name].pull_off[20.0] == pytest.approx(rows[name].pull_off[0.02], rel=1e-6, abs=1e-9)

@@ -42,8 +42,7 @@ def test_elements_of_any_mesh_are_told_by_the_radii(kind: str) -> None:
     assert np.mean(np.concatenate(right)) > 0.9
 
 
-@pytest.mark.parametrize("scatter", [1e-4, 1e-3, 3e-3])
-@pytest.mark.parametrize("power", [1.0, 0.5])
+@pytest.mark.parametrize(("scatter", "power"), [(1e-4, 0.5), (1e-3, 1.0)])
 def test_radii_that_scatter_are_none_of_nodes(scatter: float, power: float) -> None:
     """Counts of up to 16 fit any radii to a tenth of an element."""
     rng = np.random.default_rng(0)
@@ -91,7 +90,7 @@ HALF_SPACE = Problem(
 )  # E* = 1 MPa
 
 
-@pytest.mark.parametrize("sizes", [(2.0, 14 / 3), (2.0, 6.0), (3.0, 4.5)])
+@pytest.mark.parametrize("sizes", [(2.0, 14 / 3), (3.0, 4.5)])
 def test_two_zones_are_no_mesh_of_their_common_divisor(sizes: tuple[float, float], tmp_path: Path) -> None:
     _, rows = zones(0.3, sizes)
     np.savetxt(tmp_path / "t.csv", rows.T, delimiter=",", header="a_m,delta_m,P_N", comments="", fmt="%.9g")

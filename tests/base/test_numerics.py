@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PchipInterpolator
 from scipy.optimize import brentq
@@ -24,9 +24,11 @@ from jkrcli.base.numerics import (
     zeros_between,
 )
 
+few = settings(max_examples=25, deadline=None)
 steps = st.lists(st.floats(0.02, 50.0), min_size=1, max_size=30)
 
 
+@few
 @given(steps, st.integers(0, 2**32 - 1))
 def test_the_cubic_spline_is_that_of_scipy(step: list[float], seed: int) -> None:
     x = np.cumsum([0.0, *step])
@@ -45,6 +47,7 @@ def test_splines_side_by_side_are_those_of_each_column() -> None:
         assert ours.derivative(order)(at) == pytest.approx(ours(at, order), rel=1e-15)
 
 
+@few
 @given(steps, st.integers(0, 2**32 - 1), st.sampled_from([np.array, np.sort, np.round, np.exp]))
 @example([16.0, 0.02, 16.0], 0, np.array)
 def test_monotone_cubics_are_those_of_scipy(step: list[float], seed: int, shape: Callable[[Array], Array]) -> None:
@@ -58,6 +61,7 @@ def test_monotone_cubics_are_those_of_scipy(step: list[float], seed: int, shape:
         assert pchip(x, y)(at, order) == pytest.approx(expected, rel=1e-9, abs=1e-10 * size)
 
 
+@few
 @given(steps, st.integers(0, 2**32 - 1))
 def test_values_and_slopes_between_and_beyond_the_knots(step: list[float], seed: int) -> None:
     chance = np.random.default_rng(seed)
@@ -71,6 +75,7 @@ def test_values_and_slopes_between_and_beyond_the_knots(step: list[float], seed:
     assert ours.c == pytest.approx(theirs.c)
 
 
+@few
 @given(steps, st.integers(0, 2**32 - 1))
 def test_quintics_and_their_two_derivatives(step: list[float], seed: int) -> None:
     chance = np.random.default_rng(seed)
@@ -126,6 +131,7 @@ def test_many_zeros_are_found_at_once() -> None:
     assert found[[0, 40, 98]].tolist() == alone  # whatever else is sought beside it
 
 
+@few
 @given(st.lists(st.tuples(st.floats(1e-6, 1e3), st.floats(1e-6, 1e3), st.floats(-1e6, 1e6)), min_size=3, max_size=20))
 def test_a_cubic_with_rising_slopes_rises_whatever_the_slopes_were(steps: list[tuple[float, float, float]]) -> None:
     """Of slopes that fall, beside a corner of a tip, exp of the cubic overflowed."""
@@ -141,7 +147,7 @@ DOF = [1.0, 2.0, 3.5, 10.0, 57.0, 300.0, 2000.3, 1e5]
 LOST = 1e-9  # theory: of a difference of gamma functions' logs of 1e5, 1e6 epsilon
 
 
-@pytest.mark.parametrize("k", [1, 2, 3, 7, 30])
+@pytest.mark.parametrize("k", [1, 7])
 @pytest.mark.parametrize("dof", DOF)
 def test_tails_of_f(k: int, dof: float) -> None:
     F = np.concatenate([[0.0], np.geomspace(1e-8, 600, 40), [math.inf, math.nan]])
@@ -159,7 +165,7 @@ def test_degrees_of_freedom_of_each() -> None:
     assert f_tail(1, dof, F) == pytest.approx(fdtrc(1, dof, F), rel=LOST, nan_ok=True)
 
 
-@pytest.mark.parametrize("level", [0.01, 0.5, 0.68, 0.95, 0.997, 1 - 1e-9])
+@pytest.mark.parametrize("level", [0.5, 0.95, 1 - 1e-9])
 @pytest.mark.parametrize("dof", DOF)
 def test_quantiles(dof: float, level: float) -> None:
     for k in (1, 2, 7, 30):
@@ -169,6 +175,7 @@ def test_quantiles(dof: float, level: float) -> None:
 
 
 # ---------------------------------------------------------------------- the median
+@few
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=40))
 def test_the_median_is_that_of_numpy(values: list[float]) -> None:
     x = np.array(values)

@@ -21,8 +21,7 @@ def read(path: Path, columns: np.ndarray) -> Solution:
     return read_series(path, HERTZ.problem(columns.shape[1]), SeriesReading())
 
 
-@pytest.mark.parametrize("noise", [1e-2, 3e-2])
-@pytest.mark.parametrize("points", [15, 60])
+@pytest.mark.parametrize(("noise", "points"), [(1e-2, 60), (3e-2, 15)])
 def test_noise_is_not_refused(tmp_path: Path, noise: float, points: int) -> None:
     """27 of 30 tables of 60 points with 1 % noise used to be refused."""
     for seed in range(3):
@@ -105,7 +104,7 @@ def test_an_outlier_below_zero_costs_its_row_only(tmp_path: Path) -> None:
     assert abs(found / clean.pull_off["load"].P - 1) < 4e-3  # 2.1e-3 measured; the band is 8e-3
 
 
-@pytest.mark.parametrize(("near", "outlier"), [(3, 14), (3, 30), (2, 12)])
+@pytest.mark.parametrize(("near", "outlier"), [(3, 14), (2, 12)])
 def test_an_outlier_below_zero_is_none_of_the_rows_near_first_touch(tmp_path: Path, near: int, outlier: int) -> None:
     """The 14th of 60 rows used to count with three before it: the table was refused as in another order."""
     columns = disturbed(HERTZ.series(60), "independent", 1e-2, 0)

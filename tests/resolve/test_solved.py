@@ -43,7 +43,7 @@ def test_points_that_take_too_many_nodes_cost_nothing(tuned: Callable[[str, obje
     assert 0 < result.pull_off_errors["load"]["P"] < 1e-2 * abs(result.pull_off["load"].P)
 
 
-@pytest.mark.parametrize(("name", "points"), [("gel", 100), ("coating", 100), ("thin-layer", 100), ("thin-layer", 40)])
+@pytest.mark.parametrize(("name", "points"), [("gel", 100), ("coating", 100), ("thin-layer", 40)])
 def test_points_are_solved_and_their_errors_are_near_the_truth(name: str, points: int) -> None:
     """Interpolated, their force erred by up to 5e-4 and said 1e-4 to 2e-3."""
     model = load_case(CASES / f"{name}.toml").model
@@ -71,7 +71,7 @@ NEAR_ITS_RIM = Problem(
 )
 
 
-@pytest.mark.parametrize("share", [0.75, 0.92, 0.97])
+@pytest.mark.parametrize("share", [0.75, 0.92])
 def test_the_place_of_pull_off_is_known_less_well_near_the_rim_of_a_sphere(share: float) -> None:
     """The profile is singular there, which polynomials through seven radii find at a rate that slows down: delta under
     load lay up to 3 times beyond what was stated."""
@@ -87,8 +87,7 @@ def test_the_place_of_pull_off_is_known_less_well_near_the_rim_of_a_sphere(share
         assert abs(point.delta - delta) <= stated["delta"] + 1e-11 * abs(delta)
 
 
-@pytest.mark.parametrize("share", [1.0005, 1.03])
-@pytest.mark.parametrize("method", ["layered", "hybrid"])
+@pytest.mark.parametrize(("method", "share"), [("layered", 1.03), ("hybrid", 1.0005)])
 def test_points_are_solved_beyond_the_last_row(method: str, share: float) -> None:
     """What was read off next to the end of a series was refused: it "lies outside the solution"."""
     body = Specimen((Layer(Elastic(1e6, 0.45), 1e-6),), Rigid())
@@ -135,7 +134,7 @@ def test_what_is_read_between_the_rows_has_its_own_error() -> None:
     assert all((values == 0).all() for values in curve.interpolation_at(knots).values())  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize(("method", "count"), [("layered", 20), ("layered", 40), ("hybrid", 20)])
+@pytest.mark.parametrize(("method", "count"), [("layered", 20), ("hybrid", 20)])
 def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: str, count: int) -> None:
     """A table of a sphere in 20 intervals: delta at load pull-off was up to 1.2e-2 off, 4e-7 to 4e-4 stated."""
     body = Specimen((Layer(Elastic(1e6, 0.45), 8e-6),), Rigid())
@@ -204,8 +203,7 @@ def controls(jkr: Callable, indenter: str, w: float, spacing: str = "radius") ->
     return jkr("pull-off", "body.toml", "--json").told["results"][0]["controls"]
 
 
-@pytest.mark.parametrize("spacing", ["radius", "log"])
-@pytest.mark.parametrize(("edge", "w"), [(1e-9, 0.05), (1e-9, 0.2), (1e-10, 0.01), (1e-8, 0.1)])
+@pytest.mark.parametrize(("edge", "w", "spacing"), [(1e-9, 0.05, "radius"), (1e-8, 0.1, "log")])
 def test_kendalls_punch_under_either_control(jkr: Callable, edge: float, w: float, spacing: str) -> None:
     b = 20e-6
     found = controls(jkr, f'shape = "flat"\nflat_radius = {b}\nedge_radius = {edge}', w, spacing)
@@ -217,7 +215,7 @@ def test_kendalls_punch_under_either_control(jkr: Callable, edge: float, w: floa
         assert len(one["critical_points"]) <= 1  # no second minimum, and no maximum
 
 
-@pytest.mark.parametrize(("angle", "w"), [(45, 0.05), (70, 1e-3), (80, 1e-3), (85, 1e-3), (88, 1e-4)])
+@pytest.mark.parametrize(("angle", "w"), [(45, 0.05), (85, 1e-3)])
 def test_cones_have_a_pull_off_under_displacement_control(jkr: Callable, angle: float, w: float) -> None:
     """delta = (pi/2) a cot(alpha) - sqrt(2 pi w a/E*) is least at a = 2 w tan^2(alpha)/(pi E*), delta = -w
     tan(alpha)/E*; P at nine times that radius."""

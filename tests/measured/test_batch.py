@@ -50,6 +50,7 @@ def folder(number: int) -> tuple[str, list[File], bool]:
     return title, [files[i] for i in rng.permutation(len(files))], mirrored > 1
 
 
+@pytest.mark.first(7)
 @pytest.mark.parametrize("number", range(20))
 def test_a_folder_of_mixed_files_is_read_right_or_refused_as_a_whole(number: int, tmp_path: Path) -> None:
     title, files, contradict = folder(number)

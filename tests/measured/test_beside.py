@@ -92,13 +92,6 @@ def test_curves_of_two_directions_each(tmp_path: Path) -> None:
         assert list(curve.segments()) == ["approach", "retract"]
 
 
-def test_a_column_that_is_named_is_taken_alone(tmp_path: Path) -> None:
-    text = sheet(HEADS["German"], *pairs())
-    (curve,) = read(tmp_path, text, Reading(columns={"delta": "Weg hin", "P": "Kraft hin"}))
-    np.testing.assert_allclose(curve.P, LOAD[:4], rtol=1e-12)
-    assert curve.segment is None
-
-
 def test_half_a_retraction_is_questioned_and_the_remedy_works(tmp_path: Path) -> None:
     text = sheet("Weg hin (mm);Kraft hin (N);Weg zurück (mm)", *pairs()[:3])
     with pytest.raises(
@@ -107,6 +100,7 @@ def test_half_a_retraction_is_questioned_and_the_remedy_works(tmp_path: Path) ->
         read(tmp_path, text)
     (curve,) = read(tmp_path, text, Reading(columns={"delta": "1", "P": "2"}))
     np.testing.assert_allclose(curve.P, LOAD[:4], rtol=1e-12)
+    assert curve.segment is None
     text = sheet("Weg hin (mm);Kraft hin (N);Weg zurück (mm);Kraft zurück (N);Zeit zurück (s)", *pairs(), Z[:4])
     with pytest.raises(InputError, match=r'differ, only the retract has a column "Zeit \[s\]": --column delta=1 --col'):
         read(tmp_path, text)

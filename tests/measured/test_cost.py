@@ -48,6 +48,7 @@ def relaxed(curve: Curve) -> Curve:
     return replace(curve, P=np.where(back, 0.9 * curve.P, curve.P))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("dirty", "most"), [(bent, 6), (relaxed, 3)])
 def test_starts_that_lead_to_one_curve_are_searched_once(dirty: Callable, most: float, evaluations: list[int]) -> None:
     """One after the other, and from all starts anew, these took 15 to 19 and 6 to 8 times as many evaluations as the
@@ -59,6 +60,7 @@ def test_starts_that_lead_to_one_curve_are_searched_once(dirty: Callable, most: 
     assert len(evaluations) < most * clean
 
 
+@pytest.mark.slow
 def test_the_remark_on_the_other_profile_begins_at_the_fit(evaluations: list[int]) -> None:
     """Fitted from the record on it doubled the evaluations; the curves of a map have no such remark."""
     curve = bent(pressed(2))

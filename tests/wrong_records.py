@@ -1,6 +1,5 @@
-"""Whole records of what is not in the model that reads them: layers, adhesion of range or of speed, tension,
-relaxation, large strains, yield, cones, devices that are not as they are said to be. Shares no code with what reads
-them."""
+"""Whole records of what is not in the model that reads them: layers, adhesion of range or of speed, relaxation, yield,
+cones, creep of the device (``wrong_kinds`` of the studies has more). Shares no code with what reads them."""
 
 from __future__ import annotations
 
@@ -10,12 +9,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from force_curves import Instrument, equilibrium, record
-from layer_contact import BondedLayer, half_space
+from layer_contact import BondedLayer
 from maugis import Maugis
 
 ROWS = 1000
 R = 5e-6
-Load = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,12 +102,6 @@ def layer(at: Drawn) -> Wrong:
                  families=("layer or substrate",))  # fmt: skip
 
 
-def nu_of_layer(at: Drawn) -> Wrong:
-    h = at.radius * 0.7
-    return Wrong(record(at.E, R, at.w, at.w, at.device, at.seed, BondedLayer(h, 0.3)), at.k, at.truth, h=h,
-                 families=("layer or substrate",))  # fmt: skip
-
-
 def cone(at: Drawn) -> Wrong:
     """As deep at its widest contact radius as the paraboloid that it is read as, and there not pulled."""
     slope = 2 * at.radius / (math.pi * R)
@@ -121,20 +113,6 @@ def cone(at: Drawn) -> Wrong:
         return math.pi / 2 * slope * a, math.pi / 2 * slope * a**2, 2 * a, np.full(a.size, 2.0)
 
     return Wrong(record(at.E, R, at.w, at.w, at.device, at.seed, body), at.k, at.truth, families=("shape of the tip",))
-
-
-def tension(at: Drawn) -> Wrong:
-    """First order in kappa/a, kappa a tenth of the largest radius at most."""
-    kappa = at.radius * np.random.default_rng(at.seed + 1).uniform(0.02, 0.08)
-
-    def body(a: np.ndarray, tip: float) -> tuple[np.ndarray, ...]:
-        delta, P, S, dS = half_space(a, tip)
-        x, log = kappa / (math.pi * np.maximum(a, 3 * kappa)), np.log(2 * np.maximum(a, 3 * kappa) / kappa) + 0.5772
-        return delta * (1 + 2 * x * (log - 1)), P * (1 + 3 * x * log), S * (1 + x * (log + 1)), dS * (1 + x)
-
-    return Wrong(
-        record(at.E, R, at.w, at.w, at.device, at.seed, body), at.k, at.truth, families=("layer or substrate",)
-    )
 
 
 def dmt(at: Drawn) -> Wrong:
@@ -169,30 +147,11 @@ def rising_work(at: Drawn) -> Wrong:
                  families=("adhesion",))  # fmt: skip
 
 
-def hertzian(at: Drawn, radius: float, factor: Load = np.ones_like) -> tuple[np.ndarray, np.ndarray]:
-    """Depth and load without adhesion up to a radius; ``factor`` of the load over delta/R."""
+def hertzian(at: Drawn, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Depth and load without adhesion up to a radius."""
     a = np.geomspace(1e-5, 1, 6000) * radius
     delta = np.append(0.0, a**2 / R)
-    return delta, np.append(0.0, 4 * at.E * a**3 / (3 * R)) * factor(delta / R)
-
-
-def strains(at: Drawn) -> Wrong:
-    """A neo-Hookean half-space under an exact sphere that is read as one; factors of finite elements at equal depth."""
-    top = np.random.default_rng(at.seed + 1).uniform(0.5, 0.8) * R
-    a = np.geomspace(1e-5, 1, 6000) * top
-    delta = np.append(0.0, a * np.arctanh(a / R))
-    P = np.append(0.0, at.E * ((R**2 + a**2) * np.arctanh(a / R) - a * R))
-    over = np.interp(np.append(0, a) / R, (0, 0.2, 0.3, 0.5, 0.7, 0.8), (0, 0.01, 0.016, 0.029, 0.047, 0.061))
-    return _elastic(
-        at, delta, P / (1 + over), ("layer or substrate", "shape of the tip"), louder=(top / at.radius) ** 3
-    )
-
-
-def _elastic(at: Drawn, delta: np.ndarray, P: np.ndarray, families: tuple[str, ...], louder: float = 1.0) -> Wrong:
-    at = Drawn(at.E, 0.0, at.radius * louder ** (1 / 3), at.k, at.largest * louder, at.noise * louder, at.seed)
-    way = positions(at, float(delta[-1] + P[-1] / at.k))
-    loads = np.interp(way, delta + P / at.k, P, left=0.0)
-    return Wrong(read(at, way, loads, loads), at.k, {"E_star": at.E}, families=families)
+    return delta, np.append(0.0, 4 * at.E * a**3 / (3 * R))
 
 
 def relaxing(at: Drawn, lost: float = 0.5, tau: float = 0.3) -> Wrong:
@@ -245,32 +204,12 @@ def plastic(at: Drawn) -> Wrong:
     return Wrong(read(at, way, into, out), at.k, {"E_star": at.E}, families=("relaxation or flow",))
 
 
-def stiffness(at: Drawn) -> Wrong:
-    return Wrong(right(at).columns, 1.1 * at.k, at.truth, families=("device", "layer or substrate"))
-
-
-def radius(at: Drawn) -> Wrong:
-    return Wrong(right(at).columns, at.k, at.truth, R=1.1 * R)
-
-
 def creep(at: Drawn) -> Wrong:
     """Over the time since the turn, and so over the way that was gone evenly."""
-    return _misplaced(at, lambda way, _: 0.01 * np.log1p(100 * way / 2))
+    return misplaced(at, lambda way, _: 0.01 * np.log1p(100 * way / 2))
 
 
-def hysteresis(at: Drawn) -> Wrong:
-    """Over what drives the piezo, and so over the way that is read."""
-
-    def error(way: np.ndarray, size: float) -> np.ndarray:
-        read = way
-        for _ in range(30):
-            read = way - size * 0.02 * 4 * read * (1 - read)
-        return 0.02 * 4 * read * (1 - read)
-
-    return _misplaced(at, error)
-
-
-def _misplaced(at: Drawn, error: Callable[[np.ndarray, float], np.ndarray]) -> Wrong:
+def misplaced(at: Drawn, error: Callable[[np.ndarray, float], np.ndarray]) -> Wrong:
     """Positions of the way out in error, in units of the depth in contact: over the shares of the travel from the turn
     and that depth over the travel."""
     position, delta, P = equilibrium(at.E, R, at.w, at.k, at.largest)
@@ -283,9 +222,7 @@ def _misplaced(at: Drawn, error: Callable[[np.ndarray, float], np.ndarray]) -> W
 
 WRONG: dict[str, Callable[[Drawn], Wrong]] = {
     "layer as half-space": layer, "DMT": dmt, "Maugis mu 0.3": maugis, "w rising to four times": rising_work,
-    "surface tension": tension, "relaxation": relaxing, "large strains": strains, "plastic": plastic, "cone": cone,
-    "nu .3 as .5 on a layer": nu_of_layer, "stiffness +10 %": stiffness, "R +10 %": radius, "creep": creep,
-    "hysteresis": hysteresis,
+    "relaxation": relaxing, "plastic": plastic, "cone": cone, "creep": creep,
 }  # fmt: skip
 
 

@@ -19,7 +19,6 @@ from typing import Any
 
 import lens_tables  # type: ignore[import-not-found]
 import numpy as np
-from cycle_records import NOISES, drawn  # type: ignore[import-not-found]
 from force_curves import Body, Instrument, record  # type: ignore[import-not-found]
 from layer_contact import BondedLayer, half_space  # type: ignore[import-not-found]
 
@@ -34,6 +33,7 @@ from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 
 from . import shallow_records
+from .cycle_records import NOISES, drawn
 
 R = 5e-6  # tip radius [m]
 LAYERS = [(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)]

@@ -21,8 +21,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from cycle_records import spoilt  # type: ignore[import-not-found]
-from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
+from wrong_records import SPEED, Drawn, Wrong, right  # type: ignore[import-not-found]
 
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.validity import LIMITS
@@ -42,6 +41,9 @@ from jkrcli.measured.result import Fit
 from jkrcli.measured.score_tests import RecordAlternatives, relative_errors
 from jkrcli.measured.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
+
+from .cycle_records import spoilt
+from .wrong_kinds import WRONG
 
 # Right records by what disturbs them, and how they are fitted:
 RIGHT: dict[str, dict[str, Any]] = {

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from wrong_records import WRONG, Drawn, right  # type: ignore[import-not-found]
+from wrong_records import Drawn, right  # type: ignore[import-not-found]
 
 from jkrcli.base.numerics import Array
 from jkrcli.measured.curve import APPROACH
@@ -23,6 +23,7 @@ from jkrcli.report.result import PICTURES
 
 from .command import call, output_of, parser_of
 from .record_rivals import fitted, last, timed_scores
+from .wrong_kinds import WRONG
 
 ABOUT = "Residuals of ten wrong models and of the right one: residuals.png, residuals.svg"
 SHOWN = ("layer as half-space", "w rising to four times", "Maugis mu 0.3", "surface tension", "cone", "large strains",

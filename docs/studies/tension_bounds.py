@@ -11,14 +11,18 @@ from __future__ import annotations
 import sys
 from collections import defaultdict
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from tension_records import TenseBody, record  # type: ignore[import-not-found]
+from scipy.interpolate import CubicSpline
+from tension_records import galerkin  # type: ignore[import-not-found]
 
 from jkrcli.base.errors import JkrError
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Loading, Problem
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.measured.curve import Curve
 from jkrcli.measured.surface_tension import tension_fit
 
 from .relaxation_bounds import told
@@ -43,6 +47,49 @@ class Pairs:
 
 
 PAIRS = Pairs()
+DEGREES = 40  # choice: radii at which a body of records is solved
+
+
+@dataclass(frozen=True)
+class TenseBody:
+    """E* = 1 at the surface, tip radius 1 and the length 2 Ups/E* ``kappa``; a layer of ``h`` and ``nu`` on a rigid
+    base, or a half-space."""
+
+    kappa: float
+    h: float | None = None
+    nu: float = 0.5
+
+    @property
+    def specimen(self) -> Specimen:
+        own = Elastic(1 - self.nu**2, self.nu)
+        whole = Specimen((), HalfSpace(own)) if self.h is None else Specimen((Layer(own, self.h),), Rigid())
+        return replace(whole, surface_tension=self.kappa / 2)
+
+
+@lru_cache(maxsize=64)
+def _solved(body: TenseBody, largest: float) -> tuple[Array, tuple[CubicSpline, ...]]:
+    """Logs of radii, and splines of the logs of S, delta_H, P_H, S' over them."""
+    u = np.linspace(np.log(largest) - 5, np.log(largest), DEGREES)
+    columns = np.log([galerkin(body.specimen, float(np.exp(x)), terms=16) for x in u]).T
+    return u, tuple(CubicSpline(u, column) for column in columns)
+
+
+def record(
+    body: TenseBody, R: float, E: float, w: float, largest: float, rows: int, noise: float, zero: float, seed: int
+) -> Curve:
+    """A retraction from the contact radius ``largest`` (of R) to 95 % of the way to the loss of contact, under a tip of
+    radius ``R`` [m] on the ``body`` in units of R and E* = ``E`` [Pa], at ``w`` [J/m^2]; ``noise`` over the range of
+    the load, ``zero`` [m] of the displacement."""
+    u, splines = _solved(body, largest)
+    a = np.exp(np.linspace(u[0], u[-1], 4000))
+    S, D, P, dS = np.exp([spline(np.log(a)) for spline in splines])
+    back = np.sqrt(4 * np.pi * a * w / (E * R) / dS)
+    delta, load = R * (D - back), E * R**2 * (P - S * back)
+    first = int(np.argmin(delta))
+    x = np.linspace(delta[-1], delta[first] + 0.05 * (delta[-1] - delta[first]), rows)
+    y = np.interp(x, delta[first:], load[first:])
+    scatter = noise * np.ptp(y) * np.random.default_rng(seed).standard_normal(rows)
+    return Curve(f"R = {R:g} m", delta=x + zero, P=y + scatter)
 
 
 def drawn(rng: np.random.Generator, seed: int) -> tuple[Problem, list[Any], list[float], dict[str, float]]:

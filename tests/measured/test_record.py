@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cycle_records import drawn
 from dirty_records import KINDS
 from fit_data import adhesive
 from force_curves import Instrument, equilibrium, record
@@ -12,6 +11,7 @@ from force_curves import Instrument, equilibrium, record
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.measured.curve import APPROACH, Curve
 from jkrcli.measured.segmentation import ForceCurve, resolution, segment_force_curve, segment_force_curves
+from studies.cycle_records import drawn
 
 E_STAR, R, W = 20e3, 5e-6, 1e-4
 PULL_OFF = 1.5 * np.pi * W * R

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from wrong_records import WRONG
 
 from studies import record_rivals, residuals
+from studies.wrong_kinds import WRONG
 
 
 @pytest.fixture(autouse=True)

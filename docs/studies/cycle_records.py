@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from force_curves import Body, Instrument, equilibrium, pulled_off, record
-from layer_contact import half_space
+from force_curves import Body, Instrument, equilibrium, pulled_off, record  # type: ignore[import-not-found]
+from layer_contact import half_space  # type: ignore[import-not-found]
+
+from jkrcli.base.numerics import Array
 
 NOISES = ("white", "pink", "peak", "steps")
 
@@ -16,7 +18,7 @@ NOISES = ("white", "pink", "peak", "steps")
 class Cycle:
     """Columns of a record at a device of stiffness ``k`` [N/m], the ``truth`` of what is in it, SI, and its noise."""
 
-    columns: dict[str, np.ndarray]
+    columns: dict[str, Array]
     k: float
     truth: dict[str, float]
     noise: str
@@ -43,7 +45,7 @@ def drawn(rng: np.random.Generator, R: float, h: float | None, body: Body = half
     return Cycle(columns, k, {"E_star": E_star, "w": w, "w_approach": w_in}, kind)
 
 
-def spoilt(rng: np.random.Generator, P: np.ndarray, noise: float, kind: str) -> np.ndarray:
+def spoilt(rng: np.random.Generator, P: Array, noise: float, kind: str) -> Array:
     """Loads [N] with more noise of a ``kind``, as large as the white ``noise`` [N] that they have."""
     if kind == "steps":
         return np.round(P / (2 * noise)) * (2 * noise)

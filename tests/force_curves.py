@@ -15,7 +15,7 @@ Body = Callable[[np.ndarray, float], tuple[np.ndarray, ...]]  # of radii and R: 
 @dataclass(frozen=True)
 class Instrument:
     """A piezo behind a spring ``k`` [N/m]: ``rows`` in each direction, from ``far`` [m] before touch to the load
-    ``largest`` [N]; the rest is dirt, loads in N, ``tilt`` in N/m, ``correlation`` of neighbouring noise."""
+    ``largest`` [N]; the rest is dirt, loads in N, ``tilt`` in N/m."""
 
     k: float
     rows: int
@@ -27,7 +27,6 @@ class Instrument:
     drag: float = 0.0
     drift: float = 0.0
     pause: int = 0
-    correlation: float = 0.0
 
 
 def equilibrium(
@@ -113,8 +112,6 @@ def record(
     ]
     P = np.concatenate([loads[0] + device.drag, np.full(device.pause, loads[0][-1]), loads[1][::-1] - device.drag])
     noise = rng.normal(size=z.size)
-    for i in range(1, z.size if device.correlation else 0):
-        noise[i] = device.correlation * noise[i - 1] + math.sqrt(1 - device.correlation**2) * noise[i]
     t = np.arange(z.size) / device.rows
     P = P + device.offset + device.tilt * z + device.drift * t + device.noise * noise
     words = np.repeat(["approach", "pause", "retract"], [device.rows, device.pause, device.rows])

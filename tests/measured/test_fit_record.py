@@ -386,6 +386,7 @@ def test_the_limit_of_a_root_below_0() -> None:
     assert near.high == pytest.approx(1.645**2, rel=1e-3)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("seed", [0, 2])
 def test_an_edge_that_seems_to_rest_throughout_is_compared_with_one_that_recedes(seed: int) -> None:
     """A device fifty times softer than the contact: where the edge never recedes, E* is half too high."""
@@ -399,6 +400,7 @@ def test_an_edge_that_seems_to_rest_throughout_is_compared_with_one_that_recedes
         assert item.value == pytest.approx(true, abs=3 * item.error)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("seed", "number"), [(7, 2), (17, 4), (17, 12), (73, 1)])
 def test_noise_that_hides_where_contact_is_lost_excludes_no_truth(tmp_path: Path, seed: int, number: int) -> None:
     """Searches ended at rest: w_approach at most 5.5 of 13 uJ/m^2 (loads go with its root there), 8.4 half-widths of a
@@ -414,7 +416,7 @@ def test_noise_that_hides_where_contact_is_lost_excludes_no_truth(tmp_path: Path
             assert (item.low or 0.0) - more <= true <= item.high + more
 
 
-@pytest.mark.parametrize(("share", "tether"), [(0.003, 0.0), (0.01, 0.1), (0.04, 0.0), (0.003, 0.1)])
+@pytest.mark.parametrize(("share", "tether"), [(0.04, 0.0), (0.003, 0.1)])
 def test_a_weak_pull_off_is_no_base_line(share: float, tether: float) -> None:
     """Of 0.3 to 4 % of the largest load, as of gels: rows of so small a tension lay in the base line and w came out up
     to 20 % too low; a tether of a tenth of it was not seen."""
@@ -484,21 +486,14 @@ def fitted(curves: list[Curve]) -> dict[str, Fit | Failure]:
 
 
 def test_neither_order_nor_neighbours_change_a_fit() -> None:
-    curves = [cycle(seed) for seed in range(3)]
-    forth, back = fitted(curves), fitted(curves[::-1])
-    for curve in curves:
-        assert numbers(forth[curve.name]) == numbers(back[curve.name])
-    assert numbers(forth["1"]) == numbers(fit(BODY, curves[1], usual()))
-
-
-def test_a_poisoned_curve_changes_no_other() -> None:
+    """Beside curves that are constant, saturated or huge."""
     curves = [cycle(seed) for seed in range(2)]
-    plain = fitted(curves)
     P = curves[0].load
     spoilt = [np.full(P.size, P[0]), np.minimum(P, P.min() + 0.01 * np.ptp(P)), 1e150 * P]
     poisoned = [replace(curves[0], name=f"spoilt {i}", P=bad) for i, bad in enumerate(spoilt)]
+    forth = fitted(curves)
     with np.errstate(all="ignore"):
-        beside = fitted([poisoned[0], curves[0], *poisoned[1:], curves[1]])
+        beside = fitted([poisoned[0], curves[1], *poisoned[1:], curves[0]])
     for curve in curves:
-        assert numbers(beside[curve.name]) == numbers(plain[curve.name])
+        assert numbers(beside[curve.name]) == numbers(forth[curve.name]) == numbers(fit(BODY, curve, usual()))
     assert isinstance(beside["spoilt 0"], Failure)

@@ -33,25 +33,18 @@ def test_one_direction_alone_is_no_doubt() -> None:
     assert abs(found.value("E_star") / TRUE["E_star"] - 1) < found.grade.sizes["E_star_error"]
 
 
-@pytest.fixture(scope="module")
-def noiseless() -> Fit:
-    """A record whose noise is that of rounding."""
-    return fitted(cycled(1, noise=1e-7))
-
-
-def test_readings_without_noise_are_no_misfit(noiseless: Fit) -> None:
-    assert not {"misfit", "model rejected"} & set(noiseless.flags)
-    assert noiseless.grade.word == GOOD
-    assert noiseless.value("E_star") == pytest.approx(TRUE["E_star"], rel=1e-3)
-
-
-def test_grade_and_sizes_are_written(noiseless: Fit) -> None:
-    assert columns([noiseless])["grade"] == [GOOD]
-    (curve,) = summary([noiseless], "body")["curves"]
+def test_readings_without_noise_are_no_misfit_and_grade_and_sizes_are_written() -> None:
+    """Whose noise is that of rounding."""
+    found = fitted(cycled(1, noise=1e-7))
+    assert not {"misfit", "model rejected"} & set(found.flags)
+    assert found.value("E_star") == pytest.approx(TRUE["E_star"], rel=1e-3)
+    assert found.grade.word == GOOD
+    assert columns([found])["grade"] == [GOOD]
+    (curve,) = summary([found], "body")["curves"]
     assert curve["grade"] == GOOD
     assert {"misfit", "misfit_of_pull_off", "E_star_error", "w_error"} <= set(curve["sizes"]) & set(LIMITS)
     assert curve["quality"] > 0.9
-    assert fit_words(noiseless)[0].endswith(": good")
+    assert fit_words(found)[0].endswith(": good")
 
 
 @pytest.mark.slow

@@ -73,6 +73,7 @@ def test_two_radii_recover_what_they_share(body: FittedBody, kinds: tuple[Callab
         assert abs(one.value("delta0") - zero) < 4 * (one.estimate("delta0").error or 0)
 
 
+@pytest.mark.slow
 def test_profiles_of_what_is_shared_are_near_its_covariance(body: FittedBody) -> None:
     """They lean by a fifth of the error of w, as searches with w held there do."""
     curves = [table(R, seed) for seed, R in enumerate(RADII)]

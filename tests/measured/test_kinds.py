@@ -41,17 +41,18 @@ def test_fits_of_clean_records_hold_the_truth(kind: str) -> None:
     assert not found.silent
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize(
     ("kind", "i", "words"),
     [
         ("three at once", 14, ["decaying drift", "interference", "attraction"]),
         ("three at once", 3, ["second contact", "repulsion", "virtual deflection"]),
-        ("three at once", 4, ["decaying drift", "attraction"]),
         ("several tethers", 10, ["level"]),
         ("second contact", 5, ["stretched in contact"]),
+        ("hold", 10, ["relaxation in the dwell"]),
+        ("three at once", 4, ["decaying drift", "attraction"]),
         ("interference", 0, ["interference"]),
         ("decaying drift", 14, ["decaying drift"]),
-        ("hold", 10, ["relaxation in the dwell"]),
     ],
 )  # fmt: skip
 def test_what_acts_beside_the_contact_is_named_and_leaves_the_truth(kind: str, i: int, words: Sequence[str]) -> None:
@@ -81,8 +82,11 @@ def test_an_answer_far_off_without_a_flag_is_silent() -> None:
 
 
 # ---------------------------------------------------------------------- what is known before
-@pytest.mark.parametrize("kind", ["clean", "tether", pytest.param("charge", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("widths", [0.5, 2.0])
+@pytest.mark.first(2)
+@pytest.mark.parametrize(
+    ("kind", "widths"),
+    [("clean", 0.5), ("tether", 2.0), ("clean", 2.0), ("tether", 0.5), ("charge", 0.5), ("charge", 2.0)],
+)
 def test_halving_and_doubling_all_widths_moves_no_result(kind: str, widths: float) -> None:
     """By less than a third of its half-width, on made records."""
     shares = moved(kind, 3, 1, widths)
@@ -91,6 +95,7 @@ def test_halving_and_doubling_all_widths_moves_no_result(kind: str, widths: floa
     assert priors.WIDTHS == 1
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("seed", "i"), [(11, 1), (12, 3)])
 def test_what_is_nearly_as_likely_is_averaged_over(seed: int, i: int) -> None:
     """Of brushes: by the likeliest hypothesis alone E* moved by 0.86 half-widths, with normal priors by 0.45."""

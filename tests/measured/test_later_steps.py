@@ -79,8 +79,9 @@ def test_an_infinite_variance_is_not_determined() -> None:
     assert intervals.errors == {"one": None, "other": None}
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(
-    "where", ["measured.figures.fit_figure", "report.plots.save", "measured.fits.friction_warnings"]
+    "where", ["measured.figures.fit_figure", "measured.fits.friction_warnings", "report.plots.save"]
 )
 def test_a_picture_or_remark_that_breaks_costs_no_file(
     where: str, jkr: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -98,7 +98,7 @@ def test_the_depth_itself_is_taken_where_the_device_is_rigid(tmp_path: Path) -> 
 @pytest.mark.parametrize("mark", [",", "\t"])
 def test_tables_as_wide_as_a_scan_are_read(tmp_path: Path, mark: str) -> None:
     """Names of several words used to count as so many cells, long comments and prose above as rows."""
-    width = 10_000
+    width = 4000
     names = [f"Height of curve {i} (um){mark}Force of curve {i} (nN)" for i in range(width // 2)]
     rows = [mark.join(f"{i + 1}.5" for i in range(width)) + mark for _ in range(3)]
     prose = "words of an operator " * 4000

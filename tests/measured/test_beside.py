@@ -48,7 +48,6 @@ def test_directions_beside_each_other_are_two_segments_of_one_record(tmp_path: P
 
 
 def test_loads_of_both_directions_over_one_position(tmp_path: Path) -> None:
-    """The rows of the retraction are those of the position: turned, they are those of time."""
     z, there, back = Z[:4] * 1e3, LOAD[:4], LOAD[4:]
     (curve,) = read(tmp_path, sheet("Weg (mm);Kraft hin (N);Kraft zurück (N)", z, there, back))
     np.testing.assert_allclose(curve.delta, np.append(z, z[::-1]) / 1e3, rtol=1e-12)

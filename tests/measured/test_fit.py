@@ -103,7 +103,6 @@ def test_a_search_that_is_given_up_tells_no_interval(tuned: Callable, confidence
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_coating_of_unknown_modulus_without_noise_from_random_starts(seed: int, counted: Counter[str]) -> None:
-    """The case itself is wrong by up to a factor of ten too."""
     truth = {"E:skin": 20e6, "w": 0.05, "delta0": 2e-8}
     nominal = 20e6 * 10 ** np.random.default_rng(100 + seed).uniform(-1, 1)
     settings = Settings(free(*truth, **starts(seed, **truth)))
@@ -117,7 +116,6 @@ def test_coating_of_unknown_modulus_without_noise_from_random_starts(seed: int, 
 
 
 def test_radii_far_beyond_the_case_are_solved_for() -> None:
-    """A case that ends at a twentieth of the radii measured, and the same as a series that cannot go on."""
     problem = thin_layer()
     small = replace(problem, loading=replace(problem.loading, maximum=0.05 * problem.loading.maximum))
     body = body_of(problem)
@@ -197,7 +195,6 @@ def test_rows_out_of_contact_and_other_segments_are_left_out() -> None:
 
 
 def test_compressive_branch_alone_and_parts_of_a_curve() -> None:
-    """No pull-off in the data is said; w then has a wide interval that holds the truth."""
     curve = sphere(noise=0.01, seed=5)
     compressive = fit(half_space(), curve, usual(branch="compressive"))
     assert compressive.left_out == ("108 rows of the adhesive part",)
@@ -233,7 +230,6 @@ def test_uncertain_inputs_widen_the_intervals() -> None:
 
 
 def test_change_of_units_changes_nothing() -> None:
-    """Lengths by one factor, forces by another: every estimate scales; no tolerance is absolute."""
     length, force = 1e3, 1e-4
     body, curve = half_space(), sphere(noise=0.01, seed=3, shift=0.2)
     specimen = Specimen((), HalfSpace(Elastic(1.5e6 * force / length**2, 0.5)))
@@ -310,7 +306,6 @@ def test_rows_of_next_to_no_contact_do_not_end_a_fit() -> None:
 
 
 def test_moduli_far_from_the_case_ask_for_the_units() -> None:
-    """Loads a thousand times too large fit perfectly: everything but the units is right."""
     curve = sphere(noise=0.0)
     found = fit(half_space(), replace(curve, P=1000 * curve.P), usual())
     assert any("check the units of the data" in text for text in found.warnings)
@@ -318,7 +313,6 @@ def test_moduli_far_from_the_case_ask_for_the_units() -> None:
 
 
 def test_what_is_missing_in_a_record_is_said_where_nothing_fits() -> None:
-    """A machine's way without its stiffness is no displacement of the tip, which may be all that is wrong."""
     delta = np.linspace(0.0, 1e-6, 50)
     with pytest.raises(
         InputError, match=r"wrong sign; .*--flip delta, --flip P\); the deflection .*: give --stiffness"

@@ -61,7 +61,6 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
 
 
 def test_a_table_of_transform_gives_its_own_modulus_and_work_back(jkr, folder: Path) -> None:
-    """With its column of words, and unstable states far below pull-off."""
     assert jkr("transform", "sphere.toml", "--w", "50 mJ/m^2", "--no-plots").code == 0
     estimates = jkr("fit", "sphere.toml", "sphere-w0.05.csv", "--json", "--no-plots").told["curves"][0]["estimates"]
     assert estimates["E_star"]["value"] == pytest.approx(2e6, rel=1e-8)

@@ -68,7 +68,6 @@ def test_an_error_of_positions_is_fitted_where_it_is_asked_for(name: str, error:
 
 
 def test_a_device_creeps_while_it_waits() -> None:
-    """Half of the way back: creep has the contact grow, and goes on more slowly."""
     wait = 500
     last = (2 * ROWS + wait - 1) / 100 / ROWS
 
@@ -89,7 +88,6 @@ def test_hysteresis_needs_no_time() -> None:
 
 
 def test_records_of_one_device_share_it() -> None:
-    """E* and hysteresis of three records, each with its own zeros and w."""
     curves = [made(bowed(0.01), seed) for seed in range(3)]
     settings = usual(free=["hysteresis"])
     together = joint_fit([BODY] * 3, curves, settings, ("modulus", "hysteresis"))
@@ -103,7 +101,6 @@ def test_records_of_one_device_share_it() -> None:
 
 
 def test_what_does_not_tell_it_is_refused() -> None:
-    """As a drift of the depth; see ``test_fit_record``."""
     curve = made(bowed(0.0))
     with pytest.raises(InputError, match=r"^made: creep needs a column of time, there is none: leave creep out$"):
         fit(BODY, replace(curve, t=None), usual(free=["creep"]))

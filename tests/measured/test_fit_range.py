@@ -157,7 +157,6 @@ def test_data_of_short_range_tell_none() -> None:
 
 
 def test_a_layer_on_which_surfaces_leap_together() -> None:
-    """Its curve begins beyond the leap, like that of the transform (``FiniteRangeCurve``)."""
     layer = Specimen((Layer(Elastic(1 - 0.499**2, 0.499), 1.0),), Rigid())
     problem = Problem(Paraboloid(1000.0), layer, Loading("radius", 8.0, 100))
     solution = Layered(1e-9)(problem)

@@ -106,7 +106,6 @@ TERMS = [
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: f"{term.law} {term.stays}")
 def test_derivatives_of_terms_are_differences(term: Term) -> None:
-    """Of loads and of what moves the tip, on a device that they bend."""
     x = np.concatenate([np.linspace(-1e-6, 2e-7, 100), np.linspace(2e-7, -1e-6, 100)])
     side = np.repeat([1, 2], 100)
     place = Place(np.arange(200), x, x - 1e-8, side * (x < 0), side * (x >= 0), 0.0, 1e-6, 0.1)
@@ -251,7 +250,6 @@ def test_a_direction_that_nobody_asked_for_is_not_missed() -> None:
 
 
 def test_an_attraction_is_found_where_the_retraction_ends_beside_its_pull_off() -> None:
-    """All free rows of the retraction lie where the search looks away."""
     rng, size, reach, noise = np.random.default_rng(1), 1e-10, 1e-7, 1e-12
     sides = []
     for kind, x in (("approach", np.linspace(0, 1e-6, 1000)), ("retract", np.linspace(0.99e-6, 0.9999e-6, 60))):

@@ -34,7 +34,6 @@ def test_one_direction_alone_is_no_doubt() -> None:
 
 
 def test_readings_without_noise_are_no_misfit_and_grade_and_sizes_are_written() -> None:
-    """Whose noise is that of rounding."""
     found = fitted(cycled(1, noise=1e-7))
     assert not {"misfit", "model rejected"} & set(found.flags)
     assert found.value("E_star") == pytest.approx(TRUE["E_star"], rel=1e-3)

@@ -62,7 +62,6 @@ def test_units_that_agree(head: str, tmp_path: Path) -> None:
     [("*********", ","), ("**", " "), ("#REF!", "\t"), ("#N/A", ","), ("#BEZUG!", " "), ("####", ",")],
 )
 def test_rows_of_overflows_and_sheet_errors_are_counted(word: str, separator: str, tmp_path: Path) -> None:
-    """In the first or the last column, every second row: no comments."""
     for column in (0, 1):
         rows = numbers(separator)
         for i in range(1, 30, 2):
@@ -151,10 +150,7 @@ def test_a_wrong_gzip_is_one_error(tmp_path: Path, jkr: Callable) -> None:
 ])  # fmt: skip
 def test_a_spring_constant_of_one(line: str) -> None:
     assert constants((line,)).get("stiffness") == pytest.approx(1.0), line
-
-
-def test_a_bare_one_of_jpk_is_not_calibrated() -> None:
-    assert constants(("# springConstant: 1.0", "# sensitivity: 1")) == {}
+    assert constants(("# springConstant: 1.0", "# sensitivity: 1")) == {}  # JPK's of what is not calibrated
 
 
 # ---------------------------------------------------------------------- numbers as texts from Python

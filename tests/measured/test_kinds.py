@@ -88,7 +88,6 @@ def test_an_answer_far_off_without_a_flag_is_silent() -> None:
     [("clean", 0.5), ("tether", 2.0), ("clean", 2.0), ("tether", 0.5), ("charge", 0.5), ("charge", 2.0)],
 )
 def test_halving_and_doubling_all_widths_moves_no_result(kind: str, widths: float) -> None:
-    """By less than a third of its half-width, on made records."""
     shares = moved(kind, 3, 1, widths)
     assert shares.keys() >= {"E_star", "w"}
     assert max(shares.values()) < THIRD
@@ -103,7 +102,6 @@ def test_what_is_nearly_as_likely_is_averaged_over(seed: int, i: int) -> None:
 
 
 def test_widths_are_scaled_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In settings, too: what a user tells is no prior."""
     told = settings_of(BODY, uncertain=[("range", "3 nm")])
     before = [one.width for one in priors.PRIORS.values()]
     assert settings_of(BODY).longest_range == 10e-9

@@ -29,7 +29,6 @@ def test_a_step_to_where_nothing_can_be_solved_is_shortened() -> None:
 
 
 def test_a_parameter_without_variance_correlates_with_none() -> None:
-    """As a w of 0 whose root was fitted."""
     values = tuple(FittedValue(name, 1.0, True, "number", 0.1, 0.8, 1.2) for name in ("one", "two"))
     answer = Answer(estimates=values, free=("one", "two"), covariance=np.diag([0.01, 0.0]), dof=1)
     np.testing.assert_allclose(answer.correlation, [[1, 0], [0, 0]], rtol=1e-14)

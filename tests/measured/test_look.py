@@ -126,7 +126,6 @@ def test_a_body_is_a_file_or_flags(jkr: Callable[..., Outcome], table: Path, wor
 
 
 def test_a_file_without_any_usable_curve_leaves_table_and_picture(jkr: Callable, tmp_path: Path) -> None:
-    """Exit code 2 with the reason; the folder can be used again."""
     z = np.concatenate([np.linspace(-3, 0, 200), np.linspace(0, -3, 200)])
     path = write_table(tmp_path / "free.csv", "delta_um,P_nN", z, np.random.default_rng(1).normal(size=400))
     words = ("fit", "--radius", "5 um", "--nu", "0.5", "--contact", "fitted", str(path))

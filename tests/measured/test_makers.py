@@ -110,7 +110,6 @@ def test_a_nanosurf_curve_comes_back_in_each_unit(tmp_path: Path, unit: str, nam
 
 @pytest.mark.parametrize("unit", ["V", "m", "N"])
 def test_constants_told_of_a_nanosurf_file_take_the_place_of_its_own(tmp_path: Path, unit: str) -> None:
-    """A load is the product of volts and both constants, in whichever of its units the file holds it."""
     path = vendors.nanosurf(tmp_path / "x.nhf", unit=unit)
     curve = read_one(path, stiffness=2 * K, sensitivity=3 * vendors.SENSITIVITY)
     np.testing.assert_allclose(curve.P, 6 * FORCE, atol=6e-6 * np.ptp(FORCE), rtol=0)
@@ -166,6 +165,7 @@ def test_damage_to_a_nanosurf_file_is_said_in_one_line(jkr: Callable[..., Outcom
 HEADS = [b"group_type", b"segment_name", b"signal_name", b"dataset_block_size_source", b"signal_calibration_max"]
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize("name", HEADS, ids=bytes.decode)
 @pytest.mark.parametrize("bits", [0x07, 0x80, 0xD6])
 def test_a_flip_in_an_attribute_leads_the_library_nowhere(tmp_path: Path, name: bytes, bits: int) -> None:
@@ -192,7 +192,6 @@ def test_a_heap_of_texts_without_an_end_is_refused(tmp_path: Path) -> None:
 
 
 def test_jpk_files_in_hdf5_are_refused_with_the_remedy(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
-    """By content: the ending alone may be another."""
     for name, group in (("x.h5-jpk", "else"), ("y.h5", "Measurement_000")):
         with h5py.File(tmp_path / name, "w") as file:
             file.create_group(group)

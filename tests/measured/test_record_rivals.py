@@ -288,7 +288,6 @@ def test_the_command_prints_the_table(jkr: Callable[..., Outcome], tmp_path: Pat
 
 
 def test_a_hypothesis_of_one_line_is_found_by_its_score() -> None:
-    """Loads that are a tenth of a per cent too large on the way back."""
     at = still_record()
     back = AlternativeModel("gain on retraction", DEVICE, "relative change", lambda record: Change(
         column=np.where(record.rows(record.model.stretches[-1]), record.loads, 0.0)))  # fmt: skip
@@ -317,7 +316,6 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
     ("relaxation", {"fall": 0.5}), ("w over the speed", {"n": 0.4}),
 ])  # fmt: skip
 def test_the_right_alternative_in_full_gives_the_truth(kind: str, told: dict[str, float]) -> None:
-    """E* within four standard errors."""
     made = ALL[kind](AT)
     plain, found = answer(kind), fit(BODY, curve(made), usual(model="auto"))
     assert found.verdict.tied[0].family in made.families
@@ -380,7 +378,6 @@ def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str,
     [("exponent of the tip", AT), ("adhesion of finite range", Drawn.of(np.random.default_rng((97, 15, 1)), 1.0))],
 )
 def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) -> None:
-    """Of a range below all that the body suggests, which these data exclude."""
     at = of_record(right(drawn), usual())
     alternatives = alone(record_alternatives(at))
     score = next(one for one in alternatives.scores if one.name == name)

@@ -87,11 +87,14 @@ def test_files_by_different_assumed_sensitivities_have_one_mean_and_its_scatter(
      "# spring constant: 0.3 N/m\n# spring constant error: 10 %",
      "# spring constant: 0.3 N/m\n# Spring constant uncertainty: 30 mN/m"],
 )  # fmt: skip
-def test_an_error_in_the_header_is_a_part_of_the_calibration(jkr: Callable, tmp_path: Path, head: str) -> None:
+def test_an_error_in_the_header_is_read(head: str) -> None:
     lines = head.splitlines()
     assert constants(lines) == {"stiffness": pytest.approx(K)}
     assert constant_errors(lines) == {"stiffness": pytest.approx(0.1)}
-    path = gel(tmp_path / "gel.csv", head)
+
+
+def test_an_error_in_the_header_is_a_part_of_the_calibration(jkr: Callable, tmp_path: Path) -> None:
+    path = gel(tmp_path / "gel.csv", "# springConstant: 0.3 ± 0.03 N/m")
     for more, share in (((), 0.196), (("--uncertain", "stiffness=2%"), 0.0392)):  # 1.96 times 10 %: E* goes with k
         told = jkr("fit", path, *SPECIMEN, "--no-plots", "--json", *more).told["curves"][0]["estimates"]["E_star"]
         assert told["calibration"] == pytest.approx(share * told["value"], rel=0.02)

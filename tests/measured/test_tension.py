@@ -15,13 +15,22 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.report import tension_words
-from jkrcli.measured.surface_tension import tension_fit
+from jkrcli.measured.surface_tension import _tabulated, tension_fit
 from jkrcli.methods.layered.solver import Layered
 
 E_STAR, TENSION, W = 4e3 / (1 - 0.49**2), 0.02, 5e-4
 SMALL, LARGE = 3e-6, 30e-6
 DEPTHS = {SMALL: 1e-6, LARGE: 4e-6}
 START = Problem(Paraboloid(1e-5), Specimen((), HalfSpace(Elastic(1e4, 0.49))), Loading("depth", 1e-6))
+
+
+@pytest.fixture(autouse=True)
+def _lengths(request, tuned):
+    """Of the table fewer, where no digits are asked for: 3e-3 of values instead of 1e-4."""
+    slow = request.node.get_closest_marker("slow")
+    tuned("jkrcli.measured.surface_tension.TENSION_FIT_LENGTHS", 14 if slow else 8)
+    if slow:
+        _tabulated.cache_clear()
 
 
 @cache

@@ -91,7 +91,6 @@ def test_pull_off_of_the_classical_theory() -> None:
     w=st.floats(1e-4, 10.0),
 )
 def test_displacement_and_load_have_one_adhesive_radius(name: str, part: list[float], w: float) -> None:
-    """From any point of any adhesive curve back to its radius and w: there is one root, and it is found."""
     held = body(name)
     a = np.array(part) * held.series.a[-1]
     delta, P = transform(held.series, held.slopes, w).at(a)
@@ -103,7 +102,6 @@ def test_displacement_and_load_have_one_adhesive_radius(name: str, part: list[fl
 
 
 def test_units_do_not_matter() -> None:
-    """Lengths times l, forces times f: w scales with f/l, round-off apart."""
     length, force = 3.7e3, 2.9e-5
     held = body("coating")
     d, scaled = held.slopes, in_units(held.series, length, force)

@@ -117,7 +117,6 @@ def test_loads_between_steps_are_smooth_but_at_corners() -> None:
 
 @pytest.mark.parametrize("stress", [STRESS, 8 * STRESS])  # of a zone that is followed, and of a narrower one
 def test_a_solid_that_keeps_all_of_its_modulus_is_elastic(body: FittedBody, stress: float) -> None:
-    """To all digits, whatever its time."""
     t, z = np.array(CORNERS).T
     modes = [jkr.StandardSolid(1.0, time).modes(3.0) for time in (0.1, 7.0)]
     one, other = (
@@ -156,7 +155,6 @@ def test_works_behind_a_force_on_a_half_space(body: FittedBody) -> None:
 
 
 def test_laws_at_many_parameters_are_those_of_each() -> None:
-    """What samples are drawn by is r(t) of the laws."""
     t = np.geomspace(0.1, 3, 5)
     laws = {
         "sls": ({"ratio": 0.3, "time": 0.5}, jkr.StandardSolid(0.3, 0.5)),
@@ -199,7 +197,6 @@ def test_an_unloading_that_ends_in_contact_is_no_base_line() -> None:
 
 
 def test_a_lever_is_found_where_the_tip_was_read() -> None:
-    """From tip positions, whose device moved in straight pieces."""
     curve = readings(cycle(W, STRESS, SOLID, CORNERS, 2.0), 0.5, 0.5, k=2.0)
     assert Cycle.of(replace(curve, stiffness=None)).stiffness == pytest.approx(2.0, rel=1e-3)
 
@@ -248,7 +245,6 @@ def test_a_device_that_moves_as_a_sine_prescribes_no_load() -> None:
 
 
 def test_contact_that_cannot_be_followed_is_told(body: FittedBody, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a march that is cut."""
     monkeypatch.setattr(lockstep_march, "MOST_ITERATIONS", 30)
     t, z = np.array(CORNERS).T
     trial = Trial(W, STRESS, 2.0, jkr.StandardSolid(0.3, 1.0).modes(3.0))
@@ -267,7 +263,6 @@ def test_closing_cracks_of_a_fluid_keep_their_digits() -> None:
 
 # --------------------------------------------------------------------------------------------------
 def test_a_whole_force_curve_with_free_rows(body: FittedBody) -> None:
-    """On a lever, with a hold: all in one fit, and E*(t) within the record."""
     made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
     fit = relaxation_fit(body, readings(made, 0.3, 0.3, k=2.0), relaxation_settings("sls", free=["w"]))
     assert off(fit, E_star=1.0, ratio=0.3, time=1.0, w=W, stress=STRESS, delta0=0.03) < 3.5

@@ -40,7 +40,6 @@ def answer(jkr: Callable, *words: object) -> dict:
 
 
 def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
-    """The published triangle: depth 1 at t = 1 and back, in words, files, and from Python."""
     done = jkr("cycle", series, "--speed", "1 m/s", "--points", 101).ok
     assert "no adhesion; standard linear solid, ratio = 0.25, time = 1 s" in done.out
     assert "contact is lost at t = 1.624 s; it shrinks from t = 1 s on" in done.out
@@ -115,7 +114,6 @@ def test_a_hold_and_a_program(jkr: Callable, series: Path) -> None:
 
 @pytest.mark.slow
 def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
-    """Very fast and very slow cycles: those of the series with its moduli and with a quarter of them."""
     work = ("--w-approach", "10 mJ/m^2")
     found = answer(jkr, series, *work)
     (series.parent / "hard.toml").write_text(CASE.replace('relaxation = { law = "sls", ratio = 0.25, time = 1.0 }', ""))
@@ -227,7 +225,6 @@ def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None
 
 
 def test_the_pictures_of_limits_say_which(series: Path) -> None:
-    """Once three pictures of one title."""
     found = jkr_.cycle(series, 0.01)
     for history, result in found.limits.values():
         title = result.figure().get_suptitle()
@@ -236,7 +233,6 @@ def test_the_pictures_of_limits_say_which(series: Path) -> None:
 
 
 def test_adhesion_over_time_in_words() -> None:
-    """Between a free tip and the loss of contact, in steps as coarse as may be."""
     half_space = jkr_.Specimen((), jkr_.HalfSpace(jkr_.Elastic(1.0, 0.0)))
     solved = jkr_.solve(jkr_.Problem(jkr_.Paraboloid(1.0), half_space, jkr_.Loading("depth", 0.1)))
     law = jkr_.StandardSolid(0.25, 1.0)

@@ -70,7 +70,6 @@ def test_any_history_on_a_half_space() -> None:
 
 
 def test_units_do_not_matter() -> None:
-    """Lengths times l, forces times f: every force from rest times f."""
     scale, by = 2e-6, 3e-9
     here, there = lost(half_space(), W), lost(half_space(scale, by), W * by / scale)
     for name, one in here.items():
@@ -122,10 +121,7 @@ def _relaxing_gel() -> Solution:
     return jkr.solve(jkr.parse_case((CASES / "relaxing-gel.toml").read_text().replace('"100 um"', '"300 um"')))
 
 
-@pytest.mark.parametrize(
-    ("rest", "expected"),
-    [(None, 545.4), (Rest(depth=1e-4), 545.4), (Rest(depth=2e-4), 545.4), (Rest(depth=0.0), 499.8)],
-)
+@pytest.mark.parametrize(("rest", "expected"), [(Rest(depth=2e-4), 545.4), (Rest(depth=0.0), 499.8)])
 def test_the_relaxing_gel(relaxing_gel: Solution, rest: Rest | None, expected: float) -> None:
     found = lost(relaxing_gel, 0.02, rest)
     assert force(found[FROM_REST]) * 1e6 == pytest.approx(expected, abs=0.06)
@@ -147,7 +143,6 @@ def test_a_series_that_ends_before_the_rest_is_solved_on_or_said(relaxing_gel: S
 
 
 def test_the_error_at_the_radius_of_rest_is_stated() -> None:
-    """A coarse solution against a fine one, where contact is lost at the radius of rest."""
     law = jkr.StandardSolid(0.1, 1.0)
     coarse, fine = (jkr.solve(gel(1.0, 1.0, law), jkr.Layered(tolerance=t)) for t in (1e-4, 1e-11))
     ours, right = (lost(one, 0.002)[FROM_REST] for one in (coarse, fine))
@@ -244,7 +239,7 @@ def test_the_cycle_from_rest(relaxing_gel: Solution, stiffness: float) -> None:
 
 
 @pytest.mark.skipif(which("node") is None, reason="needs node")
-@pytest.mark.parametrize("stiffness", [LOAD_CONTROL, math.inf, 20.0])
+@pytest.mark.parametrize("stiffness", [LOAD_CONTROL, 20.0])
 def test_the_page_of_explore_has_the_same_numbers(relaxing_gel: Solution, stiffness: float) -> None:
     held = payload(analyse(relaxing_gel, [0.02])[0], [])
     assert held["relaxed"] == 0.35

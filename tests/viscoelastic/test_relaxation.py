@@ -55,7 +55,6 @@ def test_values_of_a_bonded_layer() -> None:
 @pytest.mark.parametrize("stiffness", [math.inf, 1.0, 0.05, 0.0])
 @pytest.mark.parametrize("body", [(None, SPHERE), (0.5, CONE)], ids=["half-space", "cone on a layer"])
 def test_the_unilateral_problem_stepped_through_time(stiffness: float, body: tuple[float | None, Indenter]) -> None:
-    """A ramp, a slower one, a wait and the way back, of a body with two times."""
     law, T = Prony((0.4, 0.3), (0.2, 3.0)), np.array([0.5, 1.0, 2.2, 3.0, 3.2, 3.4])
     t, x = np.array([0.0, 1.0, 2.0, 3.0, 4.0]), 0.5 * np.array([0.0, 0.7, 1.0, 1.0, 0.0])
     times = np.linspace(0, 4, 2001)
@@ -121,7 +120,6 @@ def test_a_stiff_spring_holds_the_depth() -> None:
 
 
 def test_a_soft_spring_lets_go_as_a_load_does() -> None:
-    """With a vertical slope; steps joined by three find the same."""
     fine, coarse = (Drive(depths(), SOLID.modes(2.0), 0.05, TRIANGLE[0], 10 * TRIANGLE[1], r) for r in (1.3, 1.3**3))
     one, other = fine.path(), coarse.path()
     assert one.lost == pytest.approx(1.97099976, abs=1e-8)
@@ -215,7 +213,6 @@ def test_laws_that_are_none(law, line: str) -> None:  # type: ignore[no-untyped-
 
 
 def test_a_solid_that_keeps_all_of_its_modulus_is_elastic() -> None:
-    """Hertz on the way in and back, to all digits."""
     specimen = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0)))
     solved = jkr.solve(jkr.Problem(jkr.Paraboloid(1.0), specimen, jkr.Loading("depth", 1.1)))
     history = jkr.cycle_relaxing(solved, StandardSolid(1.0, 0.3), 1.0, to_depth=1.0)

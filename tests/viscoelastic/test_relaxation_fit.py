@@ -137,7 +137,6 @@ def test_a_motion_that_is_not_straight_is_followed(body: FittedBody) -> None:
 
 @pytest.mark.slow
 def test_terms_that_a_record_does_not_tell(body: FittedBody) -> None:
-    """Of one time no second is told; two that are a decade apart are."""
     for modes, untold in ((SOLID, True), ((0.2, (0.4, 0.4), (3.0, 0.3)), False)):
         made = record(loads(body), 1.4, modes, (np.array([0.0, 0.2, 9.0, 9.3]), HELD[1]), rows=150, seed=2, noise=0.003)
         fit = relaxation_fit(body, made, relaxation_settings("prony", [("delta0", "0")]))
@@ -249,7 +248,6 @@ def test_a_turn_between_two_rows_is_one_corner() -> None:
 
 
 def test_what_a_record_does_not_determine_is_said_first(probed: FittedBody) -> None:
-    """Of a contact that shows no more than its noise."""
     fit = by_power(probed, ting_record(np.random.default_rng(3), 0.1, 1.0, rows=60))
     ((first, *_),) = RelaxationFits([fit], "a body").parts
     assert "doubtful: E* is uncertain by" in first

@@ -101,6 +101,7 @@ def third_limit(depth: float) -> float:
 PULLED = {0.0: {6: 9.4876, 12: 9.8518, 24: 9.9510, 48: 9.9746, 96: 9.9805}, 1.5: {6: 12.0978, 96: 12.4512}}
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize(
     ("depth", "lam", "expected"),
     [(depth, lam, P) for depth, rows in PULLED.items() for lam, P in rows.items()],
@@ -127,7 +128,6 @@ def maugis_force(E_star: float, stress: float) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize(("speed", "E_star"), [(1e7, 10.0), (1e-9, 1.0)])
 def test_very_fast_and_very_slow_cycles(speed: float, E_star: float) -> None:
-    """Maugis' forces of the instant and of the relaxed modulus."""
     contact = sphere(3.0)
     course = contact.course(Program(np.array([0.0, 0.1 / speed]), np.array([contact.least, 0.05]), -speed), 1e-3)
     turn = max(range(len(course.rows)), key=lambda i: course.rows[i].a)
@@ -139,8 +139,6 @@ def test_very_fast_and_very_slow_cycles(speed: float, E_star: float) -> None:
 @pytest.mark.parametrize("law", [StandardSolid(0.3, 1.0), Prony((0.4, 0.3), (0.2, 3.0))], ids=["sls", "prony"])
 @pytest.mark.parametrize("stiffness", [DISPLACEMENT_CONTROL, 3.0])
 def test_energies_balance(law: Relaxation, stiffness: float) -> None:
-    """Work of the device, what the body took, the attraction gave back and jumps radiated: a press, a hold, two speeds
-    back with a wait between them."""
     contact = sphere(2.0, law, stiffness)
     t, x = np.array([0.0, 0.3, 1.0, 1.2, 2.0]), np.array([contact.least, 0.1, 0.1, 0.02, 0.02])
     course = contact.course(Program(t, x, -0.3), 1e-3)
@@ -179,7 +177,6 @@ def test_what_does_not_relax_follows_the_elastic_curve() -> None:
 
 @pytest.mark.parametrize("layered", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_press_a_hold_and_a_retraction_on_a_spring(layered: bool) -> None:
-    """A course by other equations (``adhesive_curves.py``), but next to where contact begins and is lost."""
     specimen, stress = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0))), 0.3
     if layered:
         specimen, stress = jkr.Specimen((jkr.Layer(jkr.Elastic(0.75, 0.5), 0.5),), jkr.Rigid(True)), 0.5
@@ -206,7 +203,6 @@ def test_a_rim_that_is_met_beside_the_axis_is_refused() -> None:
 
 @pytest.mark.parametrize("layered", [False, True])
 def test_the_derivatives_of_a_state_are_those_of_differences(layered: bool) -> None:
-    """By the radii of contact and zone, under a dent; and the states of many radii at once are the same."""
     contact = RelaxingAdhesion.of(solved(1.0, layered, 20.0), Range.of(0.0025, stress=0.025), SOLID, math.inf)
     body = contact._body(3.0, 1e-3)
     x = body.points.x
@@ -300,7 +296,6 @@ def test_creep_undoes_relaxation() -> None:
 
 @pytest.mark.parametrize("law", [StandardSolid(0.1, 2.0), PRONY], ids=["sls", "prony"])
 def test_the_law_rises_from_w_to_w_over_the_ratio(law: StandardSolid | Prony) -> None:
-    """And its speed is the inverse of its work; with times tau times as long speeds are tau times less."""
     crack = CrackRate(0.05, 3.0, 10.0, law.modes(1.0))
     ratio = law.relaxed
     ends = crack.work(0.05, np.array([1e-15, 1e15]))
@@ -313,7 +308,6 @@ def test_the_law_rises_from_w_to_w_over_the_ratio(law: StandardSolid | Prony) ->
 
 
 def test_a_slow_crack_of_a_standard_solid() -> None:
-    """w/G against the integral of the opening by another rule."""
     crack, ratio = CrackRate(0.05, 3.0, 10.0, StandardSolid(0.1, 2.0).modes(1.0)), 0.1
     for v in (1e-3, 0.1, 3.0):
         G = float(crack.work(0.05, v))

@@ -114,7 +114,6 @@ def test_what_is_shared_by_default() -> None:
 # --------------------------------------------------------------------------------------------------
 @pytest.mark.slow
 def test_three_speeds_together(body: FittedBody) -> None:
-    """Bulk and edge are told apart: every parameter within its error."""
     curves = [record(speed, hold, i) for i, (speed, hold) in enumerate([(0.1, 0.0), (0.8, 1.0), (6.0, 0.0)])]
     fit = shared_speeds_fit(body, curves, relaxation_settings("sls", rate="power"))
     for name, value in TRUE.items():

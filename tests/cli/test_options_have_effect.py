@@ -8,7 +8,7 @@ from collections.abc import Callable
 import click
 import pytest
 from conftest import refused_by
-from test_option_matrix import _commands
+from every_verb import commands
 
 from jkrcli import cli
 from jkrcli.case.models import method_of, parse_case, places
@@ -30,9 +30,9 @@ OTHERS = {  # what to write for another value of an option, where that is not ha
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("path", [path for path, _ in _commands(cli.jkr)], ids=" ".join)
+@pytest.mark.parametrize("path", [path for path, _ in commands(cli.jkr)], ids=" ".join)
 def test_every_parameter_of_a_verb_is_read_by_it(path: tuple[str, ...]) -> None:
-    command = dict(_commands(cli.jkr))[path]
+    command = dict(commands(cli.jkr))[path]
     assert command.callback is not None
     body = ast.parse(textwrap.dedent(inspect.getsource(inspect.unwrap(command.callback)))).body[0]
     assert isinstance(body, ast.FunctionDef)
@@ -69,7 +69,7 @@ def test_sizes_beside_a_tolerance_are_refused(line: str) -> None:
 # ---------------------------------------------------------------------- options that are given twice
 def test_every_option_of_every_verb(jkr: Callable) -> None:
     tried = 0
-    for words, command in _commands(cli.jkr):
+    for words, command in commands(cli.jkr):
         for option in command.params:
             if not isinstance(option, click.Option) or option.is_flag or option.count:
                 continue

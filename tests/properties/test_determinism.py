@@ -1,7 +1,6 @@
 """The same case gives the same numbers to the last bit, whatever surrounds the process."""
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -72,16 +71,3 @@ def test_surroundings_change_no_bit(method: str, tmp_path: Path) -> None:
     case = cases(tmp_path)[method]
     everything = {name: value for values in SURROUNDINGS.values() for name, value in values.items()}
     same(run(case, tmp_path / "usual"), run(case, tmp_path / "elsewhere", **everything))
-
-
-@pytest.mark.slow
-def test_order_and_place_of_files_change_no_bit(tmp_path: Path) -> None:
-    first = run(CASES / "gel.toml", tmp_path / "first")
-    for name in ("b", "a"):
-        shutil.copy(first / "x.h5", first / f"{name}.h5")
-    words = [sys.executable, "-m", "jkrcli", "transform", "--w", "0.05", "--no-plots"]
-    subprocess.run([*words, "b.h5", "x.h5", "a.h5"], cwd=first, capture_output=True, check=True)
-    there = [str(first / name) for name in ("a.h5", "b.h5")]
-    subprocess.run([*words, *there, "-o", "."], cwd=tmp_path, capture_output=True, check=True)
-    tables = {(folder / f"{name}-w0.05.csv").read_bytes() for folder in (first, tmp_path) for name in "ab"}
-    assert tables == {(first / "x-w0.05.csv").read_bytes()}

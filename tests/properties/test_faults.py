@@ -258,16 +258,6 @@ def test_unwritable_folder(tmp_path: Path) -> None:
     assert (locked / "x.h5").read_bytes() == old
 
 
-def test_read_only_input_is_enough(tmp_path: Path) -> None:
-    folder = prepare(tmp_path / "x")
-    for name in ("new.toml", "y.h5"):
-        (folder / name).chmod(0o444)
-    before = {name: (folder / name).stat().st_mtime_ns for name in ("new.toml", "y.h5")}
-    assert call_in(folder, "run", "new.toml", "-o", "z.h5") == 0
-    assert call_in(folder, "transform", "y.h5", "--w", "0.02", "--no-plots") == 0
-    assert {name: (folder / name).stat().st_mtime_ns for name in before} == before
-
-
 @pytest.mark.slow
 def test_two_processes_with_one_target(tmp_path: Path) -> None:
     folder = prepare(tmp_path / "x")

@@ -1,7 +1,6 @@
 """The Python interface gives the command line's numbers."""
 
 import doctest
-import json
 import runpy
 import subprocess
 import sys
@@ -16,7 +15,6 @@ import pytest
 
 import jkrcli as jkr_python
 from jkrcli import api
-from jkrcli.report.tables import read_curve
 from jkrcli.viscoelastic import functions
 
 CASES = Path(__file__).parent.parent / "cases"
@@ -99,23 +97,6 @@ def test_importing_the_package_costs_nothing() -> None:
     code = "import sys, jkrcli; print(sorted({'numpy', 'scipy', 'gmsh', 'h5py', 'pydantic'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_python_and_command_line_agree_to_the_last_bit(jkr: Callable, tmp_path: Path) -> None:
-    assert jkr("run", CASES / "coating.toml", "-o", "coating.h5").code == 0
-    assert jkr("transform", "coating.h5", "--w", "0.05").code == 0
-    solved = jkr_python.solve(CASES / "coating.toml")
-    curve = jkr_python.transform(solved, w=0.05)
-    written = read_curve(next(tmp_path.glob("coating-w*.csv")))
-    for name, values in jkr_python.table(curve).items():
-        if name in written:
-            np.testing.assert_array_equal(values, written[name], err_msg=name)
-    summary = json.loads(next(tmp_path.glob("coating-w*.json")).read_text())
-    assert summary["pull_off"]["load"]["P_N"] == curve.pull_off["load"].P
-    again = jkr_python.read(jkr_python.save(solved, "again.h5"))
-    np.testing.assert_array_equal(again.series.P, solved.series.P)
-    assert (again.key, again.method) == (solved.key, solved.method)
-    assert again.record.toml == solved.record.case.to_toml(solved.method)
 
 
 def test_save_replaces_nothing_that_jkr_did_not_write(tmp_path: Path) -> None:

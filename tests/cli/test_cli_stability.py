@@ -102,14 +102,6 @@ def test_transform_marks_the_branches(jkr, body: Path) -> None:
     assert jkr("compare", "p-w50.csv", "p-w50.csv").code == 0
 
 
-def test_transform_judges_a_layer_by_what_a_range_would_change(jkr, body: Path) -> None:
-    jkr("run", CASES / "thin-layer.toml")
-    jkr("transform", "thin-layer.h5", "--no-plots")
-    validity = json.loads((body / "thin-layer-w10.json").read_text())["validity"]
-    assert (validity["effect_of_range"], validity["regime"]) == (0.0, "JKR holds")
-    assert "Tabor number 471: JKR holds" in jkr("pull-off", "thin-layer.h5").out
-
-
 def test_cycle_writes_what_the_device_records(jkr, body: Path) -> None:
     words = ("cycle", "p.h5", "--w-approach", "20 J/m^2", "--w-retract", "80 J/m^2", "--stiffness", "0.1 N/um",
              "--to-load", "40 mN")  # fmt: skip
@@ -129,13 +121,6 @@ def test_cycle_writes_what_the_device_records(jkr, body: Path) -> None:
     assert printed["energy_lost_J"] == pytest.approx(area, rel=1e-3, abs=0)  # 200 rows per stretch
     assert printed["contact_lost"] is True
     assert printed["jumps_on_retraction"][-1]["to"] is None
-
-
-def test_cycle_defaults_to_the_case_and_a_rigid_device(jkr, body: Path) -> None:
-    found = jkr("cycle", "p.h5", "--json", "--no-plots", "-o", "out").told
-    assert (found["control"], found["stiffness_N_per_m"]) == ("displacement control", None)
-    assert found["w_approach_J_per_m2"] == found["w_retract_J_per_m2"] == 50.0
-    assert [path.name for path in (body / "out").iterdir()] == ["p-cycle.csv"]
 
 
 def test_study_writes_the_map(jkr, tmp_path: Path) -> None:

@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import CASES
-from stated_errors import in_units
 
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.device_path import UNBOUNDED, Cycle, cycle, trace, turning_radius
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Unknown
-from jkrcli.formulas import hertz, thin_layer
+from jkrcli.formulas import hertz
 from jkrcli.series import Series
 
 E_STAR, R = 5e9 / 0.84, 1e-4
@@ -150,24 +149,6 @@ def test_load_control() -> None:
     assert list(dict.fromkeys(columns["phase"])) == ["free approach", "approach", "retraction"]
 
 
-def test_a_thin_layer_is_traced_to_the_end_of_its_series() -> None:
-    a = np.linspace(0, 1.7e-5, 61)[1:]
-    delta, P = thin_layer(a, 1e16, R)
-    S = math.pi * 1e16 * a**2
-    series = Series(a, delta, P, S, 2 * S / a)
-    curve = transform(series, slopes(series), P[-1] / R / 40)
-    found = cycle(curve, curve, RIGID)
-    assert found.retraction.jumps == ()
-    assert (
-        found.energy_lost
-        == found.separation
-        == Unknown("contact is not lost within the solution, which begins at a = 283.3 nm")
-    )
-    columns = trace(found, 30)
-    assert columns["a_m"][-1] == a[0]
-    assert columns["phase"][-1] == "retraction"
-
-
 @pytest.mark.parametrize(("quantity", "value"), [("load", 0.05), ("load", -0.01), ("depth", 1e-6)])
 def test_turning_at_a_load_or_a_depth(quantity: str, value: float) -> None:
     curve = half_space(50.0)
@@ -197,24 +178,6 @@ def test_a_turn_that_is_not_on_the_path_is_refused() -> None:
     curve = half_space(50.0)
     said = refused(lambda: cycle(curve, curve, RIGID, turn=1e-6))
     assert "reversal at a = 1 um is not reached by stable contact on approach" in said
-
-
-@pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7)])
-def test_change_of_units(length: float, force: float) -> None:
-    stiff = force / length
-
-    def scaled(curve: AdhesiveCurve) -> AdhesiveCurve:
-        series = in_units(curve.series, length, force)
-        return transform(series, slopes(series), curve.w * stiff)
-
-    low, high = half_space(20.0), half_space(50.0)
-    here = cycle(low, high, 1e5, 1.5e-5)
-    there = cycle(scaled(low), scaled(high), 1e5 * stiff, 1.5e-5 * length)
-    assert there.energy_lost == pytest.approx(here.energy_lost * force * length, rel=1e-12, abs=0)  # measured 3e-15
-    assert there.separation == pytest.approx(here.separation * force * length, rel=1e-12, abs=0)  # measured 3e-15
-    one, two = trace(here, 20), trace(there, 20)
-    for name, unit in (("a_m", length), ("delta_m", length), ("P_N", force), ("device_m", length)):
-        assert np.allclose(two[name], one[name] * unit, rtol=0, atol=1e-12 * unit * np.max(np.abs(one[name])))
 
 
 def test_energies_say_why_there_are_none(jkr: Callable) -> None:

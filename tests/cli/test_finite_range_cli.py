@@ -1,7 +1,6 @@
 """Adhesion of finite range on the command line: files, names, refusals, and what JKR says of itself."""
 
 import json
-import runpy
 from pathlib import Path
 
 import numpy as np
@@ -59,14 +58,6 @@ def test_what_a_range_changes_is_told_where_it_matters(jkr, tip: Path) -> None:
     assert "4.1 % larger (Tabor number 1.25): give --range or --stress" in said.err
     done = jkr("transform", "tip.h5", "--w", "5 J/m^2", "--no-plots", "--json").ok
     assert "range" not in done.err  # short enough a range: nothing is said
-
-
-def test_case_files_ask_for_it(jkr, tip: Path) -> None:
-    for line, name in (('range = "0.5 nm"', "-range5e-10"), ('stress = "100 MPa"', "-stress1e+08")):
-        Path("own.toml").write_text(TIP + line)
-        assert jkr("run", "own.toml", "-q").code == 0
-        assert jkr("transform", "own.h5", "--no-plots", "-q").code == 0
-        assert Path(f"own-w0.05{name}.csv").exists()
 
 
 def test_capillary_bridge_is_a_tension_and_a_work(jkr, tip: Path) -> None:
@@ -157,27 +148,6 @@ def test_who_follows_a_refusal_gets_an_answer(jkr, name: str) -> None:
         assert fine or says in said[0]
 
 
-def test_imported_series_have_no_kernel(jkr, tip: Path) -> None:
-    series = read_curve(_written(jkr, tip))
-    rows = zip(*(series[name].tolist() for name in ("a_m", "delta_H_m", "P_H_N")), strict=True)
-    Path("data.csv").write_text("a_m,delta_m,P_N\n" + "".join(f"{a!r},{delta!r},{P!r}\n" for a, delta, P in rows))
-    assert jkr("import", "data.csv", "--case", "tip.toml", "-o", "data.h5").code == 0
-    done = jkr("transform", "data.h5", "--range", "0.5 nm", "--no-plots")
-    assert (done.code, done.err.count("error:")) == (2, 1)
-    assert "which the method import does not have: solve the case with the method layered" in done.err
-    assert jkr("transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q").code == 0
-
-
-def _written(jkr, series: Path) -> Path:
-    """The table of a series without a range."""
-    assert jkr("transform", str(series), "--no-plots", "-q").code == 0
-    return Path(f"{series.stem}-w0.05.csv")
-
-
-def test_first_attraction_is_no_critical_point(jkr, tip: Path) -> None:
-    assert "c = 0 m" not in jkr("pull-off", "tip.h5", "--range", "0.5 nm").ok.out
-
-
 @pytest.mark.slow
 def test_profile_carries_the_load_and_the_tension(jkr, tip: Path) -> None:
     assert jkr("transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q").code == 0
@@ -212,21 +182,3 @@ def test_check_says_what_transform_will_refuse(jkr, case: str, says: str) -> Non
     assert "JKR holds" not in found.out
     assert says in found.err
     assert ("jkr transform includes its range" in found.out) == (not says)
-
-
-@pytest.mark.slow
-def test_a_range_between_those_that_are_tried_is_found(jkr) -> None:
-    """The curve of the guide, 20 pN and 1 pm of noise: its valley is narrower than the ranges to begin with are apart,
-    and a search from these ended at 176 pm with four times the noise."""
-    example = Path(__file__).parents[2] / "docs" / "examples" / "curve_of_a_tip.py"
-    runpy.run_path(str(example))["main"]("probe.csv")
-    Path("afm.toml").write_text(
-        'indenter = { shape = "paraboloid", radius = "20 nm" }\nloading = { radius = "12 nm" }\n'
-        'specimen.layers = [{ thickness = "50 nm", E = "2 GPa", nu = 0.4 }]\n'
-    )
-    assert jkr("fit", "afm.toml", "probe.csv", "--free", "range", "--no-plots", "-o", "fitted").code == 0
-    (written,) = Path("fitted").glob("*-fit.json")
-    (found,) = json.loads(written.read_text())["curves"]
-    estimate = found["estimates"]["range"]
-    assert estimate["low"] < 0.3e-9 < estimate["high"]
-    assert estimate["standard_error"] < 2e-12

@@ -53,14 +53,6 @@ def test_after_import_every_verb_works_as_on_our_own(jkr, table: Path, tmp_path:
     assert jkr("profile", "t.h5", "--load", "-0.1 mN").code == 0
 
 
-def test_the_case_may_have_a_loading_that_the_table_replaces(jkr, table: Path) -> None:
-    Path("other.toml").write_text(CASE + '[loading]\nradius = "1 um"\n')
-    assert jkr("import", table, "--case", "other.toml", "-o", "x.h5").code == 0
-    loading = parse_case(store.read_solution("x.h5").record.toml.encode(), "x").model.loading
-    assert loading.radius is None
-    assert loading.depth == (pytest.approx(1.44e-5, rel=1e-12),)
-
-
 def test_zero_is_told_as_elsewhere_or_as_a_length_alone(jkr, table: Path) -> None:
     jkr("import", table, *BODY, "--zero", "-1 um", "-o", "a.h5")
     jkr("import", table, *BODY, "--zero", "delta=-1 um", "--zero", "P=-1 uN", "-o", "b.h5")

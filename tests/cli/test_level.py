@@ -43,7 +43,6 @@ def test_every_output_states_it(jkr: Callable) -> None:
     for words in (
         ("show", "gel.h5"),
         ("transform", "gel.h5", "--slopes", "integral", "--no-plots"),
-        ("pull-off", "gel.h5"),
         ("pull-off", "gel.h5", "--load", "1.2 mN"),
         ("cycle", "gel.h5", "--stiffness", "10 N/m", "--no-plots"),
         ("work", "gel.h5", PROBE, "--noise", "P=1 uN", "--no-plots", "-o", "."),
@@ -79,6 +78,7 @@ def test_a_table_of_fits_has_half_widths(jkr: Callable) -> None:
         ]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("w", ["2 mJ/m^2", "0.5 mJ/m^2"])
 def test_differences_are_those_of_the_printed_numbers(jkr: Callable, w: str) -> None:
     """A soft sphere of large strains, whose force is told to two digits: by `check` too."""

@@ -67,11 +67,6 @@ def test_a_record_through_a_pipe_is_looked_at_and_drawn_in_this_folder(measured:
     assert (measured / "stdin-look.png").exists()
 
 
-def test_a_pipe_that_holds_nonsense_is_named(measured: Path) -> None:
-    done = shell(measured, "printf 'no table' | jkr look /dev/stdin")
-    assert (done.returncode, done.stderr.count("\n"), done.stderr.startswith("jkr: error: stdin: ")) == (2, 1, True)
-
-
 def test_a_pipe_without_end_is_refused(measured: Path, tuned: Callable[[str, object], None]) -> None:
     tuned("jkrcli.base.process.SIZE", 1 << 22)
     with subprocess.Popen(["cat", "/dev/zero"], stdout=subprocess.PIPE) as endless:

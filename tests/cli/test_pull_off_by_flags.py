@@ -28,6 +28,7 @@ def test_a_half_space_is_that_of_classical_jkr(jkr: Run) -> None:
     assert forces(found) == pytest.approx([1.5 * math.pi * W * R, 5 / 6 * math.pi * W * R], rel=1e-8)
     assert found["file"] == "paraboloid R = 5 um on a half-space (E = 1 MPa, nu = 0.5)"
     assert not list(Path().iterdir())
+    assert "is implausibly small for E* = 1.333 MPa" in jkr("pull-off", *TIP, "--load", "1 nN").err
 
 
 def test_a_cone_on_a_half_space(jkr: Run) -> None:
@@ -37,8 +38,8 @@ def test_a_cone_on_a_half_space(jkr: Run) -> None:
     assert forces(found) == pytest.approx([force, force / 9], rel=1e-6)
 
 
-@pytest.mark.first(3)
-@pytest.mark.parametrize("thickness", ["1 mm", "3 um", "50 nm"])
+@pytest.mark.first(2)
+@pytest.mark.parametrize("thickness", ["3 um", "50 nm", "1 mm"])
 @pytest.mark.parametrize("base", ["bonded", "frictionless"])
 def test_a_layer_is_that_of_a_case(jkr: Run, thickness: str, base: str) -> None:
     Path("layer.toml").write_text(
@@ -54,22 +55,8 @@ def test_a_layer_is_that_of_a_case(jkr: Run, thickness: str, base: str) -> None:
         assert one["jump_in"]["P_N"] == pytest.approx(other["jump_in"]["P_N"], rel=1e-6, abs=1e-12)
 
 
-@pytest.mark.slow
-def test_a_layer_far_thinner_than_the_half_space_s_contact(jkr: Run) -> None:
-    """Its half-space would hold a contact of 84 um, 840 thicknesses, which no method solves; the layer holds 6 um."""
-    Path("thin.toml").write_text(
-        '[indenter]\nshape="paraboloid"\nradius="1 mm"\n[specimen]\nlayers=[{thickness="100 nm", E="1 MPa", nu=0.5}]\n'
-        '[loading]\nradius="8 um"\npoints=300\nspacing="log"\n'
-    )
-    body = ("--shape", "paraboloid", "--radius", "1 mm", "--E", "1 MPa", "--nu", "0.5", "--thickness", "100 nm")
-    found, expected = lost(jkr, *body, "--w", "50 mJ/m^2"), lost(jkr, "thin.toml", "--w", "50 mJ/m^2")
-    assert forces(found) == pytest.approx(forces(expected), rel=1e-6)
-    back = lost(jkr, *body, "--load", f"{forces(found)[0]!r}")
-    assert back["w_J_per_m2"] == pytest.approx(W, rel=1e-8)
-
-
-@pytest.mark.first(5)
-@pytest.mark.parametrize("control", ["load", "rigid", "0.3 N/m"])
+@pytest.mark.first(3)
+@pytest.mark.parametrize("control", ["0.3 N/m", "load", "rigid"])
 @pytest.mark.parametrize(
     "body",
     [

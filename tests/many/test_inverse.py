@@ -33,12 +33,10 @@ def _half_space(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("key", "true"), [("indenter.radius", 5e-6 / (1.5 * math.pi * 0.03)),
-                                           ("adhesion.w", 5e-6 / (1.5 * math.pi * 20e-6))])  # fmt: skip
-def test_jkr_is_turned_around(half_space: Path, key: str, true: float) -> None:
+def test_jkr_is_turned_around(half_space: Path) -> None:
     """On a half-space F = 1.5 pi w R, whatever its modulus."""
-    found = python.find_value(half_space, key, "5 uN")
-    assert [root.value for root in found.roots] == pytest.approx([true], rel=1e-8)
+    found = python.find_value(half_space, "adhesion.w", "5 uN")
+    assert [root.value for root in found.roots] == pytest.approx([5e-6 / (1.5 * math.pi * 20e-6)], rel=1e-8)
 
 
 def test_no_modulus_of_a_half_space_changes_the_force(half_space: Path) -> None:
@@ -72,8 +70,8 @@ def drawn(i: int) -> tuple[str, str, float]:
     return text, key, float(value)
 
 
-@pytest.mark.first(1)
-@pytest.mark.parametrize("i", range(40))
+@pytest.mark.slow
+@pytest.mark.parametrize("i", range(16))
 def test_the_number_that_made_a_force_is_found_again(i: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """To 1e-8, by at most 25 bodies over the bounds and 12 for each solution."""
     text, key, true = drawn(i)

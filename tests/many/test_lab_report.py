@@ -20,15 +20,17 @@ from jkrcli.base.files import is_ours
 from jkrcli.cli import call
 from jkrcli.measured.grade import kind_of
 
+WORKS = {"ctrl": 1e-3, "drug A": 2e-3, "drug<B>": 3e-3}
+
 
 @pytest.fixture(name="fitted", scope="module")
 def _fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three samples: one has a curve of two moduli, one a curve out of contact and a file that cannot be read."""
     folder = tmp_path_factory.mktemp("lab")
-    for number, name in enumerate(("ctrl", "drug A", "drug<B>")):
+    for name, w in WORKS.items():
         (folder / name).mkdir()
         for i in range(2):
-            write(folder / name / f"c{i}.txt", (1 + number) * 1e-3 * (1 + 0.1 * i), i)
+            write(folder / name / f"c{i}.txt", w * (1 + 0.1 * i), i)
     i, words = np.arange(-99, 99), np.repeat(["approach", "retract"], 99)
     export(folder / "drug<B>/free.txt", {"z": 1e-8 * np.abs(i), "P": 1e-9 * np.sin(37 * i) / 9, "segment": words})
     one, other = (record(E_star, R, 4e-4, 2e-3, Instrument(K, 250, 1.5e-6, 94e-9, 2e-10), 1) for E_star in (2e5, 1.4e5))
@@ -38,7 +40,10 @@ def _fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     said = io.StringIO()
     with contextlib.chdir(folder), contextlib.redirect_stdout(said):
         assert call(words) == 0
-    assert "report in out/report{.html,.md}" in " ".join(said.getvalue().split())
+    told = said.getvalue()
+    assert "report in out/report{.html,.md}" in " ".join(told.split())
+    assert told.startswith("3 samples: 6 of 9 curves fitted, 3 left out (")
+    assert "\n  drug A over ctrl: E* x 1.00 (" in told
     return folder
 
 
@@ -67,8 +72,20 @@ def test_a_report_is_whole_and_names_what_was_left_out_and_why(report: str) -> N
         r'fit-curves\.html#1">c0</a></td><td>([\w ]+)</td><td>([\d.]+)</td><td>([\d.]+) to ([\d.]+)<', report
     )
     assert float(values[3]) < float(values[2]) < float(values[4])  # E* of the first curve, with its interval
-    assert is_ours(Path("out/report.html"))
-    assert is_ours(Path("out/report.md"))
+    assert all(is_ours(Path("out", name)) for name in ("report.html", "report.md", "samples.csv", "samples.png"))
+
+
+def test_samples_have_means_and_ratios_in_which_one_cantilever_cancels(report: str) -> None:
+    rows = read("out/samples.csv")
+    assert [(row["sample"], row["curves"], row["fitted"]) for row in rows] == [
+        ("ctrl", "2", "2"), ("drug A", "3", "2"), ("drug<B>", "4", "2"),
+    ]  # fmt: skip
+    for row in rows:
+        assert float(row["w_low_J_per_m2"]) < 1.05 * WORKS[row["sample"]] < float(row["w_high_J_per_m2"])
+        assert float(row["E_star_calibration_relative"]) == pytest.approx(0.196, rel=0.02)
+    assert float(rows[1]["w_ratio"]) == pytest.approx(2, rel=0.02)
+    assert 0 < float(rows[1]["w_ratio_calibration"]) < 1e-3
+    assert json.loads(Path("out/fit.json").read_text())["samples"]["differences"]["w"][0]["against"] == "ctrl"
 
 
 def test_a_curve_is_left_out_for_one_reason_wherever_it_is_told(report: str) -> None:

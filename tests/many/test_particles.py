@@ -68,13 +68,12 @@ def printed(source: str, *words: str, compiler: str = "cc", name: str = "two.c")
     return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
 
 
-SIX_SIZES = """
-    const double radius[6][3] = { /* R1, R2 or a wall, w */
-        { 4e-6, 4e-6, 0.05 }, { 8e-6, 80e-6, 0.05 }, { 30e-6, INFINITY, 0.05 }, { 60e-6, 20e-6, 0.08 },
-        { 5e-6, INFINITY, 0.03 }, { 90e-6, 90e-6, 0.05 } };
+SIZES = """
+    const double radius[3][3] = { /* R1, R2 or a wall, w */
+        { 4e-6, 4e-6, 0.05 }, { 30e-6, INFINITY, 0.05 }, { 60e-6, 20e-6, 0.08 } };
     jkr_x_points p;
     int i, found;
-    for (i = 0; i < 6; i++) {
+    for (i = 0; i < 3; i++) {
         const double R = 1 / (1 / radius[i][0] + 1 / radius[i][1]);
         found = jkr_x_points_of(R, radius[i][2], &p);
         printf("%.17g %.17g %.12e %.12e %.12e %.12e %d\\n", R, radius[i][2], p.force_load, p.force_tear, p.delta_tear,
@@ -89,13 +88,15 @@ def _pair() -> SizesLaw:
     return SizesLaw.of(problem, W, 2e-6, 60e-6, 0.3)
 
 
-def test_six_sizes_of_a_coated_pair_pull_off_as_each_solved_for_itself(
+def test_sizes_of_a_coated_pair_pull_off_as_each_solved_for_itself(
     pair: SizesLaw, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Coatings on both sides, particle on particle and on a wall, another w: w R^2/(E* h^3) is all that counts."""
     monkeypatch.chdir(tmp_path)
     Path("x-dem.h").write_text(ExportedSizes(pair, Path("x.h5"), "jkr_x").code)
-    for R, w, load, tear, delta, lost, found in printed(program(SIX_SIZES)):
+    head = Path("x-dem.h").read_text().partition("*/")[0]
+    assert [words in head for words in ("h = 500 nm", "h = 1 um", "R = 10 um")] == [True, True, False]
+    for R, w, load, tear, delta, lost, found in printed(program(SIZES)):
         case = python.parse_case(PAIR.format(R=f"{R!r} m") + LOADING.replace("3 um", f"{0.3 * R!r} m"))
         controls = {one["control"]: one for one in python.pull_off(python.solve(case), w).summary()["controls"]}
         assert found == 1
@@ -200,7 +201,8 @@ TWO_LAWS = """
 """
 
 
-@pytest.mark.parametrize(("compiler", "name"), [("cc", "two.c"), ("c++", "two.cpp")])
+@pytest.mark.first(1)
+@pytest.mark.parametrize(("compiler", "name"), [("c++", "two.cpp"), ("cc", "two.c")])
 def test_two_laws_in_one_program(jkr, compiler: str, name: str) -> None:
     exported(jkr, LAYER + LOADING, "5 um..20 um", "--name", "film-2")
     exported(jkr, HALF_SPACE + LOADING, "5 um..20 um")
@@ -238,14 +240,6 @@ def test_what_is_no_number_or_no_radius_is_no_contact(jkr) -> None:
     assert overlap == [0, 0, 0]
 
 
-def test_the_head_names_the_layers_and_no_radius(jkr) -> None:
-    exported(jkr, PAIR.format(R="10 um") + LOADING, "5 um..20 um")
-    head = Path("x-dem.h").read_text().partition("*/")[0]
-    assert "h = 500 nm" in head
-    assert "h = 1 um" in head
-    assert "R = 10 um" not in head
-
-
 def columns_of(path: str) -> dict[str, Any]:
     rows = list(csv.DictReader(Path(path).read_text().splitlines()))
     return {name: np.array([row[name] for row in rows], dtype=None if name == "branch" else float) for name in rows[0]}
@@ -266,9 +260,12 @@ def test_the_table_has_both_branches_of_each_size(jkr) -> None:
     assert summary["w_R2_over_Estar_h3"][1] / summary["w_R2_over_Estar_h3"][0] == pytest.approx(16)
 
 
-@pytest.mark.parametrize("case", [HALF_SPACE, PAIR.format(R="10 um")], ids=["half-space", "coated pair"])
-def test_the_header_checks_itself(jkr, case: str) -> None:
-    exported(jkr, case + LOADING, "5 um..20 um")
+@pytest.mark.parametrize("law", ["half", "pair"])
+def test_the_header_checks_itself(
+    law: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("x-dem.h").write_text(ExportedSizes(request.getfixturevalue(law), Path("x.h5"), "jkr_x").code)
     ((force, radius),) = printed(Path("x-dem.h").read_text(), "-std=c99", "-DJKR_X_CHECK", "-x", "c", name="check.c")
     assert max(force, radius) <= 2e-4
 

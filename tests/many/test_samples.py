@@ -1,7 +1,6 @@
 """Samples of a fit: means and differences by classical formulas, files that are named after none of several inputs."""
 
 import csv
-import json
 import math
 import shutil
 from collections.abc import Mapping
@@ -13,7 +12,6 @@ from force_curves import Instrument, record
 from raw_records import export
 from scipy import stats
 
-from jkrcli.base.files import is_ours
 from jkrcli.many.samples import Samples, difference, shown, spread_of
 
 R, K = 5e-6, 0.3
@@ -148,27 +146,6 @@ def test_an_error_of_the_sensitivity_moves_a_ratio_of_unlike_specimens_as_it_say
     parts = [here[f"E_star_ratio_{kind}"] / here["E_star_ratio"] for kind in ("statistical", "calibration", "model")]
     whole = math.log(here["E_star_ratio_high"] / here["E_star_ratio"])
     assert whole == pytest.approx(math.hypot(*map(math.asinh, parts)))
-
-
-def test_folders_are_samples_with_a_table_a_picture_and_six_lines(jkr, folders: list[str]) -> None:
-    done = jkr("fit", *SPECIMEN, *folders, "-o", "results", "--uncertain", "stiffness=10%").ok
-    rows = read("results/samples.csv")
-    assert [(row["sample"], row["curves"], row["fitted"], row["why"]) for row in rows] == [
-        ("ctrl", "3", "3", ""), ("drug", "4", "3", "1 no contact"),
-    ]  # fmt: skip
-    for row in rows:
-        assert float(row["w_low_J_per_m2"]) < 1.05 * WORKS[row["sample"]] < float(row["w_high_J_per_m2"])
-        assert float(row["E_star_calibration_relative"]) == pytest.approx(0.196, rel=0.02)
-    assert float(rows[1]["w_ratio"]) == pytest.approx(2, rel=0.02)
-    assert 0 < float(rows[1]["w_ratio_calibration"]) < 1e-3  # one cantilever
-    curves = read("results/fit.csv")
-    assert [row["sample"] for row in curves] == ["ctrl"] * 3 + ["drug"] * 4
-    assert json.loads(Path("results/fit.json").read_text())["samples"]["differences"]["w"][0]["against"] == "ctrl"
-    assert is_ours(Path("results/samples.csv"))
-    assert is_ours(Path("results/samples.png"))
-    lines = done.out.splitlines()
-    assert lines[0].startswith("2 samples: 6 of 7 curves fitted, 1 left out (1 no contact)")
-    assert any(line.startswith("  drug over ctrl: E* x 1.00 (") for line in lines)
 
 
 def test_errors_of_two_cantilevers_do_not_cancel(jkr, folders: list[str], tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -44,27 +43,6 @@ def wait(condition: Callable[[], bool], what: str) -> None:
         time.sleep(0.01)
 
 
-def lines(journal: Path) -> int:
-    return journal.read_bytes().count(b"\n") - 1 if journal.exists() else 0
-
-
-def children(pid: int) -> list[int]:
-    """Processes that ``pid`` started, of /proc."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            if int(stat.read_text().rsplit(")", 1)[1].split()[1]) == pid:
-                found.append(int(stat.parent.name))
-    return found
-
-
-def runs(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
-
-
 def sweep(folder: Path, name: str, *words: str) -> list[str]:
     return [*JKR, "sweep", str(folder / "s.toml"), "-o", str(folder / name), *words]
 
@@ -79,26 +57,6 @@ def _folder(tmp_path: Path) -> Path:
 def tables_agree(folder: Path, name: str) -> bool:
     """To the last bit."""
     return (folder / name / "table.csv").read_bytes() == (folder / "whole" / "table.csv").read_bytes()
-
-
-@pytest.mark.slow
-def test_killed_three_times_no_case_is_solved_twice_and_none_is_lost(folder: Path) -> None:
-    """SIGKILL, SIGKILL, Ctrl-C at a quarter, a half and three quarters; no worker stays behind."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # not ignored by what is started here
-    journal = folder / "cut" / "journal.jsonl"
-    for quarter, how in ((1, signal.SIGKILL), (2, signal.SIGKILL), (3, signal.SIGINT)):
-        run = subprocess.Popen(sweep(folder, "cut", "--workers", "2"), stderr=subprocess.DEVNULL)
-        wait(lambda quarter=quarter: lines(journal) >= quarter * CASES // 4, "the journal to grow")
-        workers = children(run.pid)
-        assert len(workers) >= 2
-        run.send_signal(how)
-        run.wait(DEADLINE)
-        assert lines(journal) < CASES
-        wait(lambda workers=workers: not any(map(runs, workers)), "the workers to end")
-    subprocess.run(sweep(folder, "cut", "--workers", "2"), check=True, capture_output=True, timeout=DEADLINE)
-    entries = [json.loads(line)[0] for line in journal.read_text().splitlines()[1:]]
-    assert len(entries) == len(set(entries)) == CASES
-    assert tables_agree(folder, "cut")
 
 
 @contextlib.contextmanager

@@ -1,5 +1,6 @@
 """Archives and HDF5 files made to harm those who read them, from a source of chance each."""
 
+import contextlib
 import random
 import struct
 import zipfile
@@ -10,6 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 from fuzzing import bytes_changed
+from series_files import edit
 from vendors import jpk_members, zipped
 
 HUGE = (10**6, 3 * 10**7, 9 * 10**7, 10**9, 10**12)  # values in a data set that a few bytes declare
@@ -19,14 +21,19 @@ TYPES = ("f8", "f4", "i1", "i8", "c16", "S1", "S9", "S100000", "b", [("a", "f8")
 
 # ---------------------------------------------------------------------- HDF5
 def harm_hdf5(path: Path, chance: random.Random) -> None:
-    """Make one to three changes to the HDF5 file at ``path``, and now and then to its bytes."""
-    with h5py.File(path, "r+") as file:
+    """Make one to three changes to the HDF5 file at ``path``, now and then sealed again, and to its bytes."""
+
+    def change(file: h5py.File) -> None:
         for _ in range(chance.choice((1, 1, 2, 3))):
-            try:
-                chance.choice(CHANGES)(_some_group(file, chance), chance)
-            except (ValueError, TypeError, RuntimeError, OSError, KeyError, AttributeError):
-                continue  # of a name that is there already, and the like
-    if chance.random() < 0.3:
+            with contextlib.suppress(ValueError, TypeError, RuntimeError, OSError, KeyError, AttributeError):
+                chance.choice(CHANGES)(_some_group(file, chance), chance)  # not of a name that is there already
+
+    if chance.random() < 0.5:
+        edit(path, change)
+    else:
+        with h5py.File(path, "r+") as file:
+            change(file)
+    if chance.random() < 0.2:
         path.write_bytes(bytes_changed(path.read_bytes(), chance))
 
 
@@ -104,13 +111,18 @@ def _gone(group: h5py.Group, chance: random.Random) -> None:
         group[name] = values
 
 
+def _cell(group: h5py.Group, chance: random.Random) -> None:
+    column = group[chance.choice([*group, "x"])]
+    column[chance.randrange(column.size)] = chance.choice((np.nan, -np.inf, 0.0, -1.0, 1e308, 5e-324, 1e30, 1e-30))
+
+
 def _deep(group: h5py.Group, chance: random.Random) -> None:
     for name in ["deep"] * chance.choice((3, 6, 100)):
         group = group.create_group(name)
 
 
 CHANGES: tuple[Callable[[h5py.Group, random.Random], None], ...] = (
-    _huge, _wide_chunk, _links, _texts, _attributes, _many, _elsewhere, _gone, _deep
+    _huge, _wide_chunk, _links, _texts, _attributes, _many, _elsewhere, _gone, _cell, _deep
 )  # fmt: skip
 
 

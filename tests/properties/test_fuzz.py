@@ -8,25 +8,19 @@ import contextlib
 import random
 import tomllib
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import h5py
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 import tomli_w
 from fuzzing import bounded, bytes_changed, chances, fuzz, mutate, outcome, some
-from series_files import edit
 
 from jkrcli.base.errors import JkrError
-from jkrcli.case import store
-from jkrcli.case.models import load_case, method_of, parse_case
-from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.case.models import load_case, method_of
 from jkrcli.methods.protocol import survey
-from jkrcli.series import PressureTable
 
 CASES = Path(__file__).parents[2] / "cases"
 QUICK = 0.1  # CPU seconds of a solve that is tried as well
@@ -115,100 +109,6 @@ def test_cases(seed: int, judge_case: Judge, count: int) -> None:
     fuzz(files_like(trees()), judge_case, count, seed)
 
 
-# ---------------------------------------------------------------------- series files
-def series_bytes(folder: Path) -> bytes:
-    """A valid series file."""
-    case = parse_case(tomli_w.dumps({"indenter": SMALL["paraboloid"], **HALF_SPACE}).encode(), "body")
-    problem = case.model.problem()
-    solution = ClosedForm()(problem)
-    table = PressureTable(np.linspace(0, 2e-5, 5), np.ones((len(solution.series), 5)))
-    store.write_solution(
-        folder / "valid.h5", replace(solution, pressure=table, record=store.record_of(case)), "jkr run"
-    )
-    return (folder / "valid.h5").read_bytes()
-
-
-def structure_changed(path: Path, chance: random.Random) -> None:
-    """Groups, columns and attributes of a series file deleted, replaced, made huge, or linked elsewhere; mostly sealed
-    again, so that the digest does not hide what comes after it."""
-
-    def change(file: h5py.File) -> None:
-        for _ in range(chance.choice((1, 1, 2))):
-            names: list[str] = []
-            file.visit(names.append)
-            name = chance.choice(names)
-            match chance.randrange(9):
-                case 0:
-                    del file[name]
-                case 1:
-                    del file[name]
-                    file[name] = _value(chance)
-                case 2:
-                    del file[name]
-                    file.create_dataset(name, shape=(10**12,), chunks=(10**6,), dtype=chance.choice(("f8", "S9", "i1")))
-                case 3:
-                    del file[name]
-                    file.create_group(name)
-                case 4:
-                    del file[name]
-                    elsewhere = (h5py.ExternalLink("/etc/passwd", "/x"), h5py.SoftLink("/series"), h5py.SoftLink("/no"))
-                    file[name] = chance.choice(elsewhere)
-                case 5 if _is_small(file[name]):
-                    values = file[name][()]
-                    odd = (np.nan, -np.inf, 0.0, -1.0, 1e308, 5e-324, 1e30, 1e-30)
-                    values.flat[chance.randrange(values.size)] = chance.choice(odd)
-                    file[name][...] = values
-                case _:
-                    item = chance.choice((file, file[name]))
-                    key = chance.choice([*item.attrs, "x", "unit", "a0_m", "S0_N_per_m", "format"])
-                    item.attrs[key] = _value(chance)
-
-    if chance.random() < 0.9:
-        edit(path, change)
-    else:
-        with h5py.File(path, "r+") as file:
-            change(file)
-
-
-def _is_small(item: Any) -> bool:
-    return isinstance(item, h5py.Dataset) and item.ndim > 0 and 0 < item.size < 1000 and item.dtype.kind == "f"
-
-
-def _value(chance: random.Random) -> Any:
-    records = np.zeros(2, dtype=[("a", "f8")])
-    words = np.array(["x"], dtype=h5py.string_dtype())
-    numbers = (
-        0, -1, np.nan, np.inf, 1e308, True, 1 + 2j, np.zeros(3), np.zeros((2, 2)), np.arange(30), -np.arange(30.0),
-    )  # fmt: skip
-    texts = ("", "m", b"\xff\xfe", "a\nb", "[indenter]\nshape = 1", np.array([b"x", b"y"]), words)
-    return chance.choice((*numbers, *texts, h5py.Empty("f8"), records, np.void(b"12")))
-
-
-@pytest.fixture(name="judge_series")
-def _judge_series(write: Callable[[str, bytes], Path], tmp_path: Path) -> Callable[[random.Random], None]:
-    valid = series_bytes(tmp_path)
-    foreign = [np.lib.format.MAGIC_PREFIX + b"\1\0", b"CDF\1", b"PK\3\4", b"", b"\x89HDF\r\n\x1a\n", b"\0" * 4096]
-
-    def judge(chance: random.Random) -> None:
-        kind = chance.random()
-        path = write("x.h5", valid if kind < 0.5 else bytes_changed(valid, chance))
-        if kind < 0.5:
-            structure_changed(path, chance)
-        elif kind < 0.53:
-            path.write_bytes(chance.choice(foreign) + chance.randbytes(chance.randrange(600)))
-        if outcome("show", path, "--json", json_out=True) == 0:
-            outcome("transform", path, "--w", "0.05", "--no-plots", "--force", "--json", json_out=True)
-            with contextlib.suppress(JkrError):
-                store.read_solution(path, with_pressure=True)
-
-    return judge
-
-
-@some(20)
-def test_series_files(seed: int, judge_series: Judge, count: int) -> None:
-    fuzz(chances(), judge_series, count, seed)
-
-
 # ---------------------------------------------------------------------- tables
 def hertz() -> list[list[float]]:
     a = np.linspace(1e-6, 2e-5, 12)
@@ -287,12 +187,13 @@ def test_imports(seed: int, judge_import: Judge, count: int) -> None:
 
 
 @pytest.fixture(name="judge_measured")
-def _judge_measured(write: Callable[[str, bytes], Path], tmp_path: Path) -> Judge:
-    body = write("body.h5", series_bytes(tmp_path))
+def _judge_measured(write: Callable[[str, bytes], Path]) -> Judge:
+    body = tomli_w.dumps({"indenter": SMALL["paraboloid"], **HALF_SPACE}).encode()
+    assert outcome("run", write("body.toml", body), "-o", "body.h5") == 0
 
     def judge(content: bytes) -> None:
-        if outcome("work", body, write("x.csv", content), "--no-plots", "--force", "--json", json_out=True) == 0:
-            outcome("fit", body, "x.csv", "--no-plots", "--force", "--json", json_out=True)
+        if outcome("work", "body.h5", write("x.csv", content), "--no-plots", "--force", "--json", json_out=True) == 0:
+            outcome("fit", "body.h5", "x.csv", "--no-plots", "--force", "--json", json_out=True)
 
     return judge
 

@@ -416,8 +416,8 @@ def test_hostile_files(series: Path, ending: str, trials: int, seed: int) -> Non
         path.write_bytes(chance.choice(sound))
         HARM[ending](path, chance)
         with bounded(SECONDS), address_space():
-            if ending == "h5":
-                outcome("show", path, "--json", json_out=True)
+            if ending == "h5" and outcome("show", path, "--json", json_out=True) == 0:
+                outcome("transform", path, "--w", "0.05", "--no-plots", "--force", "--json", json_out=True)
             estimate_rows(path)
             with contextlib.suppress(InputError):
                 for _ in measured.each(path, Reading(incomplete=True)):

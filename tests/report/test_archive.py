@@ -1,6 +1,8 @@
 """Archives of fits, tables of sweeps and kept solves: damage is refused, or every number and string is the same."""
 
+import contextlib
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from conftest import write_table
+from fit_data import adhesive
 from series_files import one_byte_changed
 from sweep_files import HALF_SPACE
 
@@ -16,6 +20,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.case import store
 from jkrcli.case.models import load_case
 from jkrcli.case.store import solve
+from jkrcli.cli import call
 from jkrcli.many import sweep_plan as plan
 from jkrcli.report import archive
 
@@ -39,19 +44,24 @@ KINDS = ("fits", "table")
 TRIALS = pytest.mark.parametrize("trials", [100, pytest.param(2000, marks=pytest.mark.slow)])
 
 
-@pytest.fixture(name="archives")
-def _archives(jkr: Callable, tmp_path: Path) -> dict[str, Path]:
-    """An archive of each kind, with numbers, words and values that are missing."""
-    (tmp_path / "s.toml").write_text(CASE)
-    (tmp_path / "many.toml").write_text(SWEEP)
+@pytest.fixture(name="made", scope="module")
+def _made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with an archive of each kind, with numbers, words and values that are missing."""
+    folder = tmp_path_factory.mktemp("archives")
+    (folder / "s.toml").write_text(CASE)
+    (folder / "many.toml").write_text(SWEEP)
     a = np.linspace(2e-5, 9e-5, 40)
-    E = 1e6 / (1 - 0.3**2)
-    P = 4 * E * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05 * E)  # JKR
-    P *= 1 + 1e-3 * np.random.default_rng(0).standard_normal(a.size)
-    rows = zip(a.tolist(), P.tolist(), strict=True)
-    (tmp_path / "probe.csv").write_text("a_m,P_N\n" + "".join(f"{x},{y}\n" for x, y in rows))
-    assert jkr("fit", "s.toml", "probe.csv", "--no-plots").code == 0
-    assert jkr("sweep", "many.toml", "-o", "r", "--workers", 1).code == 0
+    P = adhesive(a, 1e6 / (1 - 0.3**2), 0.05, 1e-3)[1] * (1 + 1e-3 * np.random.default_rng(0).standard_normal(a.size))
+    write_table(folder / "probe.csv", "a_m,P_N", a, P)
+    with contextlib.chdir(folder):
+        assert call(["fit", "s.toml", "probe.csv", "--no-plots"]) == 0
+        assert call(["sweep", "many.toml", "-o", "r", "--workers", "1", "--no-plots"]) == 0
+    return folder
+
+
+@pytest.fixture(name="archives")
+def _archives(made: Path, tmp_path: Path) -> dict[str, Path]:
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True)
     return {"fits": tmp_path / "s-fit.h5", "table": tmp_path / "r" / "table.h5"}
 
 
@@ -112,7 +122,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("version", [1, 2, 3])
+@pytest.mark.parametrize("version", [1, 3])
 def test_what_is_not_as_written_is_refused_by_name(jkr, archives: dict[str, Path], kind: str, version: int) -> None:
     path = archives[kind]
     change_unsealed(path, CHANGES[kind])

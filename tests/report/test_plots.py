@@ -208,18 +208,6 @@ def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[
     assert not [1 for one, other in itertools.combinations(boxes, 2) if one.overlaps(_shrunk(other))]
 
 
-@pytest.mark.slow
-def test_settings_in_the_current_folder_change_no_figure(jkr: Callable, body: str) -> None:
-    """matplotlib takes a matplotlibrc of the folder that it is started in; LaTeX, asked for there, is not installed."""
-    words = [sys.executable, "-m", "jkrcli", "transform", "body.h5", "-o"]
-    subprocess.run([*words, "plain"], check=True, capture_output=True)
-    Path("matplotlibrc").write_text("text.usetex: True\nfont.family: monospace\nsavefig.dpi: 20\nlines.marker: x\n")
-    subprocess.run([*words, "styled"], check=True, capture_output=True)
-    for ending in (".png", ".svg"):
-        one, two = (Path(folder, f"body-w0.1{ending}").read_bytes() for folder in ("plain", "styled"))
-        assert one == two
-
-
 # ---------------------------------------------------------------------- the verbs
 def write_measured() -> None:
     """A noisy curve with its contact radii, and the same with time going on."""

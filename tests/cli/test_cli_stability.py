@@ -147,13 +147,9 @@ REFUSALS = [
     ("pull-off p.h5 --load 1mN --uncertain R=1m", "p.h5: the uncertainty of R is 1e+04 times its value: give less"),
     ("pull-off p.h5 --stiffness soft", 'must be a stiffness, such as "0.2 N/m", got "soft"; see jkr pull-off --help'),
     ("pull-off p.h5 --stiffness 0", 'must be > 0 or "load" or "rigid", got 0; see jkr pull-off --help'),
-    ("pull-off no.h5", 'no.h5: solution file not found, did you mean "p.h5"?'),
     ("cycle p.h5 --w-retract 10J/m^2", "w on retraction must be >= w on approach, got 10 J/m^2 and 50 J/m^2"),
     ("cycle p.h5 --to-load 1N --to-depth 1um", "cycle: give at most one of --to-load and --to-depth"),
-    ("cycle p.h5 --to-load 1N", "the reversal at P = 1 N is not reached on approach, which in this solution goes from "
-                                "-20.94 mN to 214.1 mN"),
     ("cycle p.h5 --w-approach 5000J/m^2", "p.h5: contact at delta = 0 spreads beyond the largest radius of the"),
-    ("study pull-off-map --nu 0.6", "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
     ("study pull-off-map --q 1e9", "pull-off map: q must be >= 1e-06 and <= 1e+07, got 1000000000.0"),
 ]  # fmt: skip
 

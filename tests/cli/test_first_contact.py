@@ -98,41 +98,17 @@ def test_a_state_without_w_is_said_to_be_without_adhesion(jkr: Callable) -> None
 
 
 def test_units_without_quotes_and_all_else_that_is_wrong_are_told_at_once(jkr: Callable) -> None:
-    Path("my.toml").write_text("""
-[indenter]
-shape = "sphere"
-radius = 10 um # of the tip
-[[specimen.layers]]
-thickness = 3um
-E = { law = "linear", top = 5 MPa, bottom = "1 MPaa" }
-nu = 0.8
-name = "0x12 um"
-[loading]
-radius = "1.2"
-depth = "3 N"
-""")
-    units = "(allowed: Pa, kPa, MPa, GPa, TPa, N/m^2, kN/m^2, N/mm^2)"
+    text = BARE.replace('"10 um"', "10 um # of the tip").replace('"1 MPa"', "3 MPa").replace("0.4", "0.8")
+    Path("my.toml").write_text(text + 'name = "0x12 um"\n')
     assert jkr("check", "my.toml").err.splitlines() == [
         f"jkr: error: my.toml: {line}"
         for line in (
             'line 4: text with a unit must stand in quotes: radius = "10 um"',
-            'line 6: text with a unit must stand in quotes: thickness = "3um"',
-            'line 7: text with a unit must stand in quotes: top = "5 MPa"',
-            'loading.depth: must be a length, got "3 N": unknown unit "N" (allowed: m, pm, nm, um, mm, km, cm, Å)',
-            "loading: needs exactly one of depth, load, radius, got depth and radius",
-            'specimen.layers[0].E.bottom: must be a modulus, got "1 MPaa": unknown unit "MPaa", did you mean "MPa"? '
-            f"{units}",
-            "specimen.layers[0].nu: must be > -1 and <= 0.5, got 0.8",
+            'line 6: text with a unit must stand in quotes: E = "3 MPa"',
+            "loading.name: unknown key (allowed: depth, load, radius, points, spacing)",
+            "specimen.half_space.nu: must be > -1 and <= 0.5, got 0.8",
         )
     ]
-
-
-def test_a_misspelt_key_is_not_told_as_a_missing_one_too(jkr: Callable) -> None:
-    Path("my.toml").write_text(BARE.replace("[loading]\nradius", "[loading]\nradus"))
-    assert jkr("check", "my.toml").err == (
-        'jkr: error: my.toml: loading.radus: unknown key, did you mean "radius"? '
-        "(allowed: depth, load, radius, points, spacing)\n"
-    )
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import math
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
 from jkrcli.many.studies import coarser, converge, edge_size, richardson
 from jkrcli.methods.fem import FEM
 
@@ -51,20 +50,6 @@ def test_hertz_converges_with_node_based_radii() -> None:
     assert abs(P) < 5e-4
     assert abs(force) < 1e-2
     assert found.exact.P == pytest.approx(4 / 3 * MATERIAL.E_star * 10 * found.depth**1.5, rel=1e-6)  # Hertz
-
-
-@pytest.mark.slow
-def test_a_finite_body_is_extrapolated() -> None:
-    specimen = Specimen((Layer(MATERIAL, 1.0),), Rigid(), radius=2.5, side="free")
-    problem = Problem(HERTZ.indenter, specimen, HERTZ.loading)
-    found = converge(problem, FEM(order=1, element="quadrilateral", spacing=0.06, edge_correction=False), W, 3)
-    assert found.exact is None
-    order, limit = found.extrapolated["P"]
-    assert (found.order("P"), found.reference("P")) == (order, limit)
-    assert order == pytest.approx(2, abs=0.5)  # first-order elements; the corner of free side and base costs some
-    fine = FEM(edge_correction=False, estimate_error=False)(problem).series
-    second_order = math.exp(np.interp(math.log(found.depth), np.log(fine.delta), np.log(fine.P)))
-    assert limit == pytest.approx(second_order, rel=1e-3)
 
 
 def test_too_coarse_a_mesh_has_a_reason_for_its_missing_pull_off() -> None:

@@ -1,6 +1,5 @@
 """The studies, as verbs and as make runs them: small ones, from start to file."""
 
-import csv
 from pathlib import Path
 
 import pytest
@@ -55,33 +54,7 @@ def test_a_long_map_is_announced_where_no_bar_is_shown(jkr, monkeypatch: pytest.
     assert (done.code, done.err.splitlines()[0]) == (130, f"jkr: {said} of CPU time")
 
 
-@pytest.mark.slow
-def test_studies_do_not_depend_on_the_number_of_workers(jkr, study) -> None:
-    words = ("noise", "--seeds", 2, "--body", "layer-0.4", "--points", 30)
-    maps = ("study", "pull-off-map", "--nu", 0.3, "--nu", 0.45, "--q", 0.1, "--q", 1, "--no-plots")
-    for workers in (1, 2):
-        assert study(*words, "--workers", workers, "-o", f"by-{workers}").code == 0
-        assert jkr(*maps, "--workers", workers, "-o", f"by-{workers}").code == 0
-    for name in ("noise-study.csv", "pull-off-map.csv"):
-        assert Path("by-1", name).read_text() == Path("by-2", name).read_text()
-
-
 def test_workers_and_scheduler_exclude_each_other(study) -> None:
     study("failures", "--cells", 1, "--workers", 2, "--scheduler", "tcp://node:8786").refused(
         "give either --workers or --sched"
     )
-
-
-@pytest.mark.slow
-def test_noise_study_writes_its_table_and_picture(study, tmp_path: Path) -> None:
-    words = ("noise", "--seeds", 2, "--body", "hertz", "--points", 30, "-o", "out")
-    assert study(*words).code == 0
-    names = {"noise-hertz.png", "noise-hertz.svg", "noise-study.csv"}
-    assert {path.name for path in (tmp_path / "out").iterdir()} == names
-    rows = list(csv.DictReader((tmp_path / "out" / "noise-study.csv").read_text().splitlines()))
-    assert len({(row["method"], row["noise"]) for row in rows}) == 3 * 5
-    fitted = {row["noise"]: float(row["median"]) for row in rows if row["method"] == "integral"}
-    assert fitted["0.0"] < 1e-9  # a power law is exact
-    assert fitted["0.0001"] < 1e-3  # 4e-5 in the median of many seeds
-    assert not any(word in (tmp_path / "out" / "noise-study.csv").read_text() for word in ("nan", "inf"))
-    assert study(*words).code == 0  # its own files are replaced

@@ -2,7 +2,6 @@
 
 import json
 import os
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -112,17 +111,6 @@ def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, s
         outcome = jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
         assert (outcome.code, len(solves), table.read_bytes()) == (0, 1, wanted)
         assert "jkr: r/journal.jsonl: 1 damaged lines (3): their cases are solved again\n" in outcome.err
-
-
-def test_a_row_with_other_values_than_the_columns_is_not_believed(jkr, tmp_path: Path) -> None:
-    (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
-    jkr("sweep", "s.toml", "-o", "r")
-    wanted = (tmp_path / "r" / "table.csv").read_bytes()
-    with opened(tmp_path / "r" / "journal.jsonl") as journal:
-        identity, row = next(iter(journal.rows.items()))
-        journal.append(identity, replace(row, values=row.values[:-1]))
-    assert jkr("sweep", "s.toml", "-o", "r").code == 0
-    assert (tmp_path / "r" / "table.csv").read_bytes() == wanted
 
 
 @pytest.mark.slow

@@ -208,10 +208,6 @@ KINDS = {
     "hybrid: side, by radius": kind("method hybrid: " + SIDE,
         {**HYBRID, "specimen": cylinder("10 um"), "loading": {"radius": "9.9 um"}},
         {"loading": {"radius": "9 um"}}, fem(), near=None),
-    "hybrid: cost on a cylinder": kind(COST + "fem",
-        {**HYBRID, "specimen": cylinder("200 um", layer("1 um", nu=0.3)), "loading": {"radius": "20 um"}},
-        {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, fem(),
-        jkrcli__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
     "hybrid: cost": kind(COST + "layered", {**HYBRID, "specimen": THIN, "loading": {"radius": "20 um"}},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, LAYERED,
         jkrcli__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
@@ -232,7 +228,6 @@ KINDS = {
         jkrcli__hybrid__solver__MOST_SOLVES=1, jkrcli__hybrid__solver__REACH_ROOM=0.8),
     "hybrid: beyond a sphere": kind("{}" + BEYOND, {**HYBRID, "indenter": SPHERE},
         {"loading": {"radius": "5 um"}}, {"indenter": {"radius": "1 mm"}}),
-    "hybrid: a plate on its rim": kind(FALLS, {**HYBRID, **STIFF}, {"loading": {"radius": 0.99}}),
     # ------------------------------------------------------------ layered
     "layered: cylinder": kind("method layered: the specimen has a finite radius of {} m, this method knows only "
         "laterally unbounded ones; use the method hybrid, or leave the radius out",

@@ -29,6 +29,7 @@ import os, sys
 assert sys.modules["fcntl"] is None and not hasattr(os, "fork")
 from jkrcli.base import process
 process.begin()
+assert process.free_memory() > 0 and process.address_space() == float("inf")
 from jkrcli.cli import call
 for words in (
     ("new", "n.toml"), ("run", "l.toml"), ("show", "l.h5"), ("transform", "l.h5", "--no-plots"),
@@ -47,6 +48,7 @@ adhesion = { w = "50 mJ/m^2" }
 SWEEP = 'base = "l.toml"\n[[axes]]\nkey = "specimen.layers[0].nu"\nvalues = [0.2, 0.3]\n'
 
 
+@pytest.mark.slow
 def test_without_what_windows_lacks_all_is_read_solved_and_fitted(tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(LACKING)
     (tmp_path / "l.toml").write_text(CASE)

@@ -15,7 +15,6 @@ import vendors
 from conftest import Outcome
 from fuzzing import address_space, bounded, outcome
 from hostile import harm_hdf5, harm_jpk, harm_zip
-from matplotlib.figure import Figure
 from series_files import edit
 
 from jkrcli.base import hdf5
@@ -360,20 +359,6 @@ def test_an_archive_of_very_many_members_is_read(tmp_path: Path, monkeypatch: py
     path = vendors.zipped(tmp_path / "x.zip", {"a.csv": TABLE, "b.csv": TABLE})
     assert path.read_bytes().count(b"PK\6\6") == 1
     assert len(measured.read(path)) == 2
-
-
-def test_curves_of_long_names_are_fitted_and_drawn(jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A name of 300 letters failed after all work."""
-    monkeypatch.setattr("jkrcli.measured.figures.fit_figure", lambda item: Figure())  # its files are named before
-    a = np.linspace(2e-5, 9e-5, 40)
-    P = 4e6 / 0.91 * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05e6 / 0.91)
-    rows = "".join(f"{x},{y}\n" for x, y in zip(a.tolist(), P.tolist(), strict=True)).encode()
-    vendors.zipped(Path("m.zip"), {f"{name}.csv": b"a_m,P_N\n" + rows for name in ("a" * 300, "x")})
-    done = jkr("fit", series, "m.zip")
-    assert (done.code, done.out.splitlines()[-1]) == (
-        0,
-        "  written s-fit{.csv,.json,.h5}, 2 pictures, all curves in s-fit-curves.html",
-    ), done.err
 
 
 def test_names_that_others_gave_become_different_names_of_files(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
-from refusals import BASE, CLOSE, COARSE, GRADED, KINDS, LAYERED, THIN, ZONES, Tree, cylinder, fem, layer, merged
+from refusals import BASE, CLOSE, COARSE, GRADED, KINDS, LAYERED, THIN, ZONES, Tree, fem, layer, merged
 
 from jkrcli import parse_case
 from jkrcli.adhesion.rules import RULES
@@ -21,7 +21,6 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.hybrid.solver import Hybrid
 from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
-from studies.chart_reference import reference_of
 
 PACKAGE = Path(__file__).parents[2] / "jkrcli"
 
@@ -29,7 +28,7 @@ PACKAGE = Path(__file__).parents[2] / "jkrcli"
 SLOW = {
     *("fem: " + name for name in ("tolerance with radii of vertices", "tolerance under a cut", "refined zone",
       "below the first vertex", "displacements", "spacing beside a tolerance")),
-    *("hybrid: " + name for name in ("no such tolerance", "a plate on its rim", "cost", "cost on a cylinder", "rows",
+    *("hybrid: " + name for name in ("no such tolerance", "cost", "rows",
       "accuracy", "side, by radius")),
     "layered: accuracy",
 }  # fmt: skip
@@ -99,9 +98,6 @@ OTHERS = {
     "give more increments, or refine the mesh where radii repeat",
     "profile": "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
     "pressures are not implemented; cut the top layer into a few homogeneous ones",
-    "chart of a cylinder": "chart: the specimen has a finite radius of {} m, for which there is no exact solution to "
-    "measure against: leave radius and side out, or see jkr study converge",
-    "chart without a reference": "chart: no exact solution to measure against: {}: {}",
 }
 LINEAR = {
     "method": "fem",
@@ -195,29 +191,6 @@ def test_a_profile_that_is_not_accurate_enough(jkr) -> None:
     assert "use a smaller contact radius" in refused.err
     assert "layered.tolerance" not in refused.err
     assert jkr(*words, "10 um").code == 0
-
-
-def problem_of(changes: Tree) -> Problem:
-    return parse_case(tomli_w.dumps(merged(BASE, changes))).model.problem()
-
-
-def test_the_reference_of_a_chart() -> None:
-    with pytest.raises(Refusal) as refused:
-        reference_of(problem_of({"specimen": cylinder("60 um")}), 0.01)
-    said(OTHERS["chart of a cylinder"], str(refused.value))
-    assert reference_of(problem_of({}), 0.01)
-
-
-@pytest.mark.slow
-def test_a_chart_that_finds_no_reference_names_what_it_can_follow() -> None:
-    """The reference has tolerances of its own: the case's does not matter."""
-    with pytest.raises(Refusal) as refused:
-        reference_of(problem_of({"specimen": THIN, "loading": {"radius": "100 um"}}), 0.01)
-    for line in refused.value.lines:
-        said(OTHERS["chart without a reference"], line)
-        assert "smaller contact" in line
-        assert "layered.tolerance" not in line
-    assert reference_of(problem_of({"specimen": THIN, "loading": {"radius": "30 um"}}), 0.01)
 
 
 # ---------------------------------------------------------------------- nothing left out

@@ -186,12 +186,6 @@ def test_a_band_is_drawn_where_it_can_be_seen_only(jkr: Callable, body: str) -> 
     assert "95 % band of $P$" not in words(0.005 * span)
 
 
-def test_units_are_those_of_the_larger_of_both_curves(jkr: Callable) -> None:
-    """The coating's adhesive curve ends at 0.3 um, the nonadhesive one at 1.4 um."""
-    units = physical_units(analysed(jkr, "coating").curve)
-    assert units.labels == (r"displacement $\delta$ (µm)", "load $P$ (µN)", "contact radius $a$ (µm)")
-
-
 @pytest.mark.slow
 def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[Figure]]) -> None:
     """Labels of neighbours ran into each other, the last title out of the figure."""
@@ -255,23 +249,6 @@ def test_figures_of_the_verbs_are_fit_for_print(
     for figure in figures:
         assert troubles(figure) == []
         assert figure.get_size_inches()[0] in (looks.WIDE, looks.MIDDLE, looks.NARROW)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("noise", ("--seeds", 2, "--points", 30)),
-        ("paper", ("--cases", CASES / "paper", "--only", "fig5", "--only", "fig8")),
-    ],
-)
-def test_figures_of_studies_are_fit_for_print(
-    study: Callable, kept: Callable[..., list[Figure]], name: str, words: tuple[object, ...]
-) -> None:
-    figures = kept(study, name, *words)
-    assert figures
-    for figure in figures:
-        assert troubles(figure) == []
 
 
 def test_a_map_of_failures_knows_every_outcome() -> None:

@@ -1,6 +1,5 @@
 """Speed against accuracy: the reference, the measurements, the front, and the study run by make."""
 
-import csv
 import json
 import sys
 from dataclasses import replace
@@ -17,7 +16,7 @@ from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, R
 from jkrcli.case.models import load_case, method_of
 from jkrcli.many.studies import process_cost
 from jkrcli.methods.layered.solver import Layered
-from studies.chart_points import DEFAULT, SETTINGS, beside_front, front, read_peers, settings_of
+from studies.chart_points import SETTINGS, beside_front, front, read_peers, settings_of
 from studies.chart_reference import reference_of
 
 LAYER = Problem(
@@ -109,26 +108,3 @@ def test_the_stored_peers_can_be_read() -> None:
     peers = read_peers(CASES.parent / "docs" / "peers" / "timings.json", 1.0)
     assert {peer.body for peer in peers} == {"halfspace", "thin-layer"}
     assert all(peer.whole.cpu_s > 0 and peer.errors.load > 0 for peer in peers)
-
-
-# ---------------------------------------------------------------------- the study run by make
-@pytest.mark.slow
-def test_the_study_writes_table_json_and_picture(study, tmp_path: Path, monkeypatch) -> None:
-    two = [
-        setting for setting in SETTINGS if setting.method == "layered" and setting.words in (DEFAULT, "tolerance 1e-2")
-    ]
-    monkeypatch.setattr("studies.chart_points.SETTINGS", two)
-    peers = stored(tmp_path)
-    outcome = study("chart", CASES / "thin-layer.toml", "--methods", "layered", "--repeat", 1, "--peers", peers,
-                  "-o", "out")  # fmt: skip
-    assert outcome.code == 0, outcome.err
-    assert "against   layered, tolerance 1e-10" in outcome.out
-    assert "Slow 1, coarse" in outcome.out
-    data = json.loads(Path("out/thin-layer-chart.json").read_text())
-    assert data["auto"] == {"method": "layered", "beside_front": True}
-    rows = list(csv.DictReader(Path("out/thin-layer-chart.csv").read_text().splitlines()))
-    assert len(rows) == len(data["points"]) == 3 * 2  # exact, integral and loocv of two tolerances
-    default = [row for row in rows if row["setting"] == DEFAULT and row["slopes"] == "exact"]
-    assert float(default[0]["P_error"]) < 1e-8
-    assert float(default[0]["whole_cpu_s"]) > float(default[0]["after_imports_cpu_s"]) > 0
-    assert Path("out/thin-layer-chart.png").read_bytes()[:4] == b"\x89PNG"

@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from studies.golden import MASKS, MEANT, Meant, deviations, differences, numbers, scenes
+from studies.golden import MASKS, MEANT, Meant, deviations, differences, numbers
 
 NONE = Meant({})
 LISTED = Meant({
@@ -83,8 +83,3 @@ def test_costs_and_dates_are_no_difference(pair: tuple[str, str]) -> None:
 @pytest.mark.parametrize("text", ["P = -97.101 uN at a = 1.2 mm", "w 20 mJ/m^2", "stiffness 0.2 N/m"])
 def test_what_a_user_reads_is_not_masked(text: str) -> None:
     assert masked(text) == text
-
-
-def test_scenes_have_names_of_their_own() -> None:
-    names = [scene.name for scene in scenes()]
-    assert len(names) == len(set(names))

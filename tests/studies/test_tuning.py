@@ -1,6 +1,5 @@
 """The study of tuned numbers: which are found, that varying them reaches the algorithm, and what is written."""
 
-import csv
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -52,23 +51,6 @@ def test_a_varied_number_reaches_all_who_hold_it(module: ModuleType, monkeypatch
     with tuning.varied(knob, 80):
         assert (module.MADE_UP_NODES, solver.MADE_UP_NODES) == (80, 80)
     assert (module.MADE_UP_NODES, solver.MADE_UP_NODES) == (40, 40)
-
-
-@pytest.mark.slow
-def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) -> None:
-    outcome = study("tuning", "made_up", "--quick", "--workers", 1)
-    assert (outcome.code, outcome.err) == (0, "")
-    with Path("tuning.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["constant"] for row in rows] == [
-        f"MADE_UP_{name}" for name in ("NODES", "NODES", "SHARE", "SHARE", "FEW", "FEW")
-    ]
-    assert {(row["algorithm"], row["body"], row["method"]) for row in rows} == {
-        ("methods.layered.made_up", "coating", "layered")
-    }
-    assert all(float(row["error"]) == float(row["shipped_error"]) < 1e-6 for row in rows)  # nothing depends on them
-    assert len(outcome.out.splitlines()) == 1 + len(rows)
-    assert study("tuning", "made_up", "--quick", "--workers", 1).code == 0  # its own file is replaced
 
 
 # ---------------------------------------------------------------------- chosen numbers

@@ -45,8 +45,6 @@ w = "10 mJ/m^2"
 
 @dataclasses.dataclass(frozen=True)
 class BadDefault:
-    """Options whose default is out of their own range."""
-
     tolerance: Annotated[float, Ranged("number", least=1e-8, most=1e-2)] = 1.0
 
     def __post_init__(self) -> None:
@@ -75,7 +73,6 @@ def jkr(module: str, *commands: Sequence[object]) -> list[Outcome]:
 
 
 def curve(module: str, folder: Path, text: str) -> dict[str, Array]:
-    """The columns of the adhesive curve of the case ``text``, by ``jkr run`` and ``jkr transform``."""
     (folder / "my.toml").write_text(text)
     for done in jkr(
         module,

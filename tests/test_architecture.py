@@ -83,7 +83,6 @@ def arrows(package: Path) -> dict[str, set[str]]:
 
 
 def backward(graph: Mapping[str, set[str]]) -> list[str]:
-    """Arrows from a room to one that comes after it."""
     room = {name: ROOMS.index(name.split(".")[0]) for name in graph if name.split(".")[0] in ROOMS}
     return [
         f"{name} imports {target}"
@@ -96,7 +95,6 @@ def backward(graph: Mapping[str, set[str]]) -> list[str]:
 
 
 def circles(graph: Mapping[str, set[str]]) -> list[str]:
-    """Modules that import each other, directly or through others, one circle each."""
     found, state = [], dict.fromkeys(graph, 0)
 
     def visit(name: str, way: list[str]) -> None:
@@ -218,7 +216,6 @@ def test_what_needs_no_fit_imports_nothing_of_scipy(tmp_path: Path) -> None:
 
 
 def test_a_plain_fit_imports_nothing_of_scipy(tmp_path: Path) -> None:
-    """Of one force curve: reading, fit, verdict, table and archive."""
     columns = record(20e3, 5e-6, 5e-5, 1e-4, Instrument(0.05, 500, 3e-6, 1e-8, 1e-11), 1)
     rows = zip(columns["t"], columns["z"], columns["P"], strict=True)
     lines = ["t_s,delta_nm,P_nN", *(f"{t:.6f},{z * 1e9:.4f},{P * 1e9:.6f}" for t, z, P in rows)]

@@ -110,7 +110,6 @@ def wrong_values(kind: Any, mapped: bool = False) -> Iterator[Any]:
 
 
 def parameters_of(function: Callable[..., Any]) -> dict[str, Any]:
-    """Annotations of the parameters of a function, but for those of options by name and of anything."""
     plain = inspect.unwrap(function)
     called: Any = types.SimpleNamespace(__annotations__={**plain.__annotations__})
     called.__annotations__.pop("return", None)
@@ -129,7 +128,6 @@ def test_all_public_names_are_drawn() -> None:
 
 
 def refused_by_name(call: Callable[[], Any], name: str, value: Any) -> None:
-    """A call that ends in one line of the project's error on the parameter ``name``."""
     with pytest.raises(jkr.JkrError) as caught:
         pytest.fail(f"{name} = {value!r} is taken: {call()}")
     assert name in str(caught.value), (value, str(caught.value))
@@ -160,7 +158,6 @@ def test_wrong_arguments_are_refused_by_name(name: str) -> None:
         function(**right, wronk=1)
 
 
-# ---------------------------------------------------------------------- options without an effect
 PULL: dict[str, Any] = {"solved": GEL, "w": 0.04}
 RAW = {"body": GEL, "measured": PROBE}
 PROGRAM = jkr.Program([0.0, 1.0], [0.0, 1e-6])
@@ -241,7 +238,6 @@ def test_options_of_a_fit(gel: Any, words: dict[str, Any], said: str) -> None:
         jkr.fit(gel, PROBE, **words)
 
 
-# ---------------------------------------------------------------------- what is meant
 def test_quantities_with_units_lists_and_numbers_of_numpy() -> None:
     by_text = jkr.Problem(
         jkr.Sphere("6 mm"),
@@ -331,7 +327,6 @@ def _columns() -> dict[str, Any]:
 
 
 def test_columns_as_users_have_them(gel: Any) -> None:
-    """Lists, masked arrays, series with gaps and data frames give the fit of the rows that they hold."""
     pandas = pytest.importorskip("pandas")
     right = _columns()
     n = len(next(iter(right.values())))

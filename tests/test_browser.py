@@ -94,8 +94,6 @@ def test_mistakes_in_a_browser_are_lines_and_files_are_those_that_are_new(
 
 @contextlib.contextmanager
 def served(folder: Path) -> Iterator[str]:
-    """The address of a ``folder`` from a server of this machine."""
-
     class Quiet(http.server.SimpleHTTPRequestHandler):
         def log_message(self, *_: object) -> None:
             pass

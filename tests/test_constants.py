@@ -23,7 +23,6 @@ LEAST_SAID = 4  # characters of a comment that says something
 
 
 def constants(tree: ast.Module) -> Iterator[tuple[str, ast.expr]]:
-    """Names in capitals that a module sets, each with what it is set to."""
     for node in tree.body:
         if isinstance(node, ast.AnnAssign | ast.Assign) and node.value is not None:
             for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
@@ -36,7 +35,6 @@ def constants(tree: ast.Module) -> Iterator[tuple[str, ast.expr]]:
 
 
 def is_number(value: ast.expr) -> bool:
-    """Whether an expression is a number, arithmetic of numbers, or a tuple of them."""
     match value:
         case ast.Constant():
             return isinstance(value.value, int | float) and not isinstance(value.value, bool)
@@ -50,7 +48,6 @@ def is_number(value: ast.expr) -> bool:
 
 
 def numbers(text: str) -> Iterator[tuple[list[str], str]]:
-    """The names of a module's numbers, statement by statement, with the comment beside or right above them."""
     lines, tokens = text.splitlines(), tokenize.generate_tokens(io.StringIO(text).readline)
     said = {token.start[0]: token.string.strip("# ") for token in tokens if token.type == tokenize.COMMENT}
     for node in ast.parse(text).body:

@@ -13,7 +13,6 @@ TEXT = (PACKAGE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
 
 
 def rows(heading: str) -> list[list[str]]:
-    """The cells of the first table under a heading, its head left out."""
     lines = TEXT.split(f"\n## {heading}\n", 1)[1].split("\n## ")[0].splitlines()
     table = [line for line in lines if line.startswith("|")]
     return [[cell.strip().strip("`") for cell in line.strip("|").split("|")] for line in table[2:]]
@@ -24,7 +23,6 @@ WANTED = {name: (file, definition) for name, file, definition in rows("Where is 
 
 @cache
 def definitions(path: Path) -> list[tuple[str, str]]:
-    """Name and first docstring line of every function and class in a file."""
     return [
         (node.name, (ast.get_docstring(node) or "").partition("\n")[0])
         for node in nodes(path)

@@ -24,7 +24,6 @@ def sections(text: str) -> dict[str, str]:
 
 
 def documented(part: str) -> list[str]:
-    """The names that a section of parameters describes."""
     heads = [line.split(" : ")[0] for line in part.splitlines() if line and not line.startswith(" ")]
     return [name.strip().lstrip("*") for head in heads for name in head.split(",")]
 
@@ -53,7 +52,6 @@ def test_the_fields_of_what_is_filled_in_are_described(kind: type) -> None:
 
 @pytest.mark.parametrize("kind", [Indenter, Method], ids=lambda kind: kind.__name__)
 def test_the_methods_that_a_contributor_writes_are_described(kind: type) -> None:
-    """Name by name, with what they take, give and are checked by."""
     text = sections(kind.__doc__ or "")["Methods"]
     heads = {line.split("(")[0] for line in text.splitlines() if line and not line.startswith(" ")}
     abstract = getattr(kind, "__abstractmethods__", None)

@@ -17,7 +17,6 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def printed(notebook: dict[str, Any]) -> list[str]:
-    """The lines that its cells print."""
     outputs = [output for cell in notebook["cells"] for output in cell.get("outputs", ())]
     return [line.rstrip("\n") for output in outputs for line in output.get("text", ())]
 

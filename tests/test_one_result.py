@@ -50,7 +50,6 @@ def _taken() -> Solution:
 
 
 def plain(value: Any) -> Any:
-    """As JSON gives it back."""
     return json.loads(json.dumps(value, default=lambda unknown: unknown.reason))
 
 
@@ -71,7 +70,6 @@ values = [0.1, 0.3, 0.5]
 
 
 def timeless(value: Any) -> Any:
-    """The same without what takes another time each time."""
     if isinstance(value, dict):
         return {key: timeless(item) for key, item in value.items() if key not in TIMES}
     return [timeless(item) for item in value] if isinstance(value, list) else value
@@ -196,7 +194,6 @@ def test_columns_of_any_result_are_a_data_frame() -> None:
     assert len(frame) == 2
 
 
-# ------------------------------------------------------------------- measured columns in memory
 def arrays() -> tuple[np.ndarray, np.ndarray]:
     """Load over displacement of JKR on a half-space of E* = 2 MPa, R = 1 mm, w = 50 mJ/m^2."""
     a = np.linspace(3e-5, 9e-5, 40)

@@ -139,7 +139,6 @@ def test_the_paper_has_the_journal_s_form_and_every_reference() -> None:
 
 
 def test_figures_of_the_paper_stand_on_pages_beside_their_commands() -> None:
-    """What a page shows is run by ``test_pages.py``, or names the command that computes it."""
     pages = "\n".join(page.read_text(encoding="utf-8") for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")])
     figures = re.findall(r"\d[\d.]*e-\d+|\d+(?:\.\d+)? %|(?<=\| )[\d.]+(?= \|)", PAPER)
     assert len(figures) >= 10

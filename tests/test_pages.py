@@ -116,7 +116,6 @@ def test_readme_begins_with_two_commands_and_names_the_paper_s() -> None:
 
 
 def prose(page: Path) -> str:
-    """The text of a page and its tables, without listings, equations of their own and comments."""
     text = page.read_text(encoding="utf-8")
     return re.sub(r"(?ms)^```.*?^```$|^\$\$$.*?^\$\$$|<!--.*?-->", "", text)
 
@@ -168,7 +167,6 @@ def test_every_make_target_named_exists() -> None:
 
 
 def test_every_function_named_in_the_theory_exists() -> None:
-    """The pages name a function as ``room/file.py: name``."""
     named = [
         (name_of(page), place, name)
         for page in (*(ROOT / "docs" / "theory").glob("*.md"), ROOT / "docs" / "project" / "computation.md")

@@ -44,7 +44,6 @@ def _site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def pages(site: Path) -> list[Path]:
-    """The pages with a text of their own."""
     return sorted(page for page in site.rglob("*.html") if "article" in page.read_text(encoding="utf-8")
                   and page.name not in ("search.html", "genindex.html"))  # fmt: skip
 

@@ -46,10 +46,7 @@ def test_the_explorer_counts_its_page(jkr: Callable, tuned: Callable) -> None:
     assert "20 s of CPU time" in done.err
 
 
-# ---------------------------------------------------------------------- a bar on terminals
 class Terminal(io.StringIO):
-    """A stream that says it is a terminal."""
-
     def isatty(self) -> bool:
         return True
 

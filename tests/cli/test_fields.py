@@ -37,7 +37,6 @@ def half_space() -> ContactState:
 
 @cache
 def coating() -> tuple[ContactState, Problem]:
-    """A film twenty times as stiff as its substrate."""
     film = problem(Specimen((Layer(Elastic(20 * E, 0.4), A / 2),), HalfSpace(Elastic(E, NU))))
     return contact_state(FEM(), film, A, surface_profile(film, A, W).delta), film
 
@@ -157,7 +156,6 @@ def test_the_surface_of_the_half_space_between_the_nodes() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.3, 0.5])
 def test_a_layer_between_the_nodes(nu: float) -> None:
-    """The axis by quadrature over Hankel space, pressure and height of the surface by the contact equation."""
     layer = problem(Specimen((Layer(Elastic(E, nu), 2 * A),), Rigid()))
     surface = surface_profile(layer, A, W)
     state = contact_state(FEM(), layer, A, surface.delta)
@@ -174,7 +172,6 @@ def test_a_layer_between_the_nodes(nu: float) -> None:
 
 
 def test_quadratic_triangles_fill_the_body() -> None:
-    """Middles lie amid their sides, areas sum up, and a quadratic field is interpolated exactly."""
     state = half_space()
     p, cells, middles = state.grid.points, state.grid.cells, state.middles
     for k, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):

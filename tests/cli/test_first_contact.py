@@ -78,7 +78,6 @@ def test_an_imported_series_of_another_case_is_never_replaced(jkr: Callable) -> 
 
 
 def test_an_imported_series_is_the_solution_of_its_case(jkr: Callable) -> None:
-    """Whatever loading the case has: the table has its own."""
     rows = [f"{a},{a**2 / 3e-3},{1e4 * a**3}" for a in (2e-4, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4)]
     Path("table.csv").write_text("\n".join(["a_m,delta_m,P_N", *rows]))
     with_w('"50 mJ/m^2"')
@@ -190,7 +189,6 @@ def test_files_of_another_kind_are_answered_with_where_they_belong(jkr: Callable
     assert "must be a deflection per volt" in jkr("fit", table, *BY_FLAGS, "--sensitivity", "10 nm").err
 
 
-# ---------------------------------------------------------------------- numbers that are hardly meant
 BODY = {"shape": None, "half_angle": None, "cap": None, "thickness": None, "base": None, "radius": "10 um", "nu": "0.5"}
 
 

@@ -76,7 +76,6 @@ def test_what_writes_files_alone_can_be_told_to_be_quiet(jkr: Callable, verb: st
 
 @pytest.mark.slow
 def test_quiet_verbs_say_nothing_but_warnings(jkr: Callable, tmp_path: Path) -> None:
-    """With -q compare speaks by its exit code."""
     write_inputs(tmp_path, jkr)
     for base in BASES:
         context = click.Context(root)

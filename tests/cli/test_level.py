@@ -81,7 +81,6 @@ def test_a_table_of_fits_has_half_widths(jkr: Callable) -> None:
 @pytest.mark.first(1)
 @pytest.mark.parametrize("w", ["2 mJ/m^2", "0.5 mJ/m^2"])
 def test_differences_are_those_of_the_printed_numbers(jkr: Callable, w: str) -> None:
-    """A soft sphere of large strains, whose force is told to two digits: by `check` too."""
     Path("soft.toml").write_text(
         f'[indenter]\nshape = "sphere"\nradius = "1 um"\n[specimen.half_space]\nE = "10 kPa"\nnu = 0.5\n'
         f'[loading]\nradius = "0.9 um"\npoints = 60\n[adhesion]\nw = "{w}"\n'

@@ -106,7 +106,6 @@ def test_a_factor_has_bounds(factor: float) -> None:
             reading(factors={"P": factor})
 
 
-# ---------------------------------------------------------------------- what killed commands leave
 KILLED = """
 import os, signal, sys
 from pathlib import Path

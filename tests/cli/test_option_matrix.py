@@ -43,7 +43,6 @@ class Runner:
         self.before = left(folder)
 
     def _clear(self) -> None:
-        """What a command left goes, what it replaced comes back."""
         for name in set(left(self.folder)) - set(self.before):
             (self.folder / name).unlink()
         for name, content in self.before.items():
@@ -93,7 +92,6 @@ def test_every_option_alone(run: Runner, base: str) -> None:
 
 
 def _pairs() -> Iterator[tuple[str, click.Option, click.Option]]:
-    """Verbs with two of their options, as often as they have pairs of them."""
     rng = random.Random(65)
     weights = [len(options_of(base)) for base in BASES]
     for _ in range(PAIRS):
@@ -124,7 +122,6 @@ def test_random_pairs(run: Runner) -> None:
     assert not without, "\n".join(without)
 
 
-# ---------------------------------------------------------------------- what the matrix found
 IDLE = {  # commands with an option that had no effect, and what is said of it
     "profile gel.h5 --a 6e-4 --limit-memory 1e-12": "the limit is 1e-12 GiB",
     "profile gel.h5 --a 6e-4 --limit-time 1e-12": "the limit is 1e-12 h",

@@ -66,7 +66,6 @@ def test_sizes_beside_a_tolerance_are_refused(line: str) -> None:
     assert "mesh.spacing and mesh.growth follow from mesh.tolerance: leave them out" in reason
 
 
-# ---------------------------------------------------------------------- options that are given twice
 def test_every_option_of_every_verb(jkr: Callable) -> None:
     tried = 0
     for words, command in commands(cli.jkr):

@@ -24,7 +24,6 @@ adhesion.w = 0.05
 
 @pytest.fixture(name="measured")
 def _measured(jkr: Callable[..., Outcome], tmp_path: Path) -> Path:
-    """A case, its series and readings of a contact, each packed too."""
     Path("s.toml").write_text(CASE)
     assert jkr("run", "s.toml").code == 0
     a = np.linspace(2e-5, 9e-5, 40)

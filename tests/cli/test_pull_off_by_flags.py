@@ -118,7 +118,6 @@ def test_mistakes(jkr: Run, kind: str) -> None:
     assert (done.code, " ".join(done.err.split())) == (2, f"jkr: error: pull-off: {message}")
 
 
-# ---------------------------------------------------------------------- errors
 CASE = """
 indenter = { shape = "paraboloid", radius = "50 um" }
 specimen.half_space = { E = "1 MPa", nu = 0.3 }

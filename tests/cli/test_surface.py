@@ -126,7 +126,6 @@ def test_a_fit_says_what_friction_would_change(jkr, folder):
     assert "jkr fit --surface both fits either" in told
 
 
-# ---------------------------------------------------------------------- surface tension
 GEL = """
 [indenter]
 shape = "sphere"

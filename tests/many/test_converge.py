@@ -75,7 +75,6 @@ def test_coarser_doubles_every_element_and_knows_its_limit() -> None:
         coarser(FEM(), HERTZ, 16)
 
 
-# ---------------------------------------------------------------------- command line
 CASE = """
 indenter = {{ shape = "sphere", radius = "100 um" }}
 specimen = {{ {specimen} }}
@@ -87,7 +86,6 @@ mesh = {{ element_size = "{size}", layout = "zones", growth = 0.4 }}
 
 @pytest.fixture(name="cases")
 def _cases(tmp_path: Path) -> Path:
-    """The three cases that the figures need, with coarse meshes."""
     (folder := tmp_path / "cases").mkdir()
     half = CASE.format(specimen='half_space = { E = "5 MPa", nu = 0.4 }', depth="3 um", w=0.05, size="1 um")
     for name in ("halfspace", "half-space"):

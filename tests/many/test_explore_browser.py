@@ -19,7 +19,6 @@ CONTROLS = ("load", "displacement", "machine")  # in the order of the page's com
 
 @pytest.fixture(name="opened", params=["gel", "halfspace", "coating"])
 def _opened(jkr: Callable, browser: Any, request: pytest.FixtureRequest) -> Any:
-    """The page of a shipped case, solved without a mesh, with measured points."""
     Path("measured.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-8,{i}e-6\n" for i in range(1, 9)))
     assert jkr("run", CASES / f"{request.param}.toml", "--method", "layered", "-o", "body.h5").code == 0
     return _open(jkr, browser, "body.h5", "measured.csv")

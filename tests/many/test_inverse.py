@@ -59,7 +59,6 @@ def test_all_solutions_are_named(tmp_path: Path) -> None:
 
 
 def drawn(i: int) -> tuple[str, str, float]:
-    """The text of a case, a key of it and its value there."""
     rng = np.random.default_rng([5, i])
     R, h = 10 ** rng.uniform(-6, -4), 10 ** rng.uniform(-7, -5)
     E, nu, w = 10 ** rng.uniform(4, 7), rng.uniform(0.2, 0.49), 10 ** rng.uniform(-3, -1)

@@ -49,7 +49,6 @@ def _fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(name="report")
 def _report(fitted: Path, monkeypatch: pytest.MonkeyPatch) -> str:
-    """The text of its report, in the folder of the fit."""
     monkeypatch.chdir(fitted)
     return Path("out/report.html").read_text(encoding="utf-8")
 

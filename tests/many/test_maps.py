@@ -90,7 +90,6 @@ def test_what_a_map_has_not_is_refused(name: str, axes: dict, said: str) -> None
         jkrcli.study_map(name, **axes)
 
 
-# ---------------------------------------------------------------------- adhesion
 @pytest.mark.parametrize("mu", [0.03, 0.5, 20.0])
 def test_a_thick_layer_of_the_adhesion_map_is_a_half_space(mu: float) -> None:
     """delta_a = delta_H - delta and (P_H - P)/P_H at given loads; q = 1e-9 leaves a/h below 5e-3."""
@@ -129,7 +128,6 @@ def test_the_command_of_the_adhesion_map(jkr) -> None:
         jkr("study", "adhesion-map", *wrong).refused()
 
 
-# ---------------------------------------------------------------------- rate
 @pytest.mark.slow
 def test_the_half_space_has_the_known_forces_and_a_layer_stands_beside_it() -> None:
     found = jkrcli.study_map("rate", rate={"n": 0.6}, stiffness=["rigid"], speed=[1e-3, 1.0]).columns
@@ -150,7 +148,6 @@ def test_both_logarithmic_panels_hold_their_lines() -> None:
         assert axes.get_ylim()[1] > high
 
 
-# ---------------------------------------------------------------------- roughness, sticking, transition
 def test_map_of_w_over_rms_and_modulus() -> None:
     columns = jkrcli.study_map("roughness", rms=["5 nm", "50 nm", "1 um"], modulus="1 MPa", w="5 mJ/m^2").columns
     specimen = jkrcli.Specimen((jkrcli.Layer(jkrcli.Elastic(E=1e6, nu=0.5), 1e-6),), jkrcli.Rigid(bonded=True))

@@ -43,14 +43,12 @@ ROOT = Path(__file__).parents[2]
 
 
 def exported(jkr, case: str, sizes: str, *words: str) -> dict[str, Any]:
-    """The summary of a law named x of a case."""
     Path("x.toml").write_text(case)
     done = jkr("export", "x.toml", "--dem", "--sizes", sizes, "--json", *words).ok
     return json.loads(done.out)
 
 
 def program(body: str, *laws: str) -> str:
-    """A program in C with the headers of some ``laws``, of x alone by default."""
     headers = "".join(f'#include "{law}-dem.h"\n' for law in laws or ("x",))
     return f"#include <stdio.h>\n{headers}int main(void)\n{{\n{body}    return 0;\n}}\n"
 
@@ -126,7 +124,6 @@ def test_one_row_serves_a_half_space(half: SizesLaw) -> None:
 
 
 def test_the_stated_error_holds_between_sizes_and_rows(half: SizesLaw) -> None:
-    """Of JKR in closed form, at random sizes and overlaps."""
     rng = np.random.default_rng(3)
     for y in rng.uniform(0, 1, 20).tolist():
         R = half.low * (half.high / half.low) ** y

@@ -175,7 +175,6 @@ loading = { radius = "1 um", points = 10 }
     assert [name for name in one if name.startswith("end.") and one[name] != other[name]]
 
 
-# ---------------------------------------------------------------------- draws of samples
 @settings(deadline=None)
 @given(st.integers(0, 2**20), st.sampled_from(["random", "sobol", "latin-hypercube"]))
 def test_draws_keep_their_limits(seed: int, method: str) -> None:

@@ -51,7 +51,6 @@ def test_two_axes_make_a_line_for_each_value_of_the_shorter(tmp_path: Path) -> N
 
 
 def test_over_a_ratio_of_lengths_the_force_is_in_pi_w_R(tmp_path: Path) -> None:
-    """Ticks are numbers as people write them."""
     wide = 'key = "specimen.layers[0].thickness"\nfrom = 1e-4\nto = 1e-2\ncount = 5\nspacing = "log"\n'
     axes = "".join(f"[[axes]]\n{axis}" for axis in (wide, 'key = "adhesion.w"\nvalues = [0.04]\n'))
     wanted = '[outputs]\nquantities = ["pull_off.load"]\nover = "ratios.{}"\n'

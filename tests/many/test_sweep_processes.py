@@ -55,7 +55,6 @@ def _folder(tmp_path: Path) -> Path:
 
 
 def tables_agree(folder: Path, name: str) -> bool:
-    """To the last bit."""
     return (folder / name / "table.csv").read_bytes() == (folder / "whole" / "table.csv").read_bytes()
 
 

@@ -35,7 +35,6 @@ def test_cases_that_differ_in_w_or_one_modulus_factor_share_a_solve(jkr, tmp_pat
 
 @pytest.mark.slow
 def test_a_row_depends_on_its_case_alone(jkr, tmp_path: Path) -> None:
-    """To the last bit: in company, alone, by two processes, in another order of axes."""
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
     first, second, third = SHARED.split("[[axes]]")[1:]
     (tmp_path / "t.toml").write_text(TWO_LAYERS + "".join(f"[[axes]]{axis}" for axis in (third, second, first)))

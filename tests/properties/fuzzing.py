@@ -78,7 +78,6 @@ def _no_constant(name: str) -> None:
 
 
 def fuzz(inputs: st.SearchStrategy[Any], judge: Callable[[Any], None], examples: int, start: int) -> None:
-    """Judge ``examples`` of the ``inputs``, the same ones for the same ``start``."""
     sys.stdout.write(f"seed {start}\n")  # pytest shows it with a failure
 
     @seed(start)
@@ -97,7 +96,6 @@ def fuzz(inputs: st.SearchStrategy[Any], judge: Callable[[Any], None], examples:
         every()
 
 
-# ---------------------------------------------------------------------- TOML
 NASTY: list[Any] = [
     0, -1, 1, 1e308, 5e-324, -0.0, 1e-300, float("nan"), float("inf"), 10**400, 2**63, True, "", " ", "1 m", "1e999 m",
     "-3 Pa", "100 um", "1,5 um", "0.3", "٣ um", "nan m", "x" * 500, "a\nb", "\x1b[31mred", "\u2028", "{message}", "%s",
@@ -109,7 +107,6 @@ NAMES = ["E", "nu", "radius", "x", "a\nb", "", "r", "f", "file", "points", "dept
 
 
 def mutate(tree: dict[str, Any], chance: random.Random) -> dict[str, Any]:
-    """A copy of the tables with one to four changes: values, keys, types, orders of magnitude."""
     changed = copy.deepcopy(tree)
     sizes_only = chance.random() < 0.5  # mostly valid bodies of odd sizes; else mostly wrong files
     for _ in range(chance.choice((1, 1, 2, 4))):
@@ -128,7 +125,6 @@ def _is_size(value: Any) -> bool:
 
 
 def _resize(holder: Any, key: Any, chance: random.Random) -> None:
-    """Another order of magnitude."""
     value = holder[key]
     factor = 10.0 ** chance.choice((chance.uniform(-2, 2), chance.uniform(-9, 9)))
     if isinstance(value, float):
@@ -139,7 +135,6 @@ def _resize(holder: Any, key: Any, chance: random.Random) -> None:
 
 
 def _places(node: Any) -> Iterator[tuple[Any, Any]]:
-    """Every container in the tree with every one of its keys."""
     items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for key, value in list(items):
         yield node, key
@@ -164,7 +159,6 @@ def _change(holder: Any, key: Any, chance: random.Random) -> None:
 
 
 def bytes_changed(content: bytes, chance: random.Random) -> bytes:
-    """A copy of a file with one to four changes: bits flipped, parts cut, repeated, overwritten, the end gone."""
     data = bytearray(content)
     for _ in range(chance.choice((1, 1, 2, 4))):
         if not data:
@@ -192,5 +186,4 @@ def some(count: int) -> pytest.MarkDecorator:
 
 
 def chances() -> st.SearchStrategy[random.Random]:
-    """Sources of chance that hypothesis repeats."""
     return st.integers(0, 2**63 - 1).map(random.Random)

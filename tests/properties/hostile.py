@@ -19,7 +19,6 @@ NAMES = ("series", "curves", "0", "x" * 300, "\x1b[31m", "é", "a/b", "..", " ",
 TYPES = ("f8", "f4", "i1", "i8", "c16", "S1", "S9", "S100000", "b", [("a", "f8"), ("b", "S3")])
 
 
-# ---------------------------------------------------------------------- HDF5
 def harm_hdf5(path: Path, chance: random.Random) -> None:
     """Make one to three changes to the HDF5 file at ``path``, now and then sealed again, and to its bytes."""
 
@@ -57,7 +56,6 @@ def _wide_chunk(group: h5py.Group, chance: random.Random) -> None:
 
 
 def _links(group: h5py.Group, chance: random.Random) -> None:
-    """The same groups below each other, many times."""
     many, below = chance.choice((2, 50)), group.create_group("last")
     below["x"] = 1.0
     for depth in range(chance.choice((1, 3, 6))):
@@ -70,7 +68,6 @@ def _links(group: h5py.Group, chance: random.Random) -> None:
 
 
 def _texts(group: h5py.Group, chance: random.Random) -> None:
-    """One text that is found in very many places."""
     text = chance.choice(("", "x" * 1000, "x" * 10**6, "\x1b[31m"))
     many = chance.choice((1, 1000, 20_000 if len(text) < 10**4 else 10))
     kind = chance.choice((h5py.string_dtype(), h5py.vlen_dtype("i4"), h5py.ref_dtype, f"S{max(len(text), 1)}"))
@@ -126,7 +123,6 @@ CHANGES: tuple[Callable[[h5py.Group, random.Random], None], ...] = (
 )  # fmt: skip
 
 
-# ---------------------------------------------------------------------- zip
 TABLE = b"delta_m,P_N\n" + b"".join(b"%de-9,%de-9\n" % (i, i * i) for i in range(1, 30))
 TABLES = (TABLE, b"", b"\n" * 100_000, b"1,2\n" * 50_000, b"1\x1e2\x1e" * 1000, b"1," * 30_000, b"a" * 10**6,
           bytes(10**6), TABLE.replace(b"\n", b"\r"), TABLE.decode().encode("utf-16"), b"\xff" * 100)  # fmt: skip
@@ -135,7 +131,6 @@ MEMBERS = ("a.csv", "../../a.csv", "/a.csv", "a" * 300 + ".csv", "\x1b[31m.csv",
 
 
 def harm_zip(path: Path, chance: random.Random) -> None:
-    """An archive of tables that are none, or too many, under names that do harm."""
     with zipfile.ZipFile(path, "w", chance.choice((0, 8, 8, 8, 12, 14))) as file:
         for name in chance.sample(MEMBERS, chance.choice((1, 2, 5))):
             file.writestr(zipfile.ZipInfo(name), chance.choice(TABLES), chance.choice((0, 8, 8)))
@@ -156,7 +151,6 @@ def _harm_list(path: Path, chance: random.Random) -> None:
     path.write_bytes(bytes_changed(bytes(content), chance) if chance.random() < 0.3 else content)
 
 
-# ---------------------------------------------------------------------- JPK
 VALUES = ("", "0", "-1", "1e12", "1e300", "nan", "inf", "force", "volts", "distance", "9" * 5000, "\\u0000", "1,5")
 
 

@@ -7,7 +7,6 @@ from typing import Any
 Tree = dict[str, Any]
 
 
-# ---------------------------------------------------------------------- cases
 def layer(h: str = "10 um", E: str = "1 MPa", nu: float = 0.4) -> Tree:
     return {"thickness": h, "E": E, "nu": nu}
 
@@ -61,7 +60,6 @@ def fem(mesh: Tree | None = None, **tables: Any) -> Tree:
     return {"method": "fem", "mesh": {**COARSE, **(mesh or {})}, **tables}
 
 
-# ---------------------------------------------------------------------- what a refusal says, and what to do
 Change = Tree | Callable[[tuple[str, ...]], Tree]
 
 

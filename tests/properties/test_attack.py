@@ -39,13 +39,9 @@ count = 400
 
 @pytest.fixture(name="series")
 def _series(jkr, tmp_path: Path) -> Path:
-    """A solved case beside its file."""
     (tmp_path / "s.toml").write_text(CASE.format(title="plain"))
     assert jkr("run", "s.toml").code == 0
     return tmp_path / "s.h5"
-
-
-# ---------------------------------------------------------------------- numbers
 
 
 WORKS = [(*words, "--w", w) for w in ("1e300", "1.1e30", "1e-31") for words in (
@@ -76,9 +72,6 @@ def test_what_no_verb_takes_is_refused_in_one_line(jkr, series: Path, what: str)
     Path("loop").symlink_to("loop")
     for words, said in REFUSED[what]:
         jkr(*words).refused(said)
-
-
-# ---------------------------------------------------------------------- words
 
 
 STEERING = "\x9b31m\u202e"
@@ -116,11 +109,7 @@ def test_no_word_in_a_table_is_a_formula(tmp_path: Path) -> None:
     assert [row["number"] for row in rows] == ["-1.0", "2", "3", "4", "5"]
 
 
-# ---------------------------------------------------------------------- guards
-
-
 def bombs(most: int) -> dict[str, str]:
-    """TOML files of at most so many bytes, each of as much of one thing as can be."""
     return {
         "keys": "".join(f"k{i}=1\n" for i in range(most // 10)),
         "tables": "".join(f"[k{i}]\n" for i in range(most // 10)),
@@ -238,7 +227,6 @@ def test_a_library_that_finds_no_room_is_out_of_memory_and_one_that_is_not_there
         jkr("show", series)
 
 
-# ---------------------------------------------------------------------- options of the verbs
 def test_a_mesh_goes_into_a_folder_whose_name_is_no_text(jkr, series: Path) -> None:
     folder = os.fsdecode(b"x\xff")
     (series.parent / "f.toml").write_text(CASE.format(title="").replace("closed-form", "fem"))
@@ -247,12 +235,10 @@ def test_a_mesh_goes_into_a_folder_whose_name_is_no_text(jkr, series: Path) -> N
 
 
 def test_a_cycle_without_adhesion_has_no_loop_to_enlarge(jkr, series: Path) -> None:
-    """A library warned of its empty axes."""
     done = jkr("cycle", series.name, "--w-approach", "0")
     assert (done.code, done.err) == (0, "")
 
 
-# ---------------------------------------------------------------------- surroundings
 def program(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """The console script in the folder at hand, where ``python -m`` would look for modules too."""
     starts = [sys.executable, "-P", "-c", "from jkrcli.__main__ import main; main()"]
@@ -261,7 +247,6 @@ def program(*words: str, **environment: str) -> subprocess.CompletedProcess[str]
 
 @pytest.mark.slow
 def test_modules_in_the_folder_at_hand_are_not_imported(series: Path) -> None:
-    """Processes that are started there looked for them in it."""
     for name in ("numpy", "json", "multiprocessing", "tomllib", "sitecustomize"):
         Path(f"{name}.py").write_text("raise SystemExit(77)\n")
     Path("sweep.toml").write_text(SWEEP.replace("count = 400", "count = 2"))

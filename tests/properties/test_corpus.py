@@ -83,7 +83,6 @@ def value(told: Any) -> Any:
 
 
 def change(file: h5py.File, what: str, name: str, *how: Any) -> None:
-    """One change of a series file: of a member, an attribute or a number in a column."""
     match what:
         case "delete":
             del file[name]

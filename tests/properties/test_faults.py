@@ -72,7 +72,6 @@ JOBS = {
 
 
 def prepare(folder: Path) -> Path:
-    """A folder with cases, series files and a measured curve."""
     folder.mkdir()
     (folder / "old").mkdir()
     (folder / "old.toml").write_text(LAYER.format(points=20), encoding="utf-8")
@@ -88,7 +87,6 @@ def prepare(folder: Path) -> Path:
 
 
 def measured(curve: str) -> None:
-    """Readings along an adhesive curve of the body, with some noise, beyond the first radii of the coarse series."""
     a, delta, P = np.loadtxt(curve, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
     noise = 1e-3 * np.random.default_rng(1).standard_normal((2, a.size))
     columns = np.column_stack([a, delta + noise[0] * np.ptp(delta), P + noise[1] * np.ptp(P)])
@@ -96,7 +94,6 @@ def measured(curve: str) -> None:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Every visible result below ``folder``, by its name."""
     found = {str(path.relative_to(folder)): path for path in sorted(folder.rglob("*")) if path.is_file()}
     return {name: path.read_bytes() for name, path in found.items() if ".jkr-" not in name}
 
@@ -194,10 +191,8 @@ def test_killed_at_twenty_moments(name: str, how: signal.Signals, tmp_path: Path
     kills(tmp_path, name, how, MOMENTS)
 
 
-# ---------------------------------------------------------------------- disks and folders
 @contextlib.contextmanager
 def file_size(most: int) -> Iterator[None]:
-    """No file may grow beyond ``most`` bytes: what a full disk does, at any byte."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
     try:
@@ -269,7 +264,6 @@ def test_two_processes_with_one_target(tmp_path: Path) -> None:
     assert not temporaries(folder)
 
 
-# ---------------------------------------------------------------------- standard streams
 def shell(line: str) -> subprocess.CompletedProcess[str]:
     words = f"{shlex.quote(sys.executable)} -m jkrcli {line}"
     return subprocess.run(["sh", "-c", words], capture_output=True, text=True, check=False)

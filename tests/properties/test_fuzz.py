@@ -45,14 +45,12 @@ HALF_SPACE = {"specimen": {"half_space": {"E": "5 MPa", "nu": 0.4}}, "loading": 
 
 
 def trees() -> list[dict[str, Any]]:
-    """Valid cases: those that are shipped, one for every shape, and one for every kind of adhesion and surface."""
     shipped = [tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(CASES.glob("*.toml"))]
     shapes = [{"indenter": indenter, **HALF_SPACE} for indenter in SMALL.values()]
     return [*shipped, *shapes, *({**shapes[0], **tables} for tables in ADHESIVE)]
 
 
 def sweeps() -> list[dict[str, Any]]:
-    """Valid sweeps, each with its base case in place."""
     found = []
     for path in sorted((CASES / "sweeps").glob("*.toml")):
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -63,7 +61,6 @@ def sweeps() -> list[dict[str, Any]]:
 
 
 def toml_of(tree: dict[str, Any], chance: random.Random) -> bytes:
-    """A changed file: mostly its tables, now and then its bytes as well."""
     content = tomli_w.dumps(mutate(tree, chance)).encode()
     return bytes_changed(content, chance) if chance.random() < 0.3 else content
 
@@ -87,7 +84,6 @@ def _write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, by
 Judge = Callable[[bytes], None]
 
 
-# ---------------------------------------------------------------------- cases
 @pytest.fixture(name="judge_case")
 def _judge_case(write: Callable[[str, bytes], Path]) -> Judge:
     """Validation, all refusals and forecasts; where that promises to be quick, the coarse expectation as well."""
@@ -109,7 +105,6 @@ def test_cases(seed: int, judge_case: Judge, count: int) -> None:
     fuzz(files_like(trees()), judge_case, count, seed)
 
 
-# ---------------------------------------------------------------------- tables
 def hertz() -> list[list[float]]:
     a = np.linspace(1e-6, 2e-5, 12)
     return np.column_stack([a, a**2 / 6e-3, 4 * 6e6 * a**3 / (3 * 6e-3)]).tolist()
@@ -132,7 +127,6 @@ CELLS = ["", "nan", "inf", "-inf", "1e999", "x", "1,5", "1.5", "-1", "0", "1e-40
 
 
 def table_of(rows: list[list[float]], chance: random.Random) -> bytes:
-    """A table in some dialect with some cells, rows and bytes changed."""
     head = chance.choice(HEADS[:3] if chance.random() < 0.7 else HEADS)
     text = [list(head), *([f"{value:.9g}" for value in row] for row in rows)]
     for _ in range(chance.choice((0, 1, 2, 5))):
@@ -203,11 +197,8 @@ def test_measured_curves(seed: int, judge_measured: Judge, count: int) -> None:
     fuzz(tables_like(adhesive()), judge_measured, count, seed)
 
 
-# ---------------------------------------------------------------------- sweeps
 @pytest.fixture(name="judge_sweep")
 def _judge_sweep(write: Callable[[str, bytes], Path]) -> Judge:
-    """The plan and its first case: axes, samples, units and the base case are all looked into."""
-
     def judge(content: bytes) -> None:
         outcome("sweep", write("x.toml", content), "--show-case", 0)
 

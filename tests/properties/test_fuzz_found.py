@@ -42,7 +42,6 @@ def lines_of(content: str) -> tuple[str, ...]:
     return caught.value.lines
 
 
-# ---------------------------------------------------------------------- case files
 FOUND = {
     "number with thousands of digits": (
         GOOD + "points = " + "9" * 5000,
@@ -100,9 +99,6 @@ def test_check_of_an_expensive_body_says_so(jkr: Callable) -> None:
     assert "  reaches   unknown: the coarse solution would take about " in done.out
 
 
-# ---------------------------------------------------------------------- nothing but what was named
-
-
 def test_a_profile_is_looked_for_beside_the_case_and_its_place_is_shown(jkr: Callable) -> None:
     text = GOOD.replace('"sphere"', '"table"').replace('radius = "100 um"', 'file = "../p.csv"')
     Path("deep").mkdir()
@@ -114,7 +110,6 @@ def test_a_profile_is_looked_for_beside_the_case_and_its_place_is_shown(jkr: Cal
     assert jkr("check", "deep/x.toml").code == 0
 
 
-# ---------------------------------------------------------------------- series files
 @pytest.fixture(name="path")
 def _path(tmp_path: Path) -> Path:
     case = load_case(CASES / "halfspace.toml")
@@ -164,7 +159,6 @@ def test_found_in_pressures(r: np.ndarray | None, pressure: np.ndarray | None, l
         store.read_solution(path, with_pressure=True)
 
 
-# ---------------------------------------------------------------------- tables and sweeps
 ROWS = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 9))
 BODY = ("--radius", "1 mm", "--E", "1 MPa", "--nu")
 BASE = """[base.indenter]\nshape = "sphere"\nradius = 1e-4

@@ -24,7 +24,6 @@ PLACES = ("", " ", "a\nb", "\x1b[31mred", "gel.h5", "gel.toml", "\udcff.h5", "x"
 
 
 def valued(base: str, option: click.Option, chance: random.Random) -> list[str]:
-    """An option with a value that is mostly one of its kind."""
     if option.is_flag or chance.random() < 0.75:
         return [*typed(base, option)]
     return [option.opts[-1], chance.choice(PLACES if option.type.name in ("path", "directory") else BAD)]
@@ -54,10 +53,7 @@ def test_options(seed: int, folder: Path, count: int) -> None:
     fuzz(chances(), judge_line, count, seed)
 
 
-# ---------------------------------------------------------------------- raw records
 def records(content: bytes) -> st.SearchStrategy[bytes]:
-    """A raw record with some of its cells, lines and bytes changed."""
-
     def changed(chance: random.Random) -> bytes:
         lines = content.split(b"\n")
         for _ in range(chance.choice((0, 1, 2, 5))):

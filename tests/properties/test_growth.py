@@ -39,7 +39,6 @@ def problem(loading: str, method: str = "closed-form"):
     return parse_case(HALF_SPACE.format(method=method, loading=loading).encode(), "x").model.problem()
 
 
-# ---------------------------------------------------------------------- announced or refused
 def test_a_long_command_line_is_refused_before_it_is_taken_apart(jkr) -> None:
     with takes_less_than(1):
         done = jkr("transform", "s.h5", *["--w", "1"] * (MOST_WORDS // 2))
@@ -65,8 +64,6 @@ def test_long_tables_are_announced_before_they_are_read(
 
 
 def stopped(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
-    """Interrupts at the first call of any of these functions."""
-
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
@@ -226,7 +223,6 @@ def test_a_radius_out_of_all_range_is_named_rather_than_fitted(wrong: float) -> 
         smoothed(RawSeries(a, delta, P, np.arange(1, 21)))
 
 
-# ---------------------------------------------------------------------- read in linear time
 def test_of_a_very_long_head_of_comments_both_ends_are_read(tmp_path: Path) -> None:
     """Three million were asked one after the other for segments, constants and names, by every dialect."""
     lines = [f"# remark {i}\n" for i in range(3 * MOST_COLUMNS)]
@@ -300,7 +296,6 @@ def test_a_title_of_words_below_numbers_is_refused(tmp_path: Path, title: str) -
         measured.read(tmp_path / "x.csv")
 
 
-# ---------------------------------------------------------------------- a mark that may be two things
 @pytest.mark.parametrize(("mark", "other"), [(",", "."), (".", ",")])
 def test_a_column_that_passes_a_thousand_is_not_read_as_falling_to_one(tmp_path: Path, mark: str, other: str) -> None:
     """990, 1,000: a thousandth of the size without a word."""

@@ -50,9 +50,7 @@ def _afm() -> None:
     pytest.importorskip("afmformats")
 
 
-# ---------------------------------------------------------------------- force microscopes
 def jpk(path: Path, change: Callable[[dict[str, bytes]], object], curves: int = 0) -> Path:
-    """A JPK file with other members."""
     members = vendors.jpk_members(curves)
     change(members)
     return vendors.zipped(path, members)
@@ -111,7 +109,6 @@ def test_a_jpk_file_of_measured_heights_alone_is_read(tmp_path: Path) -> None:
 def test_a_bit_of_a_jpk_file_is_found_before_another_channel_is_taken_for_the_damaged_one(
     jkr: Run, part: bytes
 ) -> None:
-    """A third of the modulus, without a word: in the content of a channel, and in the name of a folder in the list."""
     content = bytearray(jpk(Path("x.jpk-force"), lambda members: None).read_bytes())
     at = content.find(part) + len(part) + 4 if part.endswith(b".dat") else content.rfind(b"segments/0/channels/PK")
     content[at] ^= 1
@@ -215,7 +212,6 @@ def test_damaged_files_of_microscopes(tmp_path: Path, kind: str, trials: int, se
     assert found["refused"]
 
 
-# ---------------------------------------------------------------------- HDF5
 def bomb(file: h5py.File) -> None:
     for i in range(3):
         file.create_dataset(f"zz/{i}", (10**6,), "f8", chunks=(10**5,))
@@ -354,7 +350,6 @@ def test_more_members_than_are_read_are_counted_before_they_are_listed(tmp_path:
 
 
 def test_an_archive_of_very_many_members_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their number stands in the long form of the record at the end."""
     monkeypatch.setattr(zipfile, "ZIP_FILECOUNT_LIMIT", 1)
     path = vendors.zipped(tmp_path / "x.zip", {"a.csv": TABLE, "b.csv": TABLE})
     assert path.read_bytes().count(b"PK\6\6") == 1
@@ -380,7 +375,6 @@ def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_wor
     jkr("fit", body, "m.csv").refused("cannot be written (File name too long)")
 
 
-# ---------------------------------------------------------------------- made to do harm
 FIT = '{"file": "m.csv", "curve": "m", "status": "fitted", "estimates": {"w": {"value": 0.05, "unit": "J/m^2"}}}'
 HARM = {"h5": harm_hdf5, "zip": harm_zip, "jpk-force": harm_jpk}
 

@@ -50,7 +50,6 @@ SLOW = (
 
 @pytest.fixture(name="folder")
 def _folder(jkr, tmp_path: Path) -> Path:
-    """Cases, series and tables of such names."""
     for end, (method, body) in BODIES.items():
         Path(f"{NAME}{end}.toml").write_text(CASE.format(title=TITLE, method=method, body=body), encoding="utf-8")
     for end in ("", "l"):

@@ -37,7 +37,6 @@ WORDS = {**BASES, "sweep": ("many.toml", "-o", "r", "--workers", "2"), "completi
 
 @pytest.fixture(name="folder")
 def _folder(jkr, tmp_path: Path) -> Path:
-    """What the verbs read."""
     write_inputs(tmp_path, jkr)
     Path("many.toml").write_text(MANY)
     return tmp_path

@@ -75,7 +75,6 @@ def agrees(tables: Tree, found: Tree, near: float) -> None:
     assert found["P_N"] == pytest.approx(exact.P[-1] + beyond, rel=near, abs=0)
 
 
-# ---------------------------------------------------------------------- refusals by other ways than jkr run
 OTHERS = {
     "fields": "fields: under an elastic indenter the displacement of the body's surface must be given",
     "memory": "{} would need about {} GiB of memory and {} of CPU time, the limit is {} GiB: use fewer points, "
@@ -131,7 +130,6 @@ def test_a_remedy_names_options_that_the_verb_has(jkr, monkeypatch: pytest.Monke
 
 
 def test_a_cylinder_without_a_base() -> None:
-    """In Python only: a case file says so itself."""
     methods: tuple[Any, ...] = (FEM(**COARSE), Hybrid())
     elastic, loading = Elastic(1.0, 0.3), Loading("radius", 0.1, 10)
     finite = Problem(Paraboloid(10.0), Specimen((), HalfSpace(elastic), 2.0, "free"), loading)
@@ -193,7 +191,6 @@ def test_a_profile_that_is_not_accurate_enough(jkr) -> None:
     assert jkr(*words, "10 um").code == 0
 
 
-# ---------------------------------------------------------------------- nothing left out
 REFUSALS = {"Refusal", "InaccurateError"}
 REASONS = {"refusal", "_unable", "_too_much", "_no_radius", "unsmooth", "_formula", "_thin_layer"}
 PASSED_ON = {  # what such functions return, and refusals that another one holds
@@ -227,7 +224,6 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
 
 
 def texts(node: ast.AST) -> Iterator[str]:
-    """The texts in an expression with {} for values, those within a value left out."""
     if isinstance(node, ast.JoinedStr):
         yield "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values)
     elif isinstance(node, ast.Constant) and isinstance(node.value, str):
@@ -238,7 +234,6 @@ def texts(node: ast.AST) -> Iterator[str]:
 
 
 def sites() -> Iterator[tuple[str, ast.AST]]:
-    """Where it stands, and what a refusal says or a function returns that says why a body is refused."""
     for path in sorted(PACKAGE.rglob("*.py")):
         text = path.read_text(encoding="utf-8")
         for node in ast.walk(ast.parse(text)) if re.search(f"Refusal|def ({'|'.join(REASONS)})", text) else ():

@@ -46,7 +46,6 @@ TRIALS = pytest.mark.parametrize("trials", [100, pytest.param(2000, marks=pytest
 
 @pytest.fixture(name="made", scope="module")
 def _made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with an archive of each kind, with numbers, words and values that are missing."""
     folder = tmp_path_factory.mktemp("archives")
     (folder / "s.toml").write_text(CASE)
     (folder / "many.toml").write_text(SWEEP)
@@ -66,7 +65,6 @@ def _archives(made: Path, tmp_path: Path) -> dict[str, Path]:
 
 
 def flat(group: hdf5.Group, where: str = "") -> dict[str, Any]:
-    """Every number and string of a tree by its place, comparable."""
     found: dict[str, Any] = {f"{where}@{key}": _plain(value) for key, value in group.attributes.items()}
     for name, member in group.members.items():
         if isinstance(member, hdf5.Dataset):

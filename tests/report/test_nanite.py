@@ -43,7 +43,6 @@ def exported(jkr: Callable, specimen: str = LAYER, indenter: str = "", words: tu
 
 
 def loaded(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """The file, imported as nanite does, with a stand-in for lmfit."""
     lmfit = ModuleType("lmfit")
     lmfit.Parameters = Parameters
     monkeypatch.setitem(sys.modules, "lmfit", lmfit)
@@ -62,7 +61,6 @@ def jkr_of_a_half_space(delta: float, E_star: float, radius: float, w: float) ->
 
 
 def curve_on_the_layer(E: float, w: float, radius: float, h: float, delta: np.ndarray) -> np.ndarray:
-    """Loads on the stable branch, of a body solved for itself."""
     layer = jkr_package.Layer(jkr_package.Elastic(E, NU), h)
     specimen = jkr_package.Specimen((layer,), jkr_package.Rigid())
     solution = jkr_package.solve(

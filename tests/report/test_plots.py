@@ -63,7 +63,6 @@ def _kept(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Figure]]:
 
 @pytest.fixture(name="drawn")
 def _drawn(jkr: Callable, kept: Callable[..., list[Figure]]) -> Callable[..., list[Figure]]:
-    """The figures of ``jkr`` with the words given."""
     return partial(kept, jkr)
 
 
@@ -145,13 +144,11 @@ def _covered(axes: Axes, box: Bbox) -> bool:
 
 
 def analysed(jkr: Callable, case: str) -> Analysis:
-    """A shipped case by the layered method, with its first work of adhesion."""
     assert jkr("run", CASES / f"{case}.toml", "--method", "layered", "-o", "x.h5").code == 0
     solution = store.read_solution(Path("x.h5"))
     return analyse(solution, solution.record.w[:1])[0]
 
 
-# ---------------------------------------------------------------------- adhesive curves
 @pytest.mark.first(2)
 @pytest.mark.parametrize(
     ("case", "enlarged"), [("halfspace", True), ("gel", True), ("thin-layer", True), ("coating", False)]
@@ -188,7 +185,6 @@ def test_a_band_is_drawn_where_it_can_be_seen_only(jkr: Callable, body: str) -> 
 
 @pytest.mark.slow
 def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[Figure]]) -> None:
-    """Labels of neighbours ran into each other, the last title out of the figure."""
     z = np.concatenate([np.linspace(-3, 1, 60), np.linspace(1, -3, 60)])
     P = 30 * np.maximum(z, 0) ** 1.5
     noise = np.random.default_rng(1)
@@ -202,9 +198,7 @@ def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[
     assert not [1 for one, other in itertools.combinations(boxes, 2) if one.overlaps(_shrunk(other))]
 
 
-# ---------------------------------------------------------------------- the verbs
 def write_measured() -> None:
-    """A noisy curve with its contact radii, and the same with time going on."""
     rows = sphere(noise=0.01, seed=5)
     a = np.linspace(3.2e-6, 6.8e-6, len(rows))
     table = np.column_stack([np.arange(len(rows)), a * 1e6, rows.delta * 1e9, rows.P * 1e6]).tolist()

@@ -56,7 +56,6 @@ def test_the_points_of_the_solution_are_its_rows_and_pull_off_does_not_change(jk
 
 @pytest.mark.parametrize("rows", [6, 12])
 def test_errors_hold_what_lies_between_few_points(rows: int) -> None:
-    """Against the layered solution at the radii of the table, of a coating whose rows are far apart."""
     problem = load_case(CASES / "coating.toml").model.problem()
     few = solve(replace(problem, loading=replace(problem.loading, points=rows)), method="layered")
     table = curve_table(transform(few, 0.05), points=25)

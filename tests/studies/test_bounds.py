@@ -64,7 +64,6 @@ def test_a_point_next_to_the_edge_of_a_flat_end_is_found() -> None:
     assert load.stated < 1e-6
 
 
-# ---------------------------------------------------------------------- pull-off points by finite elements
 @pytest.mark.fem  # a body of which it is told counts as refused
 @pytest.mark.first(1)
 @pytest.mark.parametrize("number", [101000019, 101000004, 101000010])
@@ -75,7 +74,6 @@ def test_points_of_a_few_bodies_are_within_twice_what_is_stated(number: int) -> 
     assert all(0 <= item.ratio <= 2 for item in found)
 
 
-# ---------------------------------------------------------------------- adhesion of finite range
 @pytest.mark.first(3)
 @pytest.mark.parametrize("number", [77000001, 77000010, 77000002, 77000003])
 def test_a_few_bodies_with_a_range_are_within_what_is_stated(number: int) -> None:
@@ -84,7 +82,6 @@ def test_a_few_bodies_with_a_range_are_within_what_is_stated(number: int) -> Non
     assert all(0 <= item.ratio <= 1 for item in found)
 
 
-# ---------------------------------------------------------------------- stacks of thicknesses far apart
 @pytest.mark.first(2)
 @pytest.mark.parametrize("number", [9, 19, 0, 10, 16, 5, 1])
 def test_a_few_stacks_are_within_what_is_stated(number: int) -> None:

@@ -25,7 +25,6 @@ LAYER = Problem(
 HERTZ = Problem(Paraboloid(1e-4), Specimen((), HalfSpace(Elastic(5e9, 0.4))), Loading("depth", 3e-6, points=60))
 
 
-# ---------------------------------------------------------------------- the exact solution
 def test_reference_on_a_half_space_is_the_closed_form() -> None:
     reference = reference_of(HERTZ, 50.0)
     assert reference.name == "closed form"
@@ -54,7 +53,6 @@ def test_errors_of_an_exact_series_vanish_and_those_of_a_scaled_one_are_known(pr
         assert scaled.pull_off == pytest.approx(0.0, abs=1e-6)
 
 
-# ---------------------------------------------------------------------- measuring
 def test_cost_of_a_process_is_its_own() -> None:
     """A tenth of a second of work and 200 MB; the memory of this process is not counted in."""
     work = "import time, sys\nblock = b'x' * 200_000_000\nwhile time.process_time() < 0.3: pass"
@@ -66,7 +64,6 @@ def test_cost_of_a_process_is_its_own() -> None:
     assert idle.memory_mib < 50
 
 
-# ---------------------------------------------------------------------- the front
 def test_front_holds_what_nothing_beats() -> None:
     points = [(1.0, 1e-2), (2.0, 1e-3), (3.0, 1e-3), (4.0, 1e-5), (5.0, 1e-4)]
     assert front(points) == [0, 1, 3]
@@ -86,7 +83,6 @@ def test_every_setting_is_a_valid_case_and_fits_its_method() -> None:
     assert len({(setting.method, setting.words) for setting in SETTINGS}) == len(SETTINGS)
 
 
-# ---------------------------------------------------------------------- peers
 def stored(tmp_path: Path, **changes: object) -> Path:
     run = {"peer": "Slow", "version": "1", "body": "thin-layer", "settings": "coarse", "unknowns": 9, "cpu_s": 60.0,
            "wall_s": 70.0, "memory_mib": 100.0, "after_imports_cpu_s": None,

@@ -27,10 +27,7 @@ from studies.watchdog import TooSlowError, cpu_limit
 PLAIN = Cell("layered", "paraboloid", "bonded", 0.4, 2.0, 1.0, 0.1, 30, 0, 20, 0.0, 1.0, 1.0, 0)
 
 
-# ---------------------------------------------------------------------- the study's own judgement
 class Wrong:
-    """A method that is off by ``factor`` and claims ``stated``."""
-
     def __init__(self, factor: float, stated: float, warnings: tuple[str, ...] = ()):
         self.factor, self.stated, self.warnings = factor, stated, warnings
 
@@ -72,7 +69,6 @@ def test_an_exception_that_is_not_ours_is_a_crash(monkeypatch) -> None:
     assert (verdict.outcome, verdict.words) == (CRASHED, "ZeroDivisionError: by zero")
 
 
-# ---------------------------------------------------------------------- a limit of time, and workers
 def endless(cell: Cell) -> None:
     while True:
         pass
@@ -93,7 +89,6 @@ def test_the_limit_counts_work_and_not_waiting() -> None:
         endless(PLAIN)
 
 
-# ---------------------------------------------------------------------- a sample of cells
 def verdicts_on(cells: Sequence[Cell]) -> list[Verdict]:
     with executor(1) as pool:
         return failures_judge.failures(cells, pool)
@@ -106,7 +101,6 @@ def test_no_cell_of_any_method_is_silently_wrong_and_at_most_half_are_refused(se
     assert sum(verdict.outcome == REFUSED for verdict in verdicts) <= len(verdicts) / 2
 
 
-# ---------------------------------------------------------------------- contact that is no disc
 def lifting(largest: float) -> Problem:
     """f = B r^4, flat at its tip, on a coating ten times stiffer than the half-space below it (h = 1 um)."""
     specimen = Specimen((Layer(Elastic(1e9, 0.3), 1e-6),), HalfSpace(Elastic(1e8, 0.3)))
@@ -133,7 +127,6 @@ def test_bodies_that_grow_stiffer_with_depth_are_not_searched() -> None:
     assert surface_profile(stiffer, 2e-6, 0.0).pressure.min() > 0
 
 
-# ---------------------------------------------------------------------- the study run by make
 def test_the_study_writes_table_and_counts(study) -> None:
     words = ("failures", "--cells", 5, "--seed", 3, "--methods", "closed-form", "--no-plots", "--json")
     outcome = study(*words, "-o", "out")

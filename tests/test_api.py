@@ -108,6 +108,7 @@ def test_save_replaces_nothing_that_jkr_did_not_write(tmp_path: Path) -> None:
     assert target.read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_linear_algebra_runs_on_one_thread_whatever_the_environment_says(tmp_path: Path) -> None:
     code = (
         "import jkrcli as jkr, hashlib, sys\n"

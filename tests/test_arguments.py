@@ -340,6 +340,11 @@ def test_columns_as_users_have_them(gel: Any) -> None:
     }
     found = {name: jkr.fit(gel, **columns) for name, columns in kinds.items()}
     found["frame"] = jkr.fit(gel, pandas.DataFrame(right))
+    found["file"] = jkr.fit(gel, PROBE)
+    delta, P = 1e6 * right["delta"], 1e9 * right["P"]
+    found["units"] = jkr.fit(gel, {"indentation (um)": delta, "force (nN)": P, "a_m": right["a"]})
+    by = jkr.Reading(units={"P": "nN", "delta": "um"})
+    found["units told"] = jkr.fit(gel, delta=delta, P=P, a=right["a"], reading=by)
     for name, fit in found.items():
         assert fit.value("E_star") == pytest.approx(found["lists"].value("E_star"), rel=1e-9), name
 

@@ -208,27 +208,6 @@ loading.radius = "0.1 mm"
 """
 
 
-def test_arrays_data_frames_and_files_are_identified_alike(tmp_path: Path) -> None:
-    body = python.solve(python.parse_case(BALL))
-    delta, P = arrays()
-    table = tmp_path / "ball.csv"
-    np.savetxt(table, np.column_stack([delta, P]), delimiter=",", header="delta_m,P_N", comments="", fmt="%.17g")
-    by_file = python.fit(body, table)
-    assert by_file.value("w") == pytest.approx(0.05, rel=1e-6)
-    in_units = python.Reading(units={"P": "nN", "delta": "um"})
-    for other in (
-        python.fit(body, delta=delta, P=P),
-        python.fit(body, {"delta_m": delta, "P_N": P}),
-        python.fit(body, delta=delta * 1e6, P=P * 1e9, reading=in_units),
-        python.fit(body, {"indentation (um)": delta * 1e6, "force (mN)": P * 1e3}),
-    ):
-        assert other.value("w") == pytest.approx(by_file.value("w"), rel=1e-9)
-        assert other.value("E_star") == pytest.approx(2e6, rel=1e-6)
-    pandas = pytest.importorskip("pandas")
-    frame = pandas.DataFrame({"delta_m": delta, "P_N": P})
-    assert python.fit(body, frame).value("w") == by_file.value("w")
-
-
 @pytest.mark.parametrize(
     ("columns", "said"),
     [

@@ -2,14 +2,11 @@
 
 import contextlib
 import os
-import random
 import resource
 import shlex
 import shutil
-import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -47,7 +44,6 @@ count = 12
 key = "adhesion.w"
 values = [0.01, 0.02]
 """
-MOMENTS = 20
 
 
 @dataclass(frozen=True)
@@ -128,67 +124,9 @@ def start(command: tuple[str, ...], folder: Path) -> subprocess.Popen[str]:
     )
 
 
-def finish(command: tuple[str, ...], folder: Path) -> float:
-    """Run to the end; returns how long it took [s]."""
-    begin = time.monotonic()
-    process = start(command, folder)
-    _, err = process.communicate(timeout=300)
-    assert process.returncode == 0, err
-    return time.monotonic() - begin
-
-
-def stop(process: subprocess.Popen[str], how: signal.Signals, when: Callable[[], bool]) -> str:
-    """Send a signal to the process and its children as soon as ``when`` holds, if it still runs; returns stderr."""
-    while process.poll() is None and not when():
-        time.sleep(0.002)
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, how)
-    _, err = process.communicate(timeout=300)
-    return err
-
-
-def kills(tmp_path: Path, name: str, how: signal.Signals, moments: int) -> None:
-    """Kill a job at random moments, and as soon as it writes; look at what is left; run it once more to the end."""
-    job, chance = JOBS[name], random.Random(f"{name} {how}")
-    whole = prepare(tmp_path / "whole")
-    assert call_in(whole, *job.before) == 0
-    old = contents(whole)
-    seconds = finish(job.command, whole)
-    new = contents(whole)
-    for number in range(moments):
-        folder = tmp_path / f"{number}"
-        shutil.copytree(whole, folder)
-        for path in contents(folder):
-            (folder / path).unlink()
-        for path, content in old.items():
-            (folder / path).write_bytes(content)
-        end = time.monotonic() + chance.uniform(0, 1.1 * seconds)
-
-        def due(end: float = end, folder: Path = folder, writing: bool = number % 2 == 1) -> bool:
-            return bool(temporaries(folder)) if writing else time.monotonic() >= end
-
-        stop(start(job.command, folder), how, due)
-        judge(folder, old, new)
-        if how == signal.SIGINT:
-            assert not temporaries(folder)
-        if number in (0, 1, moments - 1):
-            finish(job.command, folder)
-            assert (folder / job.target).exists()
-            if not job.target.endswith(".h5"):
-                assert (folder / job.target).read_bytes() == new[job.target]
-        shutil.rmtree(folder)
-
-
 def call_in(folder: Path, *words: str) -> int:
     with contextlib.chdir(folder):
         return call([*words, "-q"])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=["kill", "interrupt"])
-@pytest.mark.parametrize("name", JOBS)
-def test_killed_at_twenty_moments(name: str, how: signal.Signals, tmp_path: Path) -> None:
-    kills(tmp_path, name, how, MOMENTS)
 
 
 @contextlib.contextmanager

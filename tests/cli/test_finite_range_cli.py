@@ -107,8 +107,6 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
     "pull-off of a load": (RANGE, "pull-off own.h5 --load 2nN", "pull-off: --load: has no adhesion of finite range",
                            PLAIN, "pull-off own.h5 --load 2nN"),
     "explore": (RANGE, "explore own.h5", "leave adhesion.range, stress and capillary out", PLAIN, "explore own.h5"),
-    "fields": (RANGE, "fields own.h5 --a 4nm --no-plots", "leave adhesion.range, stress and capillary out",
-               PLAIN, "fields own.h5 --a 4nm --no-plots"),
     "work": (RANGE, "work own.h5 data.csv --no-plots", "work: has no adhesion of finite range, which the case",
              PLAIN, "work own.h5 data.csv --no-plots"),
     "two works": (RANGE, "cycle own.h5 --w-retract 0.1 --no-plots", "give one work of adhesion",
@@ -129,10 +127,12 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
              PLAIN, "transform own.h5 --stress 1e8 --no-plots"),
     "no w": (WITHOUT_W, "transform own.h5 --range 1nm", "names no work of adhesion: give --w",
              WITHOUT_W, "transform own.h5 --range 1nm --w 0.05 --no-plots"),
+    "fields": (RANGE, "fields own.h5 --a 4nm --no-plots", "leave adhesion.range, stress and capillary out",
+               PLAIN, "fields own.h5 --a 4nm --no-plots"),
 }  # fmt: skip
 
 
-@pytest.mark.first(7)
+@pytest.mark.first(6)
 @pytest.mark.parametrize("name", FOLLOWED)
 def test_who_follows_a_refusal_gets_an_answer(jkr, name: str) -> None:
     refused, words, says, mended, better = FOLLOWED[name]

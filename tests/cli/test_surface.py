@@ -61,6 +61,7 @@ def test_keys_of_frictionless_problems_are_what_they_were():
     assert "sticks" not in repr(sliding)
 
 
+@pytest.mark.slow
 def test_what_is_left_out_stands_behind_the_verdict_where_it_matters(jkr, folder):
     said = jkr("check", folder / "sliding.toml").out
     assert re.search(r"no slip +\+.*specimen.surface = \"sticking\"", said)

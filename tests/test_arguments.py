@@ -188,7 +188,7 @@ IDLE: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     (jkr.pull_off, {**PULL, "uncertain": {"load": "5%"}}, "uncertain"),
     (jkr.pull_off, {"solved": GEL, "load": 1e-3, "stiffness": [1, 2]}, "stiffness"),
     (jkr.pull_off, {**PULL, "rest_depth": 1e-6}, "rest"), (jkr.pull_off, {**PULL, "load": 1}, "load"),
-    (jkr.profile, {**PULL, "a": 1e-4, "load": 1e-3}, "load"),
+    (jkr.profile, {**PULL, "a": 1e-4, "load": 1e-3}, "load"), (jkr.profile, PULL, "give exactly one of a and load"),
     (jkr.transform, {**PULL, "stress": 1e3, "length": 1e-9}, "stress"),
 ]  # fmt: skip
 

@@ -174,18 +174,6 @@ def test_command_and_python_say_the_same(jkr: Callable, gel: str, name: str) -> 
     assert str(result) in jkr(*words, "-v").out
 
 
-def test_a_profile_is_that_of_the_command(jkr: Callable, gel: str) -> None:
-    done = jkr("profile", gel, "--load", "0.5 mN", "--w", "40 mJ/m^2").ok
-    result = python.profile(gel, load="0.5 mN", w=0.04)
-    assert done.out.startswith(f"{result}\n")
-    rows = np.genfromtxt("gel-profile.csv", delimiter=",", names=True)
-    for column, values in result.columns.items():
-        np.testing.assert_array_equal(rows[column], values)
-    assert result.figure().axes
-    with pytest.raises(python.InputError, match="profile: give exactly one of a and load"):
-        python.profile(gel)
-
-
 def test_columns_of_any_result_are_a_data_frame() -> None:
     pytest.importorskip("pandas")
     result = python.study_map("pull-off", q=[0.1, 1.0], nu=[0.3])

@@ -1,7 +1,6 @@
 """What takes long is announced, about as long as it takes; a forecast is that of all that is computed."""
 
 import io
-import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import click
 import pytest
 
 from jkrcli.base.errors import JkrError
-from jkrcli.base.process import SILENCE
 from jkrcli.cli.printing import announce, progress
 from jkrcli.report.check import Check
 
@@ -62,13 +60,6 @@ def test_progress_is_shown_on_terminals_alone(monkeypatch: pytest.MonkeyPatch, s
         assert "1/2" in stream.getvalue()
     else:
         assert stream.getvalue() == ""
-
-
-@pytest.mark.parametrize("seconds", [SILENCE, math.inf, math.nan])
-def test_what_is_short_or_unknown_is_not_announced(seconds: float, capsys: pytest.CaptureFixture[str]) -> None:
-    with progress("cases", 1, seconds):
-        pass
-    assert capsys.readouterr().err == ""
 
 
 def test_a_command_announces_its_time_once(capsys: pytest.CaptureFixture[str]) -> None:

@@ -56,18 +56,6 @@ def test_pull_off_in_words(jkr, body: Path) -> None:
     assert f"energy lost         {show(7.0922 * unit, 'energy')} (error < 0.01 %)" in lines[9]
 
 
-def test_pull_off_as_json(jkr, body: Path) -> None:
-    (result,) = jkr("pull-off", "p.h5", "--json", "--stiffness", "100 kN/m", "--stiffness", "rigid").told["results"]
-    spring, rigid = result["controls"]
-    assert (spring["control"], spring["stiffness_N_per_m"]) == ("instrument stiffness 100 kN/m", 1e5)
-    assert (rigid["control"], rigid["stiffness_N_per_m"]) == ("displacement control", None)
-    assert rigid["pull_off"]["P_N"] == pytest.approx(-5 / 6 * PULL_OFF, rel=1e-12, abs=0)  # measured 2e-15
-    assert 5 / 6 * PULL_OFF < -spring["pull_off"]["P_N"] < 1.5 * PULL_OFF
-    point = {name: rigid["pull_off"][name] for name in ("P_N", "delta_m", "a_m")}
-    assert rigid["critical_points"] == [{"kind": "minimum", **point}]
-    assert result["validity"]["tabor"] == pytest.approx(639, abs=0.5)
-
-
 def test_many_files_and_works(jkr, body: Path) -> None:
     jkr("run", CASES / "coating.toml")
     out = jkr("pull-off", "p.h5", "coating.h5", "--w", "10 mJ/m^2", "--w", "20 mJ/m^2").out

@@ -153,24 +153,6 @@ def test_the_surface_of_the_half_space_between_the_nodes() -> None:
     holds(found, stated, truth, SCALE)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("nu", [0.3, 0.5])
-def test_a_layer_between_the_nodes(nu: float) -> None:
-    layer = problem(Specimen((Layer(Elastic(E, nu), 2 * A),), Rigid()))
-    surface = surface_profile(layer, A, W)
-    state = contact_state(FEM(), layer, A, surface.delta)
-    z = np.random.default_rng(7).uniform(0.1, 1.98, 40) * A
-    truth = [stack_fields.fields(layer, A, surface.delta, np.zeros(1), float(depth), 0) for depth in z]
-    exact = {name: np.array([float(row[name][0]) for row in truth]) for name in ("z", "rr", "zz")}
-    exact |= {"z": -exact["z"], "mises": np.abs(exact["zz"] - exact["rr"])}
-    holds(*read(state, 0 * z, z), exact, SCALE)
-    inside, r = AT_SURFACE[AT_SURFACE < 0.98 * A], np.sort(AT_SURFACE)
-    found = surface_profile(layer, A, W, inside, r)
-    of_surface, stated = read(state, r, 0 * r)
-    holds(of_surface, stated, {"z": -found.displacement}, SCALE)
-    holds(*read(state, inside, 0 * inside), {"zz": -found.pressure}, SCALE)
-
-
 def test_quadratic_triangles_fill_the_body() -> None:
     state = half_space()
     p, cells, middles = state.grid.points, state.grid.cells, state.middles

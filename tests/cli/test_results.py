@@ -9,7 +9,6 @@ from jkrcli.adhesion.curve import AdhesiveCurve, Nonadhesive, transform
 from jkrcli.adhesion.device_path import stable_radius
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.base.errors import InputError, Refusal, SolveError, Unknown
-from jkrcli.base.files import write_csv
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.closed_form import ClosedForm
@@ -158,13 +157,6 @@ def test_states_lie_on_the_curve_and_the_stable_one_is_the_larger() -> None:
     largest = curve.at(curve.places)[1][-1]
     with pytest.raises(InputError, match=r"whose loads go from -23.5. mN to .*: increase \[loading\] radius"):
         stable_radius(curve, 2 * largest)
-
-
-def test_csv_reads_back_to_the_last_bit(tmp_path) -> None:
-    columns = tables.curve_columns(curve_of(PROBLEM))
-    write_csv(tmp_path / "x.csv", columns)
-    for name, values in tables.read_curve(tmp_path / "x.csv").items():
-        np.testing.assert_array_equal(values, columns[name])
 
 
 @pytest.mark.parametrize(

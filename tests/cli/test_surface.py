@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from maugis import finite_range_curve
 
-from jkrcli import parse_case, read
+from jkrcli import parse_case
 from jkrcli.api import solve, transform
 from jkrcli.base.errors import InputError, Refusal
 
@@ -38,20 +38,6 @@ def folder(tmp_path):
     for surface in ("sliding", "sticking"):
         (tmp_path / f"{surface}.toml").write_text(layer(surface))
     return tmp_path
-
-
-@pytest.mark.slow
-def test_the_surface_goes_from_the_case_to_every_summary(jkr, folder):
-    for surface in ("sliding", "sticking"):
-        told = jkr("run", folder / f"{surface}.toml", "-o", folder / f"{surface}.h5", "--json").told
-        assert told["surface"] == surface
-        assert told["sticking"]["load"] == pytest.approx(1.5, abs=0.1)
-        path = folder / f"{surface}.h5"
-        assert read(path).problem.sticks == (surface == "sticking")
-        assert f"surface   {surface}" in jkr("show", path).out
-        result = jkr("transform", path, "--json", "--no-plots").told["results"][0]
-        assert result["surface"] == surface
-        assert result["sticking"]["pull_off"][0]["ratio"] == pytest.approx(0.956, abs=0.005)
 
 
 def test_keys_of_frictionless_problems_are_what_they_were():

@@ -145,19 +145,15 @@ def test_work_of_a_soft_gel_ends_where_it_wets(jkr: Callable) -> None:
     assert (held["tension"], held["angle"]) == (10e-3, 0.5)
 
 
-def test_a_foreign_file_is_kept(jkr: Callable, gel: Path) -> None:
+def test_wrong_input_foreign_files_and_a_missing_library_are_one_line(
+    jkr: Callable, gel: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jkr("explore", "gel.h5", "--w", "0").refused("--w must be > 0 J/m^2")
+    jkr("explore", "gel.h5", "no.csv").refused("table not found")
+    assert not gel.with_name("gel-explore.html").exists()
     Path("gel-explore.html").write_text("<!doctype html><p>my notes on jkr")
     jkr("explore", "gel.h5").refused("gel-explore.html: exists and was not written by jkr")
     assert jkr("explore", "gel.h5", "--force").code == 0
-
-
-@pytest.mark.parametrize(("words", "line"), [(["--w", "0"], "--w must be > 0 J/m^2"), (["no.csv"], "table not found")])
-def test_wrong_input_is_one_line(jkr: Callable, gel: Path, words: list[str], line: str) -> None:
-    jkr("explore", "gel.h5", *words).refused(line)
-    assert not gel.with_name("gel-explore.html").exists()
-
-
-def test_a_missing_library_is_one_line(jkr: Callable, gel: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
     jkr("explore", "gel.h5").refused(f"explore: needs the optional package plotly: {installs('explore')}")
 

@@ -209,9 +209,7 @@ def _made_results(gel: Any) -> None:
 
 
 @pytest.mark.parametrize(("function", "words", "named"), IDLE, ids=lambda one: getattr(one, "__name__", ""))
-def test_what_would_have_no_effect_is_refused(
-    gel: Any, function: Callable[..., Any], words: dict[str, Any], named: str
-) -> None:
+def test_what_would_have_no_effect_is_refused(gel, function, words, named) -> None:
     words = {key: gel if value is GEL else value for key, value in words.items()}
     with pytest.raises(jkr.InputError, match=named):
         function(**words)

@@ -79,9 +79,7 @@ def test_verbs_work_without_threads_processes_locks_and_mesher(tmp_path: Path, m
     assert Path("data-w0.05.svg").is_file()
 
 
-def test_mistakes_in_a_browser_are_lines_and_files_are_those_that_are_new(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_mistakes_in_a_browser_are_lines_and_files_are_those_that_are_new(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     new, again, open_, elements = in_a_browser(
         "new case.toml", "jkr check case.toml", 'pull-off "5', "run case.toml --method fem -o fem.h5"
@@ -107,9 +105,7 @@ def served(folder: Path) -> Iterator[str]:
 
 
 @pytest.mark.slow
-def test_the_page_runs_commands_or_says_which_part_of_the_runtime_is_missing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, browser: Any
-) -> None:
+def test_the_page_runs_commands_or_says_which_part_of_the_runtime_is_missing(tmp_path, monkeypatch, browser) -> None:
     """With the folder PYODIDE of a whole release the page answers; with a part of it it names what is missing."""
     pytest.importorskip("sphinx")
     monkeypatch.syspath_prepend(ROOT / "docs")

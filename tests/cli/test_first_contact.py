@@ -193,9 +193,7 @@ BODY = {"shape": None, "half_angle": None, "cap": None, "thickness": None, "base
 
 
 @pytest.mark.parametrize(("typed", "said"), [("2", "2 Pa"), ("5e13", "50 TPa")])
-def test_a_modulus_without_unit_that_no_solid_has_is_remarked(
-    typed: str, said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_modulus_without_unit_that_no_solid_has_is_remarked(typed, said, capsys) -> None:
     tables_of("fit", BODY | {"modulus": typed}, "", None)
     err = " ".join(capsys.readouterr().err.split())
     assert f"--E: {typed.replace('e', 'e+')} without a unit is {said}" in err

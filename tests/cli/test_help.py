@@ -41,9 +41,7 @@ COMMANDS = [*((verb,) for verb in VERBS), *(("study", name) for name in STUDIES)
 
 
 @pytest.mark.parametrize("words", [(), *COMMANDS])
-def test_help_fits_two_screens_and_shows_an_example(
-    jkr: Callable, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
-) -> None:
+def test_help_fits_two_screens_and_shows_an_example(jkr, monkeypatch, words) -> None:
     """Two screens of 40 lines and 80 columns; at most twelve options are described, the others named."""
     monkeypatch.setenv("COLUMNS", "80")
     text = jkr(*words, "--help").ok.out

@@ -41,9 +41,7 @@ def write(first: Callable[[int], str] | None, name: str = "first", separator: st
     (lambda i: f"2024-03-05T12:00:00.{i:06d}", ","), (lambda i: f"05.03.20{i:02d}", ";"), (lambda i: f"{i}th", "\t"),
     (lambda i: f"3/{1 + i % 28}/2024", ","), (lambda i: f"20240305T12{i:04d}", ","),
 ])  # fmt: skip
-def test_a_column_of_dates_or_words_that_begin_with_a_digit(
-    jkr: Callable, tmp_path: Path, first: Callable[[int], str], separator: str
-) -> None:
+def test_a_column_of_dates_or_words_that_begin_with_a_digit(jkr, tmp_path, first, separator) -> None:
     path = write(first, separator=separator)
     (curve,) = python.measured_curves(path)
     np.testing.assert_allclose(curve.load, LOAD * 1e-9, atol=1e-15)

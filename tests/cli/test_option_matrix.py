@@ -158,9 +158,7 @@ def test_what_ended_in_an_error_of_python(jkr: Callable[..., Any], tmp_path: Pat
     assert "contact is not lost" in dwell.out
 
 
-def test_long_fits_and_states_are_announced(
-    jkr: Callable[..., Any], tmp_path: Path, tuned: Callable[[str, object], None], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_long_fits_and_states_are_announced(jkr, tmp_path, tuned, monkeypatch) -> None:
     """A law that does not match its records took 35 s, a contact without slip 10 to 22 s, without a word."""
     write_inputs(tmp_path, jkr)
 

@@ -3,8 +3,7 @@
 Of text that is printed as it is, a script or a case, that does not hold: ``completion``, ``show --case``.
 """
 
-from collections.abc import Callable, Iterable
-from pathlib import Path
+from collections.abc import Callable
 
 import pytest
 from every_verb import BASES, options_of, verb_of, write_inputs
@@ -31,9 +30,7 @@ def judge(jkr: Callable, words: tuple[object, ...], whole: list[str]) -> None:
 
 
 @pytest.mark.parametrize("bases", [CHEAP, pytest.param(ALL, marks=pytest.mark.slow)], ids=["", "all"])
-def test_the_verdict_comes_first(
-    jkr: Callable, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, bases: Iterable[str]
-) -> None:
+def test_the_verdict_comes_first(jkr, monkeypatch, tmp_path, bases) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     write_inputs(tmp_path, jkr)
     whole: list[str] = []

@@ -145,9 +145,7 @@ def test_work_of_a_soft_gel_ends_where_it_wets(jkr: Callable) -> None:
     assert (held["tension"], held["angle"]) == (10e-3, 0.5)
 
 
-def test_wrong_input_foreign_files_and_a_missing_library_are_one_line(
-    jkr: Callable, gel: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_wrong_input_foreign_files_and_a_missing_library_are_one_line(jkr, gel, monkeypatch) -> None:
     jkr("explore", "gel.h5", "--w", "0").refused("--w must be > 0 J/m^2")
     jkr("explore", "gel.h5", "no.csv").refused("table not found")
     assert not gel.with_name("gel-explore.html").exists()

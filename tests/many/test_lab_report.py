@@ -7,7 +7,6 @@ import io
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -129,9 +128,7 @@ def test_the_report_in_markdown_says_the_same(report: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("media", "width"), MEDIA)
-def test_report_and_page_of_curves_fit_a_phone_a_screen_and_paper(
-    report: str, browser: Any, media: str, width: int
-) -> None:
+def test_report_and_page_of_curves_fit_a_phone_a_screen_and_paper(report, browser, media, width) -> None:
     shown_at(browser, width, media)
     for page in ("report.html", "fit-curves.html#8"):
         browser.get(Path("out").absolute().as_uri() + f"/{page}")

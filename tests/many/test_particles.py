@@ -86,9 +86,7 @@ def _pair() -> SizesLaw:
     return SizesLaw.of(problem, W, 2e-6, 60e-6, 0.3)
 
 
-def test_sizes_of_a_coated_pair_pull_off_as_each_solved_for_itself(
-    pair: SizesLaw, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_sizes_of_a_coated_pair_pull_off_as_each_solved_for_itself(pair, tmp_path, monkeypatch) -> None:
     """Coatings on both sides, particle on particle and on a wall, another w: w R^2/(E* h^3) is all that counts."""
     monkeypatch.chdir(tmp_path)
     Path("x-dem.h").write_text(ExportedSizes(pair, Path("x.h5"), "jkr_x").code)
@@ -258,9 +256,7 @@ def test_the_table_has_both_branches_of_each_size(jkr) -> None:
 
 
 @pytest.mark.parametrize("law", ["half", "pair"])
-def test_the_header_checks_itself(
-    law: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_header_checks_itself(law, request, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("x-dem.h").write_text(ExportedSizes(request.getfixturevalue(law), Path("x.h5"), "jkr_x").code)
     ((force, radius),) = printed(Path("x-dem.h").read_text(), "-std=c99", "-DJKR_X_CHECK", "-x", "c", name="check.c")

@@ -136,9 +136,7 @@ def test_a_file_of_as_much_as_can_be_is_refused_soon(jkr, name: str, tuned) -> N
     assert all(line.startswith("jkr: error: x.toml: ") for line in done.err.splitlines())
 
 
-def test_a_long_sweep_is_announced_before_its_cases_are_looked_at(
-    jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_long_sweep_is_announced_before_its_cases_are_looked_at(jkr, tmp_path, monkeypatch) -> None:
     def looked(*_: object) -> str:
         raise KeyboardInterrupt
 

@@ -3,11 +3,9 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import Outcome
 
 ROOT = Path(__file__).parents[2]
 # What Windows lacks, but for what other libraries use here, is taken away before anything is imported, in the
@@ -63,9 +61,7 @@ def test_without_what_windows_lacks_all_is_read_solved_and_fitted(tmp_path: Path
 
 
 @pytest.mark.parametrize("date", ["abc", "", "1e9"])
-def test_a_date_of_the_source_that_is_none_is_left_out(
-    date: str, jkr: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_date_of_the_source_that_is_none_is_left_out(date, jkr, monkeypatch) -> None:
     """NumPy's f2py, which comes with scikit-fem, takes it for a number; no result depends on it."""
     monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
     done = jkr("new", "n.toml")

@@ -51,9 +51,7 @@ def test_a_long_command_line_is_refused_before_it_is_taken_apart(jkr) -> None:
     [(("look",), "3 s"), (("work", "s.toml"), "11 s"), (("fit", "s.toml"), "53 s"), (("compare", "none.csv"), "3 s")],
     ids=str,
 )
-def test_long_tables_are_announced_before_they_are_read(
-    jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...], seconds: str
-) -> None:
+def test_long_tables_are_announced_before_they_are_read(jkr, tmp_path, monkeypatch, verb, seconds) -> None:
     stopped(monkeypatch, "jkrcli.measured.work.each", "jkrcli.measured.files.each",  # imports first
             "jkrcli.report.forward.read_curve", "jkrcli.measured.fits.fitted_body")  # fmt: skip
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
@@ -79,9 +77,7 @@ def stopped(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
         ("pull-off", "cli.inputs.series_file"),
     ],
 )
-def test_many_files_are_announced_before_the_first_is_opened(
-    jkr, monkeypatch: pytest.MonkeyPatch, verb: str, first: str
-) -> None:
+def test_many_files_are_announced_before_the_first_is_opened(jkr, monkeypatch, verb, first) -> None:
     stopped(monkeypatch, f"jkrcli.{first}")
     done = jkr(verb, *(f"{i}.h5" for i in range(3_000)))
     assert done.err.startswith(f"jkr: {verb} of 3,000 files: about 36 s of CPU time\n")
@@ -95,9 +91,7 @@ def test_many_files_are_announced_before_the_first_is_opened(
         (("--confidence", "profile", "--uncertain", "nu=0.01", "--uncertain", "radius=1%"), "error: interrupted"),
     ],
 )
-def test_intervals_are_announced_and_refused_before_anything_is_read(
-    jkr, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], told: str
-) -> None:
+def test_intervals_are_announced_and_refused_before_anything_is_read(jkr, monkeypatch, words, told) -> None:
     """A bootstrap of 100,000 samples took 22 min without a word."""
     stopped(monkeypatch, "jkrcli.measured.work.each", "jkrcli.measured.files.each", "jkrcli.measured.fits.fitted_body")
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
@@ -199,9 +193,7 @@ def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:
     assert TABLE_PER_ROW * 10_000 < SILENCE
 
 
-def test_an_import_of_more_rows_than_a_case_can_name_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_import_of_more_rows_than_a_case_can_name_is_refused(tmp_path, monkeypatch) -> None:
     """It ended in a traceback."""
     with pytest.raises(InputError):
         problem(f'radius = "0.1 mm", points = {foreign.MOST_ROWS + 1}')

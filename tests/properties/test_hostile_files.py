@@ -106,9 +106,7 @@ def test_a_jpk_file_of_measured_heights_alone_is_read(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("afm")
 @pytest.mark.parametrize("part", [b"measuredHeight.dat", b"segments/0/channels/PK"])
-def test_a_bit_of_a_jpk_file_is_found_before_another_channel_is_taken_for_the_damaged_one(
-    jkr: Run, part: bytes
-) -> None:
+def test_a_bit_of_a_jpk_file_is_found_before_another_channel_is_taken_for_the_damaged_one(jkr, part) -> None:
     content = bytearray(jpk(Path("x.jpk-force"), lambda members: None).read_bytes())
     at = content.find(part) + len(part) + 4 if part.endswith(b".dat") else content.rfind(b"segments/0/channels/PK")
     content[at] ^= 1
@@ -366,9 +364,7 @@ def test_names_that_others_gave_become_different_names_of_files(tmp_path: Path) 
     assert [path.name for path in beside(tmp_path / "s", ["x", "gel 1"])] == ["s-x", "s-gel-1"]
 
 
-def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_work(
-    jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_work(jkr, series, monkeypatch) -> None:
     monkeypatch.setattr("jkrcli.measured.fits.fitted_body", lambda *_: pytest.fail("work was begun"))
     Path("m.csv").write_bytes(TABLE)
     body = series.rename("b" * (255 - len("-fit-.png") - SHORTEST + 1) + ".h5")

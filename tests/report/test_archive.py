@@ -129,9 +129,7 @@ def test_what_is_not_as_written_is_refused_by_name(jkr, archives: dict[str, Path
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_earlier_version_reads_and_is_said_to_be_without_protection(
-    jkr, archives: dict[str, Path], kind: str
-) -> None:
+def test_an_earlier_version_reads_and_is_said_to_be_without_protection(jkr, archives, kind) -> None:
     path = archives[kind]
     wanted = jkr("show", "--json", path).told["files"][0]
     assert wanted["warnings"] == []

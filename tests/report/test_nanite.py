@@ -97,9 +97,7 @@ def test_layer_follows_modulus_work_radius_and_thickness(jkr: Callable, monkeypa
         assert model.jkr(-delta, *values) == pytest.approx(right, abs=2e-5 * np.abs(right).max())
 
 
-def test_approach_jumps_in_where_bodies_touch_and_retraction_lasts_longer(
-    jkr: Callable, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_approach_jumps_in_where_bodies_touch_and_retraction_lasts_longer(jkr, monkeypatch) -> None:
     exported(jkr)
     model = loaded(monkeypatch)
     tip = np.linspace(1e-6, -0.5e-6, 3001)

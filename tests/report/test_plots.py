@@ -153,9 +153,7 @@ def analysed(jkr: Callable, case: str) -> Analysis:
 @pytest.mark.parametrize(
     ("case", "enlarged"), [("halfspace", True), ("gel", True), ("thin-layer", True), ("coating", False)]
 )
-def test_tension_is_enlarged_where_it_is_less_than_a_fifth_of_the_loads(
-    jkr: Callable, case: str, enlarged: bool
-) -> None:
+def test_tension_is_enlarged_where_it_is_less_than_a_fifth_of_the_loads(jkr, case, enlarged) -> None:
     """The inset lies where no curve passes and holds the pull-off point."""
     result = analysed(jkr, case)
     units = physical_units(result.curve)
@@ -231,9 +229,7 @@ def write_measured() -> None:
     ],
     ids=lambda words: " ".join(map(str, words)).replace(str(CASES), "cases"),
 )
-def test_figures_of_the_verbs_are_fit_for_print(
-    jkr: Callable, drawn: Callable[..., list[Figure]], body: str, words: tuple[object, ...]
-) -> None:
+def test_figures_of_the_verbs_are_fit_for_print(jkr, drawn, body, words) -> None:
     write_measured()
     Path("softer.toml").write_text(BODY.format(radius="8.8 um", w="100 mJ/m^2"))
     if "softer.h5" in words:

@@ -108,25 +108,6 @@ def test_save_replaces_nothing_that_jkr_did_not_write(tmp_path: Path) -> None:
     assert target.read_text() == "mine"
 
 
-@pytest.mark.slow
-def test_linear_algebra_runs_on_one_thread_whatever_the_environment_says(tmp_path: Path) -> None:
-    code = (
-        "import jkrcli as jkr, hashlib, sys\n"
-        f"solved = jkr.solve({str(CASES / 'three-layers.toml')!r})\n"
-        "curve = jkr.transform(solved, w=0.05)\n"
-        "numbers = [column for column in jkr.table(curve).values() if column.dtype == float]\n"
-        "print(hashlib.sha256(b''.join(column.tobytes() for column in numbers)).hexdigest())"
-    )
-    found = set()
-    for threads in ("1", "2"):
-        environment = {"OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads, "PATH": "/usr/bin:/bin"}
-        done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment, cwd=tmp_path
-        )
-        found.add(done.stdout.strip())
-    assert len(found) == 1
-
-
 @pytest.mark.first(3)
 @pytest.mark.parametrize("script", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
 def test_the_example_scripts_run(script, tmp_path, monkeypatch, capsys) -> None:

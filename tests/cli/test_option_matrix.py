@@ -1,8 +1,11 @@
-"""Every option of every verb alone and random pairs, on shipped inputs: none ends in a message of arithmetic, lasts
-unannounced, or is taken without an effect; the same words through Python meet the same refusals."""
+"""Every verb and every option alone and random pairs, on shipped inputs: none ends in a message of arithmetic, lasts
+unannounced, or is taken without an effect; a verdict comes first, a verb replaces its own files alone."""
 
+import ast
+import inspect
 import random
 import re
+import textwrap
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,10 +13,15 @@ from typing import Any
 
 import click
 import pytest
+from conftest import refused_by
 from every_verb import BASES, EXEMPT, HERE, WORDS, commands, left, options_of, typed, verb_of, write_inputs
 
+from jkrcli import cli
 from jkrcli.base.errors import InputError, SolveError
+from jkrcli.case.models import method_of, parse_case, places
 from jkrcli.cli import jkr as program
+from jkrcli.cli import printing as output
+from jkrcli.methods.protocol import METHODS
 
 PAIRS = 300
 PATIENCE = 10.0  # CPU seconds
@@ -180,3 +188,152 @@ def test_long_fits_and_states_are_announced(jkr, tmp_path, tuned, monkeypatch) -
     assert jkr("run", "stuck.toml", "-q").code == 0
     done = jkr("profile", "stuck.h5", "--a", "0.6 mm")
     assert re.search(r"profile of .* 15 s of CPU time\n.*begun", done.err), done.err
+
+
+CHEAP = ("new", "check", "run", "transform", "pull-off", "export", "look", "show")
+ALL = [*(base for base in BASES if ":" not in base), "pull-off:load", "cycle:rate", "fit:raw"]
+
+
+def judge(jkr: Callable, words: tuple[object, ...], whole: list[str]) -> None:
+    """``whole``: what was said, before it was folded."""
+    done = jkr(*words)
+    assert done.code == (words[0] == "compare"), done.err
+    wide = [line for line in (done.out + done.err).splitlines() if len(line) > 80]
+    assert [line for line in wide if len(line.split()) > 1 and max(map(len, line.split())) < 76] == []
+    lines = done.out.splitlines()
+    assert len(lines) <= (16 if words[0] == "check" else 12), done.out
+    verdict = next((line for line in whole if line.strip() and line.startswith(lines[0].rstrip())), lines[0])
+    assert any(character.isdigit() for character in verdict) or words[0] in ("new", "check", "study"), verdict
+    assert len(verdict) <= 120
+    if any(line.endswith(" with -v") for line in lines) and words[0] in ("pull-off", "show"):
+        assert len(jkr(*words, "-v").out.splitlines()) > len(lines)
+
+
+@pytest.mark.parametrize("bases", [CHEAP, pytest.param(ALL, marks=pytest.mark.slow)], ids=["", "all"])
+def test_the_verdict_comes_first(jkr, monkeypatch, tmp_path, bases) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    write_inputs(tmp_path, jkr)
+    whole: list[str] = []
+    fold = output.folded
+    monkeypatch.setattr(output, "folded", lambda line, *widest: (whole.append(line), fold(line, *widest))[1])
+    for base in bases:
+        whole.clear()
+        plots = ["--no-plots"] * any("--no-plots" in option.opts for option in options_of(base))
+        judge(jkr, (*verb_of(base).split(), *(word for word in BASES[base] if word != "--json"), *plots), whole)
+
+
+def test_errors_are_one_line_in_a_log(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    done = jkr("check", "there-is-no-such-case-file-in-this-empty-folder-of-a-test.toml")
+    assert (done.code, len(done.err.splitlines())) == (2, 1)
+
+
+FAST = ("transform", "cycle", "profile", "fit", "work", "export")
+NO_FILES = (
+    "new",
+    "check",
+    "pull-off",
+    "show",
+    "bench",
+    "doctor",
+    "compare:curves",
+)  # write nothing, or no file that is replaced
+WRITING = {
+    **{base: words for base, words in BASES.items() if not {base, verb_of(base)} & {*NO_FILES}},
+    "transform": ("gel.h5", "--w", "0.03", "--w", "0.04", "--together"),
+    "cycle:load control": ("gel.h5", "--stiffness", "load"),
+    "compare": ("gel.h5", "gel.h5", "--plot", "same.svg"),
+}
+
+
+@pytest.mark.first(len(FAST))
+@pytest.mark.parametrize("base", sorted(WRITING, key=lambda base: base not in FAST))
+def test_a_verb_replaces_what_it_wrote(base: str, jkr: Callable, tmp_path: Path) -> None:
+    write_inputs(tmp_path, jkr)
+    before = left(tmp_path)
+    words = (*verb_of(base).split(), *WRITING[base])
+    for _ in range(2):
+        assert jkr(*words).code == 0
+    made = [tmp_path / name for name, content in left(tmp_path).items() if content != before.get(name)]
+    assert made
+    for path in made:  # and the user's own files are his
+        path.write_text("mine\n")
+    assert jkr(*words).code == 2
+    assert all(path.read_text() == "mine\n" for path in made)
+
+
+LAYER = """
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.layers = [{ thickness = "0.2 mm", E = "1 MPa", nu = 0.3 }]
+loading.radius = "0.1 mm"
+"""
+OTHERS = {  # what to write for another value of an option, where that is not half its default
+    "layout": 'layout = "zones"', "element": 'element = "quadrilateral"', "order": "order = 1",
+    "formulation": 'formulation = "mixed"', "element_size": 'element_size = "5 um"\nlayout = "zones"',
+    "zone_sizes": 'zone_sizes = [0.01, 0.02, 0.3]\nlayout = "zones"', "depth": 'depth = "20 mm"',
+    "width": 'width = "20 mm"', "contact_radius": 'contact_radius = "0.2 mm"', "growth": "growth = 0.3",
+    "margin": "margin = 1.3", "edge_correction": "edge_correction = false", "estimate_error": "estimate_error = false",
+    "tolerance": "tolerance = 1e-3", "solver": 'solver = "superlu"', "contact": 'algorithm = "incremental"',
+    "integration": 'integration = "reduced"\norder = 1\nelement = "quadrilateral"\nlayout = "zones"',
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", [path for path, _ in commands(cli.jkr)], ids=" ".join)
+def test_every_parameter_of_a_verb_is_read_by_it(path: tuple[str, ...]) -> None:
+    command = dict(commands(cli.jkr))[path]
+    assert command.callback is not None
+    body = ast.parse(textwrap.dedent(inspect.getsource(inspect.unwrap(command.callback)))).body[0]
+    assert isinstance(body, ast.FunctionDef)
+    read = {node.id for part in body.body for node in ast.walk(part) if isinstance(node, ast.Name)}
+    given = {argument.arg for argument in (*body.args.args, *body.args.kwonlyargs)}
+    assert given <= read
+
+
+@pytest.mark.parametrize(
+    ("method", "option"), [(name, option) for name, known in METHODS.items() for option in places(known)]
+)
+def test_every_option_of_a_method_changes_it(method: str, option: str) -> None:
+    place = places(METHODS[method])[option]
+    plain = parse_case(LAYER.encode(), "plain.toml").model
+    line = OTHERS.get(option) or f"{place.key} = {place.default / 2!r}"
+    other = parse_case(f"{LAYER}[{place.table}]\n{line}\n".encode(), "other.toml").model
+    assert getattr(method_of(plain, method), option) != getattr(method_of(other, method), option)
+
+
+def test_sizes_of_another_layout_are_refused() -> None:
+    assert refused_by(parse_case, f"{LAYER}[mesh]\nzone_sizes = [0.01, 0.02, 0.3]\n".encode(), "my.toml") == (
+        'my.toml: mesh: zone_sizes belong to layout "zones"; the layout "scaled" takes spacing',
+    )
+
+
+@pytest.mark.parametrize("line", ["spacing = 0.05", "growth = 0.3"])
+def test_sizes_beside_a_tolerance_are_refused(line: str) -> None:
+    problem = parse_case(f"{LAYER}[mesh]\ntolerance = 1e-3\n{line}\n".encode(), "my.toml").model
+    reason = method_of(problem, "fem").refusal(problem.problem())
+    assert reason is not None
+    assert "mesh.spacing and mesh.growth follow from mesh.tolerance: leave them out" in reason
+
+
+def test_every_option_of_every_verb(jkr: Callable) -> None:
+    tried = 0
+    for words, command in commands(cli.jkr):
+        for option in command.params:
+            if not isinstance(option, click.Option) or option.is_flag or option.count:
+                continue
+            name = max(option.opts, key=len)
+            keyed = option.multiple and getattr(option.type, "keyed", False)
+            if option.multiple and not keyed:
+                continue
+            arguments = ["x"] * sum(isinstance(item, click.Argument) for item in command.params)
+            given = [name, "P=1", name, "P=2"] if keyed else [name, "1", name, "2"]
+            done = jkr(*words, *arguments, *given)
+            assert done.code == 2, (words, name)
+            said = f"{name}: P is given twice" if keyed else f"{name} is given 2 times"
+            assert said in done.err or "must be KEY=" in done.err, (words, name, done.err)
+            tried += 1
+    assert tried > 150
+
+
+@pytest.mark.parametrize("flags", [("--json", "--json"), ("-q", "-q"), ("--w", "1", "--w", "2")])
+def test_flags_and_options_of_several_values_may_be_repeated(flags: tuple[str, ...], jkr: Callable) -> None:
+    assert "is given" not in jkr("transform", "missing.h5", *flags).err

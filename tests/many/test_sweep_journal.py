@@ -4,13 +4,10 @@ import json
 import os
 from pathlib import Path
 
-import numpy as np
 import pyarrow.parquet
 import pytest
 from sweep_files import AXIS, BAD, HALF_SPACE, rows, samples
 
-from jkrcli.base.errors import InputError
-from jkrcli.many import sweep_plan as plan
 from jkrcli.many.sweep import opened
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
@@ -111,27 +108,6 @@ def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, s
         outcome = jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
         assert (outcome.code, len(solves), table.read_bytes()) == (0, 1, wanted)
         assert "jkr: r/journal.jsonl: 1 damaged lines (3): their cases are solved again\n" in outcome.err
-
-
-@pytest.mark.slow
-def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> None:
-    """2,000 random bytes, or the head: every row that is still read is as it was written."""
-    path, made = tmp_path / "journal.jsonl", np.random.default_rng(seed)
-    with opened(path) as journal:
-        for i in range(20):
-            journal.append(f"{i:020x}", plan.Row(-1, "ok", "", tuple(made.random(5).tolist()), 0.25))
-        written = dict(journal.rows)
-    content = path.read_bytes()
-    for _ in range(2000):
-        damaged = bytearray(content)
-        damaged[made.integers(len(content))] ^= made.integers(1, 256)
-        path.write_bytes(damaged)
-        try:
-            with opened(path) as journal:
-                assert journal.rows.items() <= written.items()
-                assert len(journal.rows) >= 18
-        except InputError as error:
-            assert "is no journal of a sweep" in str(error)  # noqa: PT017
 
 
 def test_two_sweeps_into_one_folder_are_refused(jkr, tmp_path: Path) -> None:

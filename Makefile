@@ -68,7 +68,7 @@ test-processors: $(READY) #: the fast tests of TESTS as other processors compute
 	$(STUDY).processors $(TESTS) $(if $(MOST),--most $(call QUOTE,$(MOST)))
 
 fuzz: $(READY) #: wrong files and random bodies of a SEED that the tests do not try (an hour)
-	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(call QUOTE,$(SEED)) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/properties/test_hostile_files.py tests/studies/test_failures.py
+	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(call QUOTE,$(SEED)) tests/properties/test_fuzz.py tests/properties/test_hostile_files.py tests/studies/test_failures.py
 
 $(WHEELS): requirements.txt | $(READY) # the pinned packages themselves, checked, to install some of them from
 	@rm -rf $@ $@.part

@@ -53,6 +53,9 @@ def test_both_branches_have_one_modulus_and_a_work_of_adhesion_each(columns: str
     assert found.estimate("w").low > found.estimate("w_approach").high
     if rest:
         assert found.value("a_turn") == pytest.approx(made.turn, rel=0.01)
+        alone = fitted(made.curve, segment="retract")
+        holds(alone, {name: made.truth[name] for name in ("E_star", "w")})
+        assert "w_approach" not in alone.free
 
 
 def hertzian(seed: int, held: int) -> tuple[np.ndarray, np.ndarray]:
@@ -108,15 +111,6 @@ def test_rows_in_no_order_and_single_branches_are_no_cycles() -> None:
         assert orient(curve.rows(rows)).segment is None
     noisy = np.linspace(0, 1, 100) + 0.1 * rng.normal(size=100)
     assert orient(Curve("c", a=noisy + 1, P=noisy)).flags == ()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
-def test_unloading_alone_knows_its_rows_at_rest(columns: str) -> None:
-    made = lens(np.random.default_rng(1), columns, True, WORDS)
-    found = fitted(made.curve, segment="retract")
-    holds(found, {name: made.truth[name] for name in ("E_star", "w")})
-    assert "w_approach" not in found.free
 
 
 def test_loading_alone_has_a_w_of_approach() -> None:

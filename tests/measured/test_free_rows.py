@@ -191,15 +191,6 @@ def test_an_attraction_in_contact_is_told_from_one_that_ends_at_touch(stays: boo
     assert_near(found, 0.03)
 
 
-def test_a_fit_without_saturated_rows_finds_the_values() -> None:
-    parts = made()
-    found = fit(BODY, curve_of(parts, np.minimum(parts["P"], 0.5 * parts["P"].max())), usual())
-    assert found.flags == ("saturated",)
-    assert within(found, "E_star", E_STAR)
-    assert within(found, "w", W)
-    assert any("saturated" in words for words in found.left_out)
-
-
 def test_a_direction_whose_contact_is_saturated_is_left_out(tmp_path: Path) -> None:
     """What the jump into contact rings through is left out as well, and of the approach no row in contact is left."""
     dirty = KINDS["saturated"](np.random.default_rng((73, 5, 0)))
@@ -210,6 +201,7 @@ def test_a_direction_whose_contact_is_saturated_is_left_out(tmp_path: Path) -> N
     found = fit(specimen, curve, usual())
     assert found.directions == f"retraction alone ({reason})"
     assert found.flags == ("saturated",)
+    assert any("saturated" in words for words in found.left_out)
     assert within(found, "E_star", dirty.truth["E_star"])
     assert within(found, "w", dirty.truth["w"])
     with pytest.raises(InputError, match=reason):

@@ -68,7 +68,7 @@ def test_every_unknown(body: FittedBody, record: Curve, options: dict[str, objec
 
 
 @pytest.mark.first(1)
-@pytest.mark.parametrize("contact", ["estimate", "auto", "fitted", "as-is"])
+@pytest.mark.parametrize("contact", ["estimate", "as-is"])
 def test_python_and_the_command_agree_to_the_last_digit(jkr: Callable, contact: str) -> None:
     Path("gel.toml").write_text(CASE)
     done = jkr("fit", "gel.toml", str(RAW), "--contact", contact, "--json", "--no-plots")

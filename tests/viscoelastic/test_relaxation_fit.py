@@ -223,21 +223,6 @@ def test_errors_are_those_of_the_load_alone_where_a_position_is_exact(probed: Fi
     assert found == pytest.approx(scale * bound[1:], rel=0.25)  # 0.71 of it where the exact column counted as rows
 
 
-@pytest.mark.slow
-def test_intervals_of_power_laws_on_levers(probed: FittedBody) -> None:
-    """Noise of 0.1 to 5 %, levers of 0.1 to 10 of the contact's stiffness: 95 % intervals hold 88 of 100 and more."""
-    inside = dict.fromkeys(("E_star", "exponent"), 0)
-    for seed in range(100):
-        rng = np.random.default_rng(seed)
-        noise, lever = 10 ** rng.uniform(-3, np.log10(0.05)), 10 ** rng.uniform(-1, 1)
-        made = ting_record(rng, noise, lever, rows=400, exact=seed % 2 == 0)
-        fit = by_power(probed, made)
-        for name, true in (("E_star", 4e3 / 3), ("exponent", 0.2)):
-            found = fit.estimate(name)
-            inside[name] += found.low <= true <= found.high
-    assert min(inside.values()) >= 88, inside
-
-
 def test_a_turn_between_two_rows_is_one_corner() -> None:
     t = np.linspace(0, 2, 400)  # 1 lies in the middle between two
     found, places = corners(t, 1 - np.abs(t - 1), 1e-12)

@@ -5,6 +5,7 @@ import csv
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import described_body
@@ -78,6 +79,11 @@ def readings(
     return Curve("made", t=t - t[0], delta=z - P / k + 0.03, P=P, stiffness=stiffness)
 
 
+@cache
+def usual() -> Made:
+    return cycle(W, STRESS, SOLID, CORNERS, 2.0)
+
+
 def off(fit: RelaxationFit, **true: float) -> float:
     """The largest distance from the truth in standard errors."""
     return max(abs(fit.value(name) - value) / (fit.estimate(name).error or 0) for name, value in true.items())
@@ -89,12 +95,12 @@ def test_a_march_is_that_of_other_equations(body: FittedBody) -> None:
     assert np.sqrt(np.mean(missed**2)) < 1e-3  # found: 2e-4
 
 
-def test_a_narrow_zone_is_made_up_for(body: FittedBody) -> None:
+@pytest.mark.first(1)
+@pytest.mark.parametrize(("width", "most"), [(0.01, 0.01), (0.005, 0.0072)])
+def test_a_narrow_zone_is_made_up_for(body: FittedBody, width: float, most: float) -> None:
     """The zone followed is a dozen times as wide as the true one; half as wide it errs by half as much."""
-    _, wide = march(body, SOLID, 2.0, 2.0, 0.01)
-    _, narrow = march(body, SOLID, 2.0, 2.0, 0.005)
-    assert np.sqrt(np.mean(wide**2)) < 0.012  # found: 9e-3
-    assert np.sqrt(np.mean(narrow**2)) < 0.8 * np.sqrt(np.mean(wide**2))
+    _, missed = march(body, SOLID, 2.0, 2.0, width)
+    assert np.sqrt(np.mean(missed**2)) < most  # found: 9e-3
 
 
 def test_loads_between_steps_are_smooth_but_at_corners() -> None:
@@ -180,7 +186,7 @@ def test_a_law_of_one_s_own_is_known_at_many_parameters(monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize(("before", "behind"), [(0.3, 0.3), (2.0, 0.5)])
 def test_free_rows_are_found_with_jumps(before: float, behind: float) -> None:
-    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
+    made = usual()
     found = Cycle.of(readings(made, before, behind, k=2.0))
     dt = (made.lost - made.begun) / 400
     assert found.jumps[0] == pytest.approx(before * 400 * dt, abs=2 * dt)
@@ -190,14 +196,14 @@ def test_free_rows_are_found_with_jumps(before: float, behind: float) -> None:
 
 
 def test_an_unloading_that_ends_in_contact_is_no_base_line() -> None:
-    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
+    made = usual()
     whole = readings(made, 0.5, 0.5, k=2.0)
     assert Cycle.of(whole.rows(np.arange(200 + 300))).held
     assert not Cycle.of(whole).held
 
 
 def test_a_lever_is_found_where_the_tip_was_read() -> None:
-    curve = readings(cycle(W, STRESS, SOLID, CORNERS, 2.0), 0.5, 0.5, k=2.0)
+    curve = readings(usual(), 0.5, 0.5, k=2.0)
     assert Cycle.of(replace(curve, stiffness=None)).stiffness == pytest.approx(2.0, rel=1e-3)
 
 
@@ -262,9 +268,14 @@ def test_closing_cracks_of_a_fluid_keep_their_digits() -> None:
 
 
 # --------------------------------------------------------------------------------------------------
-def test_a_whole_force_curve_with_free_rows(body: FittedBody) -> None:
-    made = cycle(W, STRESS, SOLID, CORNERS, 2.0)
-    fit = relaxation_fit(body, readings(made, 0.3, 0.3, k=2.0), relaxation_settings("sls", free=["w"]))
+@pytest.fixture(scope="module", name="fit")
+def _fit(body: FittedBody) -> RelaxationFit:
+    """Of a whole force curve with free rows, on a lever, with a hold: all in one."""
+    made = readings(usual(), 0.3, 0.3, k=2.0)
+    return relaxation_fit(body, made, relaxation_settings("sls", free=["w"]))
+
+
+def test_a_whole_force_curve_with_free_rows(fit: RelaxationFit) -> None:
     assert off(fit, E_star=1.0, ratio=0.3, time=1.0, w=W, stress=STRESS, delta0=0.03) < 3.5
     assert 0.8 < fit.scatter < 1.2
     E, true = fit.modulus(t := np.array([0.1, 0.5, 2.0])), SOLID(t)
@@ -331,7 +342,7 @@ def test_a_cycle_on_a_layer() -> None:
 
 @pytest.mark.slow
 def test_the_command(jkr: Callable, tmp_path: Path) -> None:
-    made = readings(cycle(W, STRESS, SOLID, CORNERS, 2.0), 0.5, 0.5, k=2.0)
+    made = readings(usual(), 0.5, 0.5, k=2.0)
     (tmp_path / "gel.toml").write_text(CASE)
     write_table("cycle.csv", "t_s,delta_m,P_N", made.time, made.depth, made.load)
     found = jkr("fit", "gel.toml", "cycle.csv", "--relaxation", "sls", "--free", "w", "--json").told["fits"][0]
@@ -344,11 +355,8 @@ def test_the_command(jkr: Callable, tmp_path: Path) -> None:
 
 
 def test_a_record_that_finds_no_history_does_not_cost_the_others(
-    jkr: Callable, body: FittedBody, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    jkr: Callable, fit: RelaxationFit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = readings(cycle(W, STRESS, SOLID, CORNERS, 2.0), 0.5, 0.5, k=2.0)
-    fit = relaxation_fit(body, made, relaxation_settings("sls", {"ratio": 0.3, "time": 1.0}, ["w"]))
-
     def one(_: FittedBody, curve: Curve, *__: object) -> RelaxationFit:
         if curve.name.startswith("a"):
             raise SolveError(f"{curve.name}: no history")
@@ -357,7 +365,7 @@ def test_a_record_that_finds_no_history_does_not_cost_the_others(
     monkeypatch.setattr(fits, "relaxation_fit", one)
     (tmp_path / "gel.toml").write_text(CASE)
     for name in ("a.csv", "b.csv"):
-        write_table(name, "t_s,delta_m,P_N", made.time, made.depth, made.load)
+        write_table(name, "t_s,delta_m,P_N", *[np.arange(1.0, 30)] * 3)
     done = jkr("fit", "gel.toml", "a.csv", "b.csv", "--relaxation", "sls", "--free", "w", "--json")
     assert (len(done.told["fits"]), "no history" in done.err) == (1, True)
     assert jkr("fit", "gel.toml", "a.csv", "--relaxation", "sls", "--free", "w", "--force").code == 1

@@ -152,17 +152,17 @@ def test_the_error_at_the_radius_of_rest_is_stated() -> None:
     assert abs(point.delta - exact.delta) <= error["delta"]
 
 
-def test_a_force_means_a_range_of_w(jkr_: Callable, relaxing_gel: Solution) -> None:
+def test_a_force_means_a_range_of_w(relaxing_gel: Solution) -> None:
     """500 uN on the gel: 18.35 mJ/m^2 from rest at P = 0, once 52.8 "below 1e-11"; each gives that force back."""
-    jkr.save(relaxing_gel, "gel.h5")
-    found = json.loads(jkr_("pull-off", "gel.h5", "--load", "500 uN", "--json").out)["results"][0]
+    result = jkr.pull_off(relaxing_gel, load="500 uN")
+    found = result.summary()
     assert found["w_J_per_m2"] == pytest.approx(18.35e-3, abs=6e-6)
     low, high = found["w_range_J_per_m2"]
     assert (low, high) == (pytest.approx(18.35e-3, abs=6e-6), pytest.approx(52.8e-3, abs=6e-5))
     for row in found["histories"]:
         again = lost(relaxing_gel, row["w_J_per_m2"])[row["history"]]
         assert force(again) == pytest.approx(500e-6, rel=1e-8), row["history"]
-    verdict = jkr_("pull-off", "gel.h5", "--load", "500 uN").out.splitlines()[0]
+    verdict = str(result).splitlines()[0]
     assert "w = 18.35 mJ/m^2 to 52.8" in verdict
     assert "by the history" in verdict
     deep = jkr.pull_off(relaxing_gel, load="500 uN", rest_depth=0.0)

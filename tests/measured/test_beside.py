@@ -47,15 +47,12 @@ def test_directions_beside_each_other_are_two_segments_of_one_record(tmp_path: P
     assert "segments of one force curve beside each other, put one under the other: approach, retract" in curve.flags
 
 
-def test_loads_of_both_directions_over_one_position(tmp_path: Path) -> None:
+def test_the_order_of_the_rows_of_a_retraction(tmp_path: Path) -> None:
     z, there, back = Z[:4] * 1e3, LOAD[:4], LOAD[4:]
     (curve,) = read(tmp_path, sheet("Weg (mm);Kraft hin (N);Kraft zurück (N)", z, there, back))
     np.testing.assert_allclose(curve.delta, np.append(z, z[::-1]) / 1e3, rtol=1e-12)
     np.testing.assert_allclose(curve.P, np.append(there, back[::-1]), rtol=1e-12)
     assert curve.flags[2] == "the rows of the retraction turned: they stand in the order of the position"
-
-
-def test_rows_of_a_retraction_stay_where_time_tells_their_order(tmp_path: Path) -> None:
     t = np.arange(4.0)
     head = "Zeit hin (s);Weg hin (mm);Kraft hin (N);Zeit zurück (s);Weg zurück (mm);Kraft zurück (N)"
     (curve,) = read(tmp_path, sheet(head, t, Z[:4] * 1e3, LOAD[:4], t + 4, Z[:4] * 1e3, LOAD[:4]))

@@ -75,13 +75,6 @@ def test_the_load_is_linear_in_w_through_0() -> None:
         assert (moving(q, math.inf, z, 1e-9)[0] - plain) / q == pytest.approx(-math.pi, rel=5e-3)
 
 
-def test_a_curve_without_a_stable_contact_stands_alone_too() -> None:
-    """Where no other had one, there was no cell between two nodes: an IndexError in a fit with w fixed far too high."""
-    alone = Branches.of([(FAMILY, 1.0, 1e3, 1.0)])
-    assert alone.stable.tolist() == [False]
-    assert alone.at(np.zeros(3, dtype=int), np.array([0.05, 0.1, 0.2]), np.array([1e-4])).shape == (4, 3)
-
-
 def test_no_number_of_a_curve_depends_on_which_others_are_beside_it() -> None:
     """Branches, edges at rest and loads of several curves of two bodies, from their folds on, to the bit those of each
     alone; 1e-6 below 0, one without a stable contact and a turn that is no number among them."""
@@ -94,6 +87,8 @@ def test_no_number_of_a_curve_depends_on_which_others_are_beside_it() -> None:
     ]  # fmt: skip
     both, curves = Branches.of(asked), len(asked)
     assert both.stable.tolist() == [True] * (curves - 1) + [False]
+    lone = Branches.of(asked[-1:])  # where no other had a stable contact, there was no cell between two nodes
+    assert lone.at(np.zeros(3, dtype=int), np.array([0.05, 0.1, 0.2]), np.array([1e-4])).shape == (4, 3)
     z, blunt = both.fold[:, None] + np.append(np.geomspace(1e-6, 0.01, 30), np.linspace(0.05, 0.2, 7)), np.full(6, 1e-4)
     loads = both.at(np.repeat(np.arange(curves), z.shape[1]), z.ravel(), blunt).reshape(4, *z.shape)
     for i, one in enumerate(asked[:-1]):

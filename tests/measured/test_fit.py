@@ -138,7 +138,7 @@ def test_thickness_of_a_layer_is_found() -> None:
     assert abs(found.value("delta0")) < EXACT * found.data["delta"].max()
 
 
-def test_radius_and_load_need_no_zero_of_the_displacement() -> None:
+def test_curves_with_radii() -> None:
     a = np.linspace(A_C, A_END, 50)
     delta, P = adhesive(a)
     found = fit(half_space(), Curve("microscope", a=a, P=P), usual())
@@ -147,9 +147,6 @@ def test_radius_and_load_need_no_zero_of_the_displacement() -> None:
     both = Curve("all", a=a, delta=delta + 1e-7, P=P + 2e-6)
     found = fit(half_space(), both, Settings(free("modulus", "w", "delta0", "P0")))
     check(found, E_star=E_STAR, w=W, delta0=1e-7, P0=2e-6)
-
-
-def test_radius_and_displacement_tell_the_ratio_of_w_and_modulus_only() -> None:
     a = np.linspace(A_C, A_END, 50)
     found = fit(half_space(), Curve("a", a=a, delta=adhesive(a)[0]), usual())
     assert found.value("w") / found.value("E_star") == pytest.approx(W / E_STAR, rel=1e-12)  # 1e-15 measured
@@ -206,7 +203,7 @@ def test_compressive_branch_alone_and_parts_of_a_curve() -> None:
     assert adhesive.value("w") == pytest.approx(W, rel=0.02)
 
 
-def test_no_adhesion_is_said() -> None:
+def test_what_is_said_of_odd_curves() -> None:
     a, random = np.linspace(0.5 * A_C, A_END, 200), np.random.default_rng(0)
     delta, P = adhesive(a, w=0.0)
     noise = 0.01 * random.standard_normal((2, 200))
@@ -216,6 +213,15 @@ def test_no_adhesion_is_said() -> None:
     assert item.high < 0.05 * W
     assert found.warnings[0].startswith("w is not significantly above 0: it is at most ")
     assert found.value("E_star") == pytest.approx(E_STAR, rel=0.005)
+    curve = sphere(noise=0.0)
+    found = fit(half_space(), replace(curve, P=1000 * curve.P), usual())
+    assert any("check the units of the data" in text for text in found.warnings)
+    assert not any("check the units" in text for text in fit(half_space(), curve, usual()).warnings)
+    delta = np.linspace(0.0, 1e-6, 50)
+    with pytest.raises(
+        InputError, match=r"wrong sign; .*--flip delta, --flip P\); the deflection .*: give --stiffness"
+    ):
+        fit(half_space(), Curve("way", delta=delta, P=-delta, flags=(NOT_SUBTRACTED,)), usual())
 
 
 def test_uncertain_inputs_widen_the_intervals() -> None:
@@ -303,18 +309,3 @@ def test_rows_of_next_to_no_contact_do_not_end_a_fit() -> None:
         Settings((*free("modulus"), *known)),
     )
     assert found.value("E_star") == pytest.approx(1.0, rel=1e-4)
-
-
-def test_moduli_far_from_the_case_ask_for_the_units() -> None:
-    curve = sphere(noise=0.0)
-    found = fit(half_space(), replace(curve, P=1000 * curve.P), usual())
-    assert any("check the units of the data" in text for text in found.warnings)
-    assert not any("check the units" in text for text in fit(half_space(), curve, usual()).warnings)
-
-
-def test_what_is_missing_in_a_record_is_said_where_nothing_fits() -> None:
-    delta = np.linspace(0.0, 1e-6, 50)
-    with pytest.raises(
-        InputError, match=r"wrong sign; .*--flip delta, --flip P\); the deflection .*: give --stiffness"
-    ):
-        fit(half_space(), Curve("way", delta=delta, P=-delta, flags=(NOT_SUBTRACTED,)), usual())

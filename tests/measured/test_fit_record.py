@@ -105,11 +105,18 @@ def test_how_often_intervals_hold_beside_a_random_walk(size: float, of_E: float,
     assert np.mean(held, axis=0) == pytest.approx([of_E, of_w], abs=0.03)  # as measured, rounding may turn a few
 
 
-def test_the_modulus_of_the_case_does_not_matter() -> None:
-    curve, _, _ = made(np.random.default_rng(3))
+def test_the_modulus_of_the_case_does_not_matter_and_what_is_known_is_kept() -> None:
+    curve, E_star, w = made(np.random.default_rng(3))
     one, other = fit(BODY, curve, usual()), fit(body(1e6), curve, usual())
     for name in ("E_star", "w", "delta0"):
         assert other.value(name) == pytest.approx(one.value(name), rel=1e-6)
+    found = fit(BODY, curve, usual(fix=[("w", f"{w} J/m^2")]))
+    assert found.value("w") == pytest.approx(w, rel=1e-12)
+    assert not found.estimate("w").free
+    assert inside(found, "E_star", E_star)
+    bound = fit(BODY, curve, usual(bound=[("E_star", f"{2 * E_star} Pa..")]))
+    assert bound.value("E_star") == pytest.approx(2 * E_star, rel=1e-6)
+    assert any("E* ends on its bound" in line for line in bound.warnings)
 
 
 def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulus() -> None:
@@ -146,8 +153,8 @@ def drifting(share: float, seed: int = 5) -> tuple[Curve, float, float]:
     return read(columns | {"z": z + speed * t}, k, "t", "segment"), E_star, speed
 
 
-def test_a_drift_of_the_depth_is_fitted_where_it_is_asked_for() -> None:
-    """A drift of 2 % of the way changes E* of the retraction alone by 3 %, with an interval of half a per cent."""
+def test_a_drift_of_the_depth_is_fitted_where_it_is_asked_for_and_said_elsewhere() -> None:
+    # A drift of 2 % of the way changes E* of the retraction alone by 3 %, with an interval of half a per cent.
     curve, E_star, speed = drifting(-0.02)
     found = fit(BODY, curve, usual(segment="both", free=["drift"]))
     for name, true in (("E_star", E_star), ("drift", speed)):
@@ -155,9 +162,6 @@ def test_a_drift_of_the_depth_is_fitted_where_it_is_asked_for() -> None:
     assert found.estimate("drift").dimension == "speed"
     fixed = fit(BODY, curve, usual(segment="both", fix=[("drift", f"{speed} m/s")]))
     assert fixed.value("E_star") == pytest.approx(E_star, rel=0.005)
-
-
-def test_a_drift_that_nobody_asked_for_is_said() -> None:
     said = {}
     for share in (0.0, -0.02):
         found = fit(BODY, drifting(share)[0], usual(segment="both"))
@@ -233,20 +237,15 @@ def test_what_the_model_of_a_record_does_not_know_is_fitted_to_its_rows(asked: d
     assert "only rows in contact are fitted" in " ".join(found.warnings)
 
 
-def test_estimated_zeros_are_those_of_the_whole_record() -> None:
+def test_estimated_zeros_and_a_sine_that_is_not_there_change_nothing() -> None:
     curve, _, _ = made(np.random.default_rng(7))
-    assert fit(BODY, curve, usual(contact="estimate")).value("E_star") == fit(BODY, curve, usual()).value("E_star")
-
-
-def test_a_known_work_and_a_bound_modulus_are_kept() -> None:
-    curve, E_star, w = made(np.random.default_rng(3))
-    found = fit(BODY, curve, usual(fix=[("w", f"{w} J/m^2")]))
-    assert found.value("w") == pytest.approx(w, rel=1e-12)
-    assert not found.estimate("w").free
-    assert inside(found, "E_star", E_star)
-    bound = fit(BODY, curve, usual(bound=[("E_star", f"{2 * E_star} Pa..")]))
-    assert bound.value("E_star") == pytest.approx(2 * E_star, rel=1e-6)
-    assert any("E* ends on its bound" in line for line in bound.warnings)
+    plain = fit(BODY, curve, usual()).value("E_star")
+    assert fit(BODY, curve, usual(contact="estimate")).value("E_star") == plain
+    found = fit(BODY, curve, usual(base_line="sine"))
+    assert found.value("E_star") == plain
+    assert "base line: no sine beyond its noise, a straight line is used" in found.warnings
+    with pytest.raises(InputError, match="--base-line sine is for raw force curves"):
+        fit(BODY, curve, usual(base_line="sine", contact="as-is"))
 
 
 @pytest.mark.parametrize(("loss", "size"), [("linear", 0.1), ("soft_l1", 0.02)])
@@ -262,15 +261,6 @@ def test_outliers_among_the_rows_change_nothing(loss: str, size: float) -> None:
     for name, true in (("E_star", E_star), ("w", w)):
         item = found.estimate(name)
         assert abs(item.value - true) < 3 * item.error < 3e-3 * true
-
-
-def test_a_sine_that_is_not_there_is_not_fitted() -> None:
-    curve, _, _ = made(np.random.default_rng(7))
-    found = fit(BODY, curve, usual(base_line="sine"))
-    assert found.value("E_star") == fit(BODY, curve, usual()).value("E_star")
-    assert "base line: no sine beyond its noise, a straight line is used" in found.warnings
-    with pytest.raises(InputError, match="--base-line sine is for raw force curves"):
-        fit(BODY, curve, usual(base_line="sine", contact="as-is"))
 
 
 def cycled(seed: int, w_in: float = 3e-5, layered: bool = False, noise: float = 0.005) -> Curve:

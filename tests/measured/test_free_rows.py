@@ -214,7 +214,7 @@ def test_a_base_line_of_rounded_zeros_is_not_saturated() -> None:
     assert "saturated" not in segment_force_curve(Curve("rounded", delta=z, P=P)).flags
 
 
-def test_what_no_row_tells_is_named_until_its_error_is_given() -> None:
+def test_what_nobody_asked_for_or_no_row_tells() -> None:
     parts = made()
     curve = curve_of(parts, parts["P"])
     found = fit(BODY, curve, usual())
@@ -223,6 +223,9 @@ def test_what_no_row_tells_is_named_until_its_error_is_given() -> None:
     calibrated = fit(BODY, curve, usual(uncertain={"stiffness": "10%", "sensitivity": "5%"}))
     assert "radius" in calibrated.not_included
     assert "spring" not in calibrated.not_included
+    curve = read(made(), DEVICE.k).rows(np.arange(DEVICE.rows))
+    assert "no retract" in fit(BODY, curve, usual()).flags
+    assert "no retract" not in fit(BODY, curve, usual(segment="approach")).flags
 
 
 def test_a_contact_much_stiffer_than_its_device_has_a_least_modulus() -> None:
@@ -233,12 +236,6 @@ def test_a_contact_much_stiffer_than_its_device_has_a_least_modulus() -> None:
     assert (item.error, item.high, item.low < E_STAR) == (None, None, True)
     assert any("times stiffer than the cantilever" in line for line in found.warnings)
     assert estimate_words(item, 0.95).startswith("more than ")
-
-
-def test_a_direction_that_nobody_asked_for_is_not_missed() -> None:
-    curve = read(made(), DEVICE.k).rows(np.arange(DEVICE.rows))
-    assert "no retract" in fit(BODY, curve, usual()).flags
-    assert "no retract" not in fit(BODY, curve, usual(segment="approach")).flags
 
 
 def test_an_attraction_is_found_where_the_retraction_ends_beside_its_pull_off() -> None:

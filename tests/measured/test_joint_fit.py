@@ -152,13 +152,10 @@ def test_what_is_said_of_another_tip_comes_true(body: FittedBody) -> None:
     assert told["the same again"].E_star == pytest.approx(told["now"].E_star / math.sqrt(2))
 
 
-def test_nothing_is_said_where_w_is_not_told(body: FittedBody) -> None:
+def test_which_further_measurement_is_told(body: FittedBody) -> None:
     found = fit(body, pressed(5e-6, 1), settings_of(body, fix=[("w", "1 mJ/m^2")]))
     with pytest.raises(InputError, match="plan: needs E\\* and w free"):
         python.plan(python.parse_case(CASE), found)
-
-
-def test_a_layer_is_asked_for_in_other_thicknesses() -> None:
     layer = 'specimen.layers = [{ name = "film", thickness = "5 um", E = "100 kPa", nu = 0.5 }]\n'
     film = body_of(python.parse_case(layer + CASE))
     a, s, rng = np.linspace(0.35e-6, 1.2e-6, 60), 2.0, np.random.default_rng(1)

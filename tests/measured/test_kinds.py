@@ -93,18 +93,15 @@ def test_what_is_nearly_as_likely_is_averaged_over(seed: int, i: int) -> None:
     assert max(moved("brush", seed, i, 0.5).values()) < THIRD / 2
 
 
-def test_widths_are_scaled_together(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_widths_and_names_are_those_of_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Odds are those of 1 to 20 of a longer range; alternatives and loads beside the contact are called as they are.
+    assert priors.PRIORS[priors.RANGE].cost == pytest.approx(2 * math.log(20), rel=2e-3)
+    assert {*LAWS, LEVEL, VIRTUAL, DECAY, WAVE, RELAXED} < priors.PRIORS.keys()
+    assert {priors.RANGE, priors.LONG, priors.TENSION} < {one.name for one in ALTERNATIVES}
+    assert all(one.prior.limits[0] < one.prior.limits[1] for one in ALTERNATIVES)
     told = settings_of(BODY, uncertain=[("range", "3 nm")])
     before = [one.width for one in priors.PRIORS.values()]
     assert settings_of(BODY).longest_range == 10e-9
     monkeypatch.setattr(priors, "WIDTHS", 2.0)
     assert [one.width for one in priors.PRIORS.values()] == [2 * one for one in before]
     assert (settings_of(BODY).longest_range, told.longest_range) == (20e-9, 3e-9)
-
-
-def test_the_table_is_of_what_there_is() -> None:
-    """Odds are those of 1 to 20 of a longer range; alternatives and loads beside the contact are called as they are."""
-    assert priors.PRIORS[priors.RANGE].cost == pytest.approx(2 * math.log(20), rel=2e-3)
-    assert {*LAWS, LEVEL, VIRTUAL, DECAY, WAVE, RELAXED} < priors.PRIORS.keys()
-    assert {priors.RANGE, priors.LONG, priors.TENSION} < {one.name for one in ALTERNATIVES}
-    assert all(one.prior.limits[0] < one.prior.limits[1] for one in ALTERNATIVES)

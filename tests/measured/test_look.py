@@ -148,17 +148,14 @@ def test_what_is_no_measurement_is_said_to_be_none(jkr: Callable[..., Outcome], 
         jkr(*words).refused(line)
 
 
-def test_a_column_of_an_unknown_unit_is_said_to_be_left_out(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
-    """P_mn was left out without a word, and E* with it."""
+def test_columns_that_are_not_what_they_should_be(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    # P_mn was left out without a word, and E* with it.
     rows = "".join(f"{i},{i * i},{i**3}\n" for i in range(1, 30))
     (tmp_path / "probe.csv").write_text(f"a_um,delta_nm,P_mn\n{rows}")
     done = jkr("fit", "--radius", "1 mm", "--nu", "0.5", "probe.csv", "--no-plots")
     line = 'column 3 "P_mn" left out: it ends in no unit of load; if it is the load: --column P=P_mn --unit P=mN'
     assert f"jkr: warning: probe.csv: {line}\n" in done.err
     assert jkr("look", "probe.csv").err.endswith(f"jkr: error: probe.csv: {line}\n")
-
-
-def test_a_sensitivity_without_volts_is_refused(jkr, tmp_path: Path) -> None:
     rows = "".join(f"{i},{i * i},{i**3}\n" for i in range(1, 12))
     (tmp_path / "probe.csv").write_text(f"a_um,delta_nm,P_nN\n{rows}")
     jkr("look", "probe.csv", "--sensitivity", "45 nm/V").refused("this file holds no volts", "--unit P=V")

@@ -56,15 +56,12 @@ def test_a_nanoscope_map_in_four_bytes_over_its_ramp(tmp_path: Path) -> None:
         assert "counts of four bytes, shifted by one, were read as such" in curve.flags
 
 
-def test_a_capture_of_peak_force_moves_as_a_sine(tmp_path: Path) -> None:
+def test_captures_and_constants_of_a_nanoscope_file(tmp_path: Path) -> None:
     curve = read_one(vendors.nanoscope(tmp_path / "x.pfc", capture=True))
     assert curve.device.argmax() == ROWS
     assert np.ptp(curve.device) == pytest.approx(2e-7)
     assert curve.t[-1] == pytest.approx((2 * ROWS - 1) / (2 * ROWS) / 2000)
     assert curve.flags[0] == "displacement from the sine of the drive, 100 nm at 2 kHz"
-
-
-def test_what_is_told_takes_the_place_of_the_head(tmp_path: Path) -> None:
     curve = read_one(vendors.nanoscope(tmp_path / "x.000"), stiffness=2 * K, sensitivity=1.2e-7, factors={"P": 3.0})
     np.testing.assert_allclose(curve.P, 12 * FORCE, atol=12 * 0.51 * COUNT * K, rtol=0)
     assert "stiffness 0.1 N/m as specified, the file says 0.05 N/m" in curve.flags
@@ -118,15 +115,12 @@ def test_constants_told_of_a_nanosurf_file_take_the_place_of_its_own(tmp_path: P
         np.testing.assert_allclose(read_one(lame).P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
 
 
-def test_a_nanosurf_map_goes_to_and_fro(tmp_path: Path) -> None:
+def test_rows_and_curves_of_a_nanosurf_map(tmp_path: Path) -> None:
     curves = measured.read(vendors.nanosurf(tmp_path / "map.nhf", 2))
     assert [curve.name for curve in curves] == ["0", "1", "3", "2"]  # row by row of the grid
     assert [(at.column, at.row) for curve in curves if (at := curve.pixel)] == [(0, 0), (1, 0), (0, 1), (1, 1)]
     for curve in curves:
         np.testing.assert_allclose(curve.P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
-
-
-def test_rows_that_nanosurf_did_not_measure_are_left_out(tmp_path: Path) -> None:
     path = vendors.nanosurf(tmp_path / "x.nhf")
     with h5py.File(path, "a") as file:
         file["group_0000/subgroup_0000/dataset_0000"][:3] = -(2**31)

@@ -108,11 +108,6 @@ def test_a_folder_of_files_is_a_map(jkr, tmp_path: Path) -> None:
     assert [row["curve"] for row in csv.DictReader((tmp_path / "site.A-fit.csv").open())] == ["curve10", "curve3"]
 
 
-def test_an_empty_folder_is_refused(jkr, tmp_path: Path) -> None:
-    (tmp_path / "empty").mkdir()
-    jkr(*BY_FLAGS, tmp_path / "empty").refused("empty: the folder holds no measured curves")
-
-
 def test_curves_without_a_grid_are_drawn_over_their_numbers(tmp_path: Path) -> None:
     from jkrcli.measured.figures import curves_figure
 
@@ -215,7 +210,7 @@ def write_grid(folder: Path, names: Sequence[str], heads: Sequence[str] = ()) ->
         export(folder / name, MADE, "# springConstant: 0.3" + (f"\n{heads[i].rstrip()}" if heads else ""))
 
 
-def test_a_specified_grid_counts_files_that_cannot_be_read(tmp_path: Path) -> None:
+def test_folders_that_hold_nothing_or_too_little(tmp_path: Path, jkr) -> None:
     write_grid(tmp_path / "map", [f"f{i}.txt" for i in range(6)])
     (tmp_path / "map/f2.txt").write_text("no table\n")
     batch = read_batch([tmp_path / "map"], Reading(), (3, 2))
@@ -223,6 +218,8 @@ def test_a_specified_grid_counts_files_that_cannot_be_read(tmp_path: Path) -> No
     assert places(batch.read[0][0]) == [("f0", 0, 0), ("f1", 1, 0), ("f3", 0, 1), ("f4", 1, 1), ("f5", 2, 1)]
     with pytest.raises(InputError, match="holds 6 curves, --grid 4x2 has 8 places"):
         read_batch([tmp_path / "map"], Reading(), (4, 2))
+    (tmp_path / "empty").mkdir()
+    jkr(*BY_FLAGS, tmp_path / "empty").refused("empty: the folder holds no measured curves")
 
 
 def test_a_fit_says_which_places_it_took(jkr: Callable, tmp_path: Path) -> None:

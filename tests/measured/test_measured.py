@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from jkrcli.base.errors import InputError
 from jkrcli.measured import files as measured
 from jkrcli.measured.curve import Curve, Reading
-from jkrcli.measured.segmentation import saturation, saturation_words, with_zero_points
+from jkrcli.measured.segmentation import with_zero_points
 
 MEND = ": correct it, or put # before it"
 A = np.array([1.0, 2.0, 3.0, 2.5]) * 1e-5
@@ -72,13 +72,7 @@ def test_one_curve_in_many_guises(tmp_path: Path, guise: str) -> None:
         np.testing.assert_allclose(getattr(curve, name), expected, rtol=5e-13, atol=0)  # 8e-14 measured
 
 
-def test_a_diameter_that_is_the_same_in_all_rows_is_that_of_the_indenter(tmp_path: Path) -> None:
-    path = tmp_path / "m.csv"
-    path.write_text("delta_um,P_nN,diameter_mm\n1,1,5\n2,3,5\n3,5,5\n")
-    assert measured.read(path)[0].measured == ("delta", "P")
-
-
-def test_several_curves_in_one_file_keep_their_order(tmp_path: Path) -> None:
+def test_columns_of_curves_and_of_an_indenter(tmp_path: Path) -> None:
     path = tmp_path / "map.tsv"
     path.write_text("curve\tdelta_nm\tP_nN\n" + "".join(f"{'cab'[i % 3]}\t{i}\t{10 * i}\n" for i in range(12)))
     curves = measured.read(path)
@@ -86,6 +80,9 @@ def test_several_curves_in_one_file_keep_their_order(tmp_path: Path) -> None:
     np.testing.assert_allclose(curves[1].P, np.array([10, 40, 70, 100]) * 1e-9, rtol=1e-14)
     assert curves[1].where == f'{path}: curve "a"'
     assert curves[1].segment is None
+    path = tmp_path / "m.csv"
+    path.write_text("delta_um,P_nN,diameter_mm\n1,1,5\n2,3,5\n3,5,5\n")
+    assert measured.read(path)[0].measured == ("delta", "P")
 
 
 def test_a_bad_curve_does_not_cost_the_others(tmp_path: Path) -> None:
@@ -166,16 +163,6 @@ def test_mistakes_are_told_in_one_line(tmp_path: Path, text: str, reading: Readi
     assert all(line.startswith(f"{path}: ") for line in caught.value.lines)
 
 
-def test_segments_are_taken_by_their_words() -> None:
-    curve = Curve("c", delta=DELTA, P=P, segment=np.array(WORDS), origin=Path("m.csv"))
-    assert curve.only("retract").P.tolist() == P[2:].tolist()
-    assert list(curve.segments()) == ["approach", "retract"]
-    with pytest.raises(InputError, match=r'^m.csv: curve "c": has no rows of segment "hold" \(segments: appr'):
-        curve.only("hold")
-    with pytest.raises(InputError, match=r'^c: names no segments, cannot take "hold" alone$'):
-        Curve("c", delta=DELTA, P=P).only("hold")
-
-
 @pytest.mark.parametrize(("columns", "message"), [
     ({"t": T}, "c: holds none of a, delta, P"), ({"P": np.array([1.0, np.inf])}, "c: P[1] is not finite"),
     ({"a": A, "P": P[1:]}, "c: all columns must have the same length, got {'a': 4, 'P': 3}"),
@@ -224,11 +211,3 @@ def test_zero_points_need_a_free_approach() -> None:
             with_zero_points(curve)
     both = with_zero_points(replace(raw, segment=np.full(len(raw), "up")))  # what turns back holds both directions
     assert both.flags == with_zero_points(raw).flags
-
-
-def test_a_detector_at_its_limit_is_seen() -> None:
-    raw = recorded()
-    assert saturation_words(raw, saturation(raw)) == ()
-    held = Curve("c", delta=raw.delta, P=np.minimum(raw.P, 3e-8))
-    (said,) = saturation_words(held, saturation(held))
-    assert "rows hold the same largest load, 30 nN" in said

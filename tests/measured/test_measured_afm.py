@@ -69,22 +69,19 @@ def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, columns_read: l
     np.testing.assert_allclose(first.delta, 5e-6 - HEIGHT - FORCE / K, rtol=1e-14)
 
 
-def test_one_curve_of_a_map_is_read_without_the_others(tmp_path: Path, columns_read: list[str]) -> None:
-    """Others are not read, and what is wrong with them is not said; their names are known."""
+def test_no_more_is_read_than_is_asked_for(tmp_path: Path, columns_read: list[str]) -> None:
+    # Others are not read, and what is wrong with them is not said; their names are known.
     lame = CONTENT | {"force": np.append(FORCE[:4], np.nan), "height (piezo)": HEIGHT}
     path = written(tmp_path / "map.h5", data(0, lame, spring_constant=K), *(data(i, spring_constant=K) for i in (1, 2)))
     assert [type(one) for one in measured.each(path, Reading(where={"curve": "2"}))] == [Curve]
     assert {name.split("/")[1] for name in columns_read} == {"2"}
     with pytest.raises(InputError, match=r'holds no curve "20".*0, 1, 2'):
         list(measured.each(path, Reading(where={"curve": "20"})))
-
-
-def test_columns_that_are_not_needed_are_not_read(tmp_path: Path, columns_read: list[str]) -> None:
     measured.read(written(tmp_path / "m.h5", data(columns=CONTENT | {"height (piezo)": HEIGHT}, spring_constant=K)))
     assert not [name for name in columns_read if "piezo" in name]
 
 
-def test_damage_to_one_column_is_told_of_its_curve_alone(tmp_path: Path) -> None:
+def test_what_is_wrong_with_one_curve_costs_no_other(tmp_path: Path) -> None:
     path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(3)))
     with h5py.File(path) as file:
         place = file["1/force"].id.get_chunk_info(0)
@@ -94,9 +91,6 @@ def test_damage_to_one_column_is_told_of_its_curve_alone(tmp_path: Path) -> None
     first, second, third = measured.each(path)
     assert [type(first), type(third)] == [Curve] * 2
     assert str(second).startswith(f'{path}: curve "1": ')
-
-
-def test_a_map_with_links_in_it_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(2)))
     with h5py.File(path, "a") as file:
         del file["1"]

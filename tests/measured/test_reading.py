@@ -57,7 +57,7 @@ def test_the_same_table_in_every_encoding(tmp_path: Path, encoding: str) -> None
     assert curve.flags[1].endswith("is not subtracted: give --stiffness")
 
 
-def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None:
+def test_what_is_subtracted_from_a_displacement(tmp_path: Path) -> None:
     head = "Federkonstante: 0,3 N/m\n"
     told, found = (
         one(written(tmp_path, head + table(("Weg [m]", Z), ("Kraft [N]", LOAD))), reading)
@@ -69,14 +69,20 @@ def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None
     bent = written(tmp_path, table(("Height (um)", Z), ("Deflection_nm", LOAD)))
     with pytest.raises(InputError, match=r"a deflection in nm, and a rigid instrument has none: give its stiffness$"):
         measured.read(bent, Reading(stiffness=math.inf))
+    path = written(tmp_path, table(("Piezo [m]", Z + LOAD / 5), ("Indentation [m]", Z), ("Force [N]", LOAD)))
+    for reading in (Reading(stiffness=math.inf), Reading(stiffness=5.0), None):
+        np.testing.assert_allclose(one(path, reading).delta, Z, rtol=1e-12, atol=1e-20)
 
 
-def test_a_segment_is_named_where_it_begins(tmp_path: Path) -> None:
-    """A row whose last cell is empty ended in a traceback, then was a segment of its own."""
+def test_segments_are_named_where_they_begin(tmp_path: Path) -> None:
+    # A row whose last cell is empty ended in a traceback, then was a segment of its own.
     words = ["approach", *[""] * (Z.size // 2 - 1), "retract", *[""] * (Z.size - Z.size // 2 - 1)]
     rows = [f"{z!r},{load!r},{word}" for z, load, word in zip(Z.tolist(), LOAD.tolist(), words, strict=True)]
     held = one(written(tmp_path, "\n".join(["delta_m,P_N,segment", *rows]))).segment
     assert held.tolist() == ["approach"] * (Z.size // 2) + ["retract"] * (Z.size - Z.size // 2)
+    head, *rows = table(("delta_m", Z), ("P_N", LOAD)).splitlines()
+    curve = one(written(tmp_path, "\n".join([head, "Loading", *rows[:2], "Hold", *rows[2:4], "Unloading", *rows[4:]])))
+    assert curve.segment.tolist() == ["approach"] * 2 + ["hold"] * 2 + ["retract"] * 2
 
 
 def test_a_displacement_of_no_telling_name_beside_a_deflection_is_questioned(tmp_path: Path) -> None:
@@ -87,12 +93,6 @@ def test_a_displacement_of_no_telling_name_beside_a_deflection_is_questioned(tmp
         curve = one(path, Reading(columns={"delta": name}))
         assert (AS_DEPTH in curve.flags) == asked, name
         np.testing.assert_allclose(curve.delta, Z - LOAD / 0.3 if name == "Piezoweg" else Z, atol=1e-18)
-
-
-def test_the_depth_itself_is_taken_where_the_device_is_rigid(tmp_path: Path) -> None:
-    path = written(tmp_path, table(("Piezo [m]", Z + LOAD / 5), ("Indentation [m]", Z), ("Force [N]", LOAD)))
-    for reading in (Reading(stiffness=math.inf), Reading(stiffness=5.0), None):
-        np.testing.assert_allclose(one(path, reading).delta, Z, rtol=1e-12, atol=1e-20)
 
 
 @pytest.mark.parametrize("mark", [",", "\t"])
@@ -127,17 +127,14 @@ def test_positions_come_with_the_sign_of_their_name(tmp_path: Path, title: str) 
     assert ("sign changed" in curve.flags[0]) == (sign < 0)
 
 
-def test_the_data_tell_the_sign_of_a_z_and_the_user_overrules_it(tmp_path: Path) -> None:
+def test_the_sign_of_a_z(tmp_path: Path) -> None:
     path = written(tmp_path, table(("Z (nm)", -Z * 1e9), ("Force (nN)", LOAD * 1e9)))
     curve = one(path)
     np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
     assert "sign changed: a position of the piezo, at whose lower end the load is largest" in curve.flags[0]
     np.testing.assert_allclose(one(path, Reading(factors={"delta": -1.0})).delta, -Z, rtol=1e-12)
     np.testing.assert_allclose(one(path, Reading(flip=frozenset({"delta"}))).delta, Z, rtol=1e-12)
-
-
-def test_the_sign_of_a_z_that_turns_under_tension(tmp_path: Path) -> None:
-    """Of a sticky gel the free rows hold the largest loads, those at the turn the least."""
+    # Of a sticky gel the free rows hold the largest loads, those at the turn the least.
     z = np.concatenate([np.linspace(0, 10, 60), np.linspace(10, 0, 60)]) * 1e-6
     load = np.where(z > 8e-6, -(z - 8e-6) * 1e-3, 0.0) + 1e-10 * np.cos(np.arange(120.0) ** 2)
     for sign in (1, -1):
@@ -250,21 +247,25 @@ def test_names_and_units_as_people_and_indenters_write_them(tmp_path: Path, head
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
 
 
-def test_columns_of_remarks_and_times_of_day_are_passed_over(tmp_path: Path) -> None:
+def test_columns_that_are_no_measurement_are_passed_over(tmp_path: Path) -> None:
     rows = [f"12:00:{i:02d};{z};{P};{'ok' if i == 4 else ''}" for i, (z, P) in enumerate(zip(Z, LOAD, strict=True))]
     curve = one(written(tmp_path, "\n".join(["clock;delta_m;P_N;remark", *rows])))
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
     assert curve.t is None
+    zeros = np.zeros(Z.size)
+    text = table(("Weg (m)", Z), ("Kraft (N)", LOAD), ("Contact Area (um^2)", zeros), ("Time (s)", zeros))
+    curve = one(written(tmp_path, text))
+    assert curve.measured == ("delta", "P")
+    assert sum("zeros alone" in flag for flag in curve.flags) == 2
+    curve = one(written(tmp_path, table(("h (nm)", 0 * Z + 50), ("delta (nm)", Z * 1e9), ("P (nN)", LOAD * 1e9))))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
 
 
-def test_words_behind_the_last_row_are_left_out_and_said(tmp_path: Path) -> None:
+def test_rows_that_are_no_measurement_are_left_out_and_said(tmp_path: Path) -> None:
     curve = one(written(tmp_path, table(("delta_m", Z), ("P_N", LOAD)) + "\nLargest load,9e-9\nEnd of test\n"))
     assert len(curve) == Z.size
     assert curve.flags == ('lines 9 to 10 are behind the last row and left out: "Largest load,9e-9"',)
-
-
-def test_rows_that_lack_a_number_are_left_out_and_said(tmp_path: Path) -> None:
-    """A blank cell, a word in a cell, a row of its time alone; the numbers of the others as they are."""
+    # A blank cell, a word in a cell, a row of its time alone; the numbers of the others as they are.
     rows = [f"{i / 10};{i * 0.5};{2 * i};" for i in range(40)]
     rows[7], rows[19], rows[30] = "0,7;n.a.;14;", "1,9;9,5;;door", "3;;;"
     text = "Zeit;Eindringtiefe;Kraft;Bemerkung\ns;µm;µN;\n" + "\n".join(row.replace(".5", ",5") for row in rows)
@@ -288,12 +289,6 @@ def test_rows_that_end_in_an_empty_cell(tmp_path: Path, kind: str) -> None:
     curve = one(written(tmp_path, ENDS[kind].format("1e-9;0", "2e-9;1e-9", "3e-9;3e-9")))
     np.testing.assert_allclose(curve.delta, np.array([1e-9, 2e-9, 3e-9]), rtol=1e-12)
     np.testing.assert_allclose(curve.P, np.array([0, 1e-9, 3e-9]), rtol=1e-12)
-
-
-def test_a_hold_between_the_segments(tmp_path: Path) -> None:
-    head, *rows = table(("delta_m", Z), ("P_N", LOAD)).splitlines()
-    curve = one(written(tmp_path, "\n".join([head, "Loading", *rows[:2], "Hold", *rows[2:4], "Unloading", *rows[4:]])))
-    assert curve.segment.tolist() == ["approach"] * 2 + ["hold"] * 2 + ["retract"] * 2
 
 
 LINES = {
@@ -380,14 +375,6 @@ def test_mistakes_are_told_in_one_line(tmp_path: Path, make: Callable[[Path], Pa
     assert said in str(caught.value)
 
 
-def test_columns_of_zeros_are_no_measurement(tmp_path: Path) -> None:
-    zeros = np.zeros(Z.size)
-    text = table(("Weg (m)", Z), ("Kraft (N)", LOAD), ("Contact Area (um^2)", zeros), ("Time (s)", zeros))
-    curve = one(written(tmp_path, text))
-    assert curve.measured == ("delta", "P")
-    assert sum("zeros alone" in flag for flag in curve.flags) == 2
-
-
 def intervals(counts: tuple[int, ...]) -> str:
     """A rheometer's export, a head before each of its intervals."""
     lines, t = ["Project:,Own,,,", ",,,,"], 0.0
@@ -408,11 +395,6 @@ def test_heads_of_further_intervals_are_no_rows(tmp_path: Path) -> None:
     assert not any("without a number" in flag for flag in curve.flags)
     with pytest.raises(InputError, match="line 58 must hold 5 numbers"):  # no intervals that are counted
         one(written(tmp_path, intervals((1, 1, 1))))
-
-
-def test_a_depth_is_no_thickness_beside_a_displacement(tmp_path: Path) -> None:
-    curve = one(written(tmp_path, table(("h (nm)", 0 * Z + 50), ("delta (nm)", Z * 1e9), ("P (nN)", LOAD * 1e9))))
-    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
 
 
 def test_micrometres_labelled_nanometres_bend_the_device_by_more_than_it_moves(tmp_path: Path) -> None:

@@ -42,12 +42,22 @@ def test_directions_are_found_without_a_column_as_with_one(told: bool, pause: in
     assert found.segments[-1].last == len(found.curve) - 1
 
 
-def test_a_hold_longer_than_the_motion_is_a_pause() -> None:
-    """It drew the usual speed to zero, and was a retraction that went the wrong way."""
+def test_parts_are_told_by_motion_whatever_they_are_called() -> None:
+    # It drew the usual speed to zero, and was a retraction that went the wrong way.
     depth = np.concatenate([np.linspace(0, 6e-5, 80), np.full(400, 6e-5)])
     P = 1e-3 * np.concatenate([depth[:80], np.geomspace(6e-5, 3e-5, 400)])
     found = segment_force_curve(Curve("held", None, depth, P, None))
     assert [(part.kind, len(part)) for part in found.segments] == [("approach", 80), ("dwell", 400)]
+    curve = curve_of(DEVICE)
+    found = segment_force_curve(replace(curve, segment=np.full(len(curve), "approach")))
+    assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
+    plain = dented(0.0, 200)
+    P, rows = plain.load.copy(), np.arange(200)
+    P[750:950] *= 0.3 + 0.7 * np.exp(-rows / 30)
+    P[950:] *= 0.3
+    found = segment_force_curve(replace(plain, P=P))
+    assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
+    assert [len(part) for part in found.segments] == pytest.approx([750, 200, 600], abs=25)
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -92,12 +102,6 @@ def test_a_change_of_units_changes_nothing() -> None:
     assert one.flags == other.flags
 
 
-def test_a_record_called_approach_that_turns_back_holds_both_directions() -> None:
-    curve = curve_of(DEVICE)
-    found = segment_force_curve(replace(curve, segment=np.full(len(curve), "approach")))
-    assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
-
-
 @pytest.mark.parametrize("kind", ["approach", "retract"])
 def test_rows_at_a_standstill_are_a_pause_whatever_they_are_called(kind: str) -> None:
     """The load drifts meanwhile, at one position: as rows of a direction they were taken for relaxation."""
@@ -116,7 +120,7 @@ def test_what_is_wrong_is_named() -> None:
     assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows))).flags) == {"no retract"}
     assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows + 200, len(whole)))).flags) == {"no approach"}
     limited = replace(whole, P=np.minimum(whole.P, np.quantile(whole.P, 0.9)))
-    assert "saturated" in segment_force_curve(limited).flags
+    assert "rows hold the same largest load" in segment_force_curve(limited).flags["saturated"]
     waves = sum(np.sin(whole.delta / length) for length in (0.8e-7, 1.5e-7, 3.1e-7))
     assert "wavy base line" in segment_force_curve(replace(whole, P=whole.P + 0.4 * PULL_OFF * waves)).flags
     rng = np.random.default_rng(3)
@@ -124,12 +128,13 @@ def test_what_is_wrong_is_named() -> None:
     assert "no force curve" in segment_force_curve(Curve("walk", delta=walk, P=rng.normal(size=4000))).flags
     deep = whole.rows(np.flatnonzero(whole.delta > 0.1e-6))
     assert "no base line" in segment_force_curve(deep).flags
-
-
-def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
     curve = curve_of(DEVICE)
     flags = segment_force_curve(replace(curve, delta=-curve.delta)).flags
     assert flags["wrong way"].endswith("has the opposite sign: indentation must be positive (--flip delta)")
+    with pytest.raises(InputError, match="has a, P; jkr fit takes contact radius and load"):
+        segment_force_curve(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
+    with pytest.raises(InputError, match="c: holds 5 rows, at least 20 are needed to look at"):
+        segment_force_curve(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-4, 1e-3])
@@ -205,13 +210,6 @@ def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
     assert sides[0].adhesion == pytest.approx(sides[1].adhesion)
 
 
-def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
-    with pytest.raises(InputError, match="has a, P; jkr fit takes contact radius and load"):
-        segment_force_curve(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
-    with pytest.raises(InputError, match="c: holds 5 rows, at least 20 are needed to look at"):
-        segment_force_curve(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
-
-
 def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
     """A pull-off smeared over many rows, as by tethers or drag: contact for sure begins where tension is largest."""
     curve = curve_of(replace(DEVICE, pause=0))
@@ -275,16 +273,6 @@ def test_parts_follow_the_load_where_unloading_leaves_a_dent(hold: int) -> None:
     assert kinds == ["approach", *(["dwell"] if hold else []), "retract"]
     assert len(found.segments[-1]) == pytest.approx(600, abs=12)
     assert "dent of 13" in found.flags["permanent set"]
-
-
-def test_a_dwell_in_which_the_load_relaxes_is_a_dwell() -> None:
-    plain = dented(0.0, 200)
-    P, rows = plain.load.copy(), np.arange(200)
-    P[750:950] *= 0.3 + 0.7 * np.exp(-rows / 30)
-    P[950:] *= 0.3
-    found = segment_force_curve(replace(plain, P=P))
-    assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
-    assert [len(part) for part in found.segments] == pytest.approx([750, 200, 600], abs=25)
 
 
 def of_kind(kind: str, seed: int) -> Curve:

@@ -102,26 +102,13 @@ def linear(at: FittedRecord, rows: np.ndarray | None = None) -> Linearised:
     return found
 
 
-def test_e_star_of_a_modulus_that_changes_is_that_at_the_largest_radius() -> None:
-    """ln S rises by the amount times a/a_max - 1: it is as it was at a_max, where the rows tell it."""
-    at = still_record()
-    graded = change("moduli that change with the contact radius", at)
-    family = at.model.family
-    _, rise = graded.of(family, {AMOUNT: 0.3})
-    places = np.log(at.a_max) + np.log([1.0, 0.5])
-    assert np.interp(places, grid(family), rise) == pytest.approx([0.0, -0.15], abs=1e-3)
-
-
-def test_what_falls_by_a_detected_amount_falls_by_no_more_than_all() -> None:
-    """E* by three factors e down, or up: 95 % less, or by three of it to first order."""
+def test_changes_by_an_alternative() -> None:
+    # E* by three factors e down, or up: 95 % less, or by three of it to first order.
     score = alternatives_of_record(still_record()).scores[0]
     found = replace(score, word=DETECTED, amount=3.0, error=0.0, E_star=-1.0, w=1.0)
     assert found.moved("E_star") == pytest.approx(math.exp(-3) - 1)
     assert found.moved("w") == pytest.approx(3.0)
-
-
-def test_changes_are_told_of_the_value_that_is_printed() -> None:
-    """E* of one direction, 0.8 of that of the fit of both, which an alternative that is detected raises by a tenth."""
+    # E* of one direction, 0.8 of that of the fit of both, which an alternative that is detected raises by a tenth.
     found = alternatives_of_record(still_record())
     score = replace(found.scores[0], word=DETECTED, amount=1.0, error=0.0, E_star=math.log(1.1), w=0.0)
     (one,) = replace(found, scores=(score,), named=(score,)).told_of({"E_star": 1 / 0.8}).named
@@ -130,6 +117,13 @@ def test_changes_are_told_of_the_value_that_is_printed() -> None:
     assert one.change("w") == 0
     undecided = replace(one, word=UNDECIDED, least=-0.2, known=0.2, error=math.inf)
     assert undecided.moved("E_star") == pytest.approx(0.2 * math.log(1.1))
+    # ln S rises by the amount times a/a_max - 1: it is as it was at a_max, where the rows tell it.
+    at = still_record()
+    graded = change("moduli that change with the contact radius", at)
+    family = at.model.family
+    _, rise = graded.of(family, {AMOUNT: 0.3})
+    places = np.log(at.a_max) + np.log([1.0, 0.5])
+    assert np.interp(places, grid(family), rise) == pytest.approx([0.0, -0.15], abs=1e-3)
 
 
 def test_the_load_of_a_sphere() -> None:

@@ -47,9 +47,6 @@ def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path:
     found = look(glass(tmp_path / "glass.csv", 1, 0.01), rigid=True).rigid
     assert found.error / found.factor == pytest.approx(0.01, rel=0.1)
     assert look(glass(tmp_path / "glass.csv", 1, 0.03), rigid=True).rigid.straight is False
-
-
-def test_a_contact_curved_alike_in_both_directions_is_said(tmp_path: Path) -> None:
     assert look(glass(tmp_path / "glass.csv", 1, bend=0.2), rigid=True).rigid.straight is False
 
 

@@ -8,7 +8,7 @@ from force_curves import Instrument, record
 from raw_records import R, body, inside, read
 
 from jkrcli.base.errors import InputError
-from jkrcli.measured.curve import APPROACH, RETRACT, Curve
+from jkrcli.measured.curve import RETRACT, Curve
 from jkrcli.measured.force_curve import radii_at
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.record import whole_fit
@@ -82,9 +82,3 @@ def test_a_retraction_alone_whose_edge_recedes_in_few_rows(share: float) -> None
     found = fit(BODY, pressed(24e-9, share * W, kind=RETRACT), settings_of(BODY))
     assert inside(found, "E_star", E_STAR)
     assert inside(found, "w", W)
-
-
-def test_an_approach_alone() -> None:
-    found = fit(BODY, pressed(10e-9, W, kind=APPROACH), settings_of(BODY))
-    assert inside(found, "E_star", E_STAR)
-    assert inside(found, "w_approach", W)

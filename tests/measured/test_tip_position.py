@@ -46,7 +46,7 @@ def test_the_noise_tells_the_stiffness_and_the_fit_holds_the_truth(ratio: float,
         assert item.error < 0.03 * true
 
 
-def test_noise_of_positions_of_their_own_counts_by_its_size() -> None:
+def test_whether_a_stiffness_is_told() -> None:
     k, rng = 0.3 * S, np.random.default_rng(2)
     columns = made(k)
     scatter = 2e-3 * 4 * E_STAR * (1e-6) ** 3 / (3 * R) / k
@@ -55,18 +55,12 @@ def test_noise_of_positions_of_their_own_counts_by_its_size() -> None:
         found = read(columns, delta).stiffness
         assert (found is not None) == told
         assert found is None or found == pytest.approx(k, rel=0.05)  # standard error 0.01
-
-
-def test_positions_of_the_device_and_exact_curves_tell_none() -> None:
     columns = made(0.3 * S)
     assert read(columns, columns["z"]).stiffness is None
     exact = made(0.3 * S, noise=0.0)
     _, delta, P = equilibrium(E_STAR, R, W, 0.3 * S, 1e-7)
     assert read({"P": P[::20]}, delta[::20]).stiffness is None
     assert read(exact, exact["z"]).stiffness is None
-
-
-def test_a_deflection_that_is_subtracted_twice_is_flagged() -> None:
     columns = made(0.5 * S)
     assert SUBTRACTED_TWICE in read(columns, columns["z"] - columns["P"] / (0.5 * S), 0.5 * S).flags
     assert SUBTRACTED_TWICE not in read(columns, columns["z"], 0.5 * S).flags

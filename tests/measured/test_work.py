@@ -17,7 +17,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.measured.curve import Curve
-from jkrcli.measured.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, runs, work_along
+from jkrcli.measured.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, work_along
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import RawSeries
 
@@ -127,9 +127,6 @@ def test_rows_that_have_none_are_told_apart() -> None:
     assert found.state.tolist() == [OK] * 10 + [NONE] * 10 + [ABOVE, BELOW]
     assert (found.w[10:] == 0).all()
     assert (found.a[10:] == 0).all()
-
-
-def test_radii_outside_the_series_and_loads_above_it_with_a_measured_radius() -> None:
     held = body("thin layer")
     series = held.series
     curve = Curve("c", a=np.array([series.a[0] / 2, series.a[50], series.a[50], series.a[-1] * 1.1]),
@@ -137,15 +134,12 @@ def test_radii_outside_the_series_and_loads_above_it_with_a_measured_radius() ->
     assert work_along(held, curve).state.tolist() == [BELOW, NONE, OK, ABOVE]
 
 
-def test_a_curve_without_any_usable_row_is_refused_with_the_counts() -> None:
+def test_curves_that_tell_no_w_are_refused() -> None:
     held = body("half-space")
     curve = Curve("c", delta=np.array([1e-6, 1.0, 1.0]), P=np.array([1.0, 0.0, 0.0]))
     said = "none of its 3 rows gives .*: 1 at or above the nonadhesive load, 2 at contact radii above 200 um"
     with pytest.raises(InputError, match=said):
         work_along(held, curve)
-
-
-def test_what_was_not_measured_cannot_be_used() -> None:
     with pytest.raises(InputError, match=r"^c: w follows from a and P, it holds delta, P$"):
         work_along(body("half-space"), Curve("c", delta=np.zeros(3), P=np.zeros(3)), ("a", "P"))
     with pytest.raises(InputError, match=r"^c: w follows from two of a, delta, P, it holds P$"):
@@ -233,11 +227,6 @@ def test_the_rate_where_parabolas_bend_too_little() -> None:
     off = np.abs(found - np.exp(t))
     assert off.max() < 2e-3 * np.exp(3)  # 1.1e-3 measured; of the parabola 2e-2
     assert (off <= error).all()
-
-
-def test_runs_end_where_a_step_is_broken() -> None:
-    assert runs(np.array([True, False, True, True])) == [slice(0, 2), slice(2, 5)]
-    assert runs(np.array([], dtype=bool)) == [slice(0, 1)]
 
 
 def test_rate_dependent_adhesion_is_read_back() -> None:

@@ -70,16 +70,13 @@ def test_of_named_segments_the_asked_one_is_evaluated(jkr: Run, measured: Path) 
     assert set(table("m-work.csv")["segment"]) == {"retract"}
 
 
-def test_where_the_noise_is_not_known_w_has_no_error(jkr: Run, measured: Path) -> None:
+def test_where_the_noise_is_not_known_and_rows_without_w(jkr: Run, measured: Path) -> None:
     done = jkr("work", "gel.h5", measured, "--no-plots")
     assert "no error of w: the noise is not known, give --noise" in done.out
     assert set(table("m-work.csv")["w_err_J_per_m2"]) == {""}
     spread = json.loads(Path("m-work.json").read_text())["curves"][0]["w"]["all"]
     assert spread["err_J_per_m2"] is None
     assert spread["err_by_slopes_J_per_m2"] > 0
-
-
-def test_rows_without_w_have_empty_cells(jkr: Run, measured: Path) -> None:
     rows = measured.read_text().splitlines()
     rows[20] = "9.5,400,0,0"  # beyond the series
     measured.write_text("\n".join(rows) + "\n")

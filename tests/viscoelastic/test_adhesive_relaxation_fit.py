@@ -133,18 +133,21 @@ def test_a_solid_that_keeps_all_of_its_modulus_is_elastic(body: FittedBody, stre
     assert len(one.rows) > 50
 
 
-def test_a_kelvin_voigt_element_creeps_within_its_retardation_time() -> None:
-    """J = 1 + (1/ratio - 1)(1 - exp(-t/retardation)) over that at t = 0; the element alone is E_0 ratio/(1 - ratio)."""
+def test_names_of_settings() -> None:
+    # J = 1 + (1/ratio - 1)(1 - exp(-t/retardation)) over that at t = 0; the element alone is E_0 ratio/(1 - ratio).
     modes = jkr.KelvinVoigtSolid(ratio=0.4, retardation=5.0).modes(1.0)
     rest, weights, rates = creep(modes)
     assert (rest, *weights, *rates) == pytest.approx((2.5, 1.5, 0.2))
     assert (modes.relaxed, *modes.rates) == pytest.approx((0.4, 0.5))
     assert relaxation_settings("kelvin-voigt", free=["w"]) == relaxation_settings("sls", free=["w"])
+    settings = relaxation_settings("sls", free=["w"], ranged=RangeRequest(None, 1e-9))
+    assert settings.fixed == {"range": 1e-9}
+    assert relaxation_settings("sls", free=["w", "stress"], ranged=RangeRequest(None, 1e-9)).fixed == {}
 
 
 def test_cracks_pass_at_both_ends_of_speeds() -> None:
-    """Nothing of exp(-q t) is gone of a zone that passes at once, all of a slow one; between both the opening is by
-    quadrature of (2/y) int D."""
+    # Nothing of exp(-q t) is gone of a zone that passes at once, all of a slow one; between both the opening is by
+    # quadrature of (2/y) int D.
     fast, slow = passing(np.array([1e-9])), passing(np.array([1e9]))
     assert [float(one[0]) for one in fast] == pytest.approx([1e-9 / 3, 1e-9, 2e-9 / 3], rel=1e-6)
     assert [float(one[0]) for one in slow] == pytest.approx([1, 1, 1], abs=1e-3)
@@ -152,6 +155,12 @@ def test_cracks_pass_at_both_ends_of_speeds() -> None:
     assert passing(np.array([4.0]))[0][0] == pytest.approx(1 - 0.5 * np.trapezoid(dawsn(q), q), rel=1e-4)
     for one in passing(np.array([0.5 - 1e-9, 0.5 + 1e-9])):
         assert one[1] == pytest.approx(one[0], rel=1e-5)
+    # Nothing is gone of a crack at once, however much the body relaxes in the end: J_inf = 1000 here.
+    _, c, q = creep(Modes(1e-3, np.array([0.999]), np.array([1.0])))
+    assert c.sum() == pytest.approx(999, rel=1e-6)
+    opening = passing(np.multiply.outer(np.geomspace(1e-7, 1e-3, 50), q))[0] @ c
+    assert (np.diff(opening) > 0).all()
+    assert opening[0] == pytest.approx(1e-7 / 3, rel=2e-3)
 
 
 def test_works_behind_a_force_on_a_half_space(body: FittedBody) -> None:
@@ -226,12 +235,6 @@ def test_what_is_not_asked_so(law: str, asked: dict, line: str) -> None:
         relaxation_settings(law, **asked)
 
 
-def test_the_range_of_the_case_is_known() -> None:
-    settings = relaxation_settings("sls", free=["w"], ranged=RangeRequest(None, 1e-9))
-    assert settings.fixed == {"range": 1e-9}
-    assert relaxation_settings("sls", free=["w", "stress"], ranged=RangeRequest(None, 1e-9)).fixed == {}
-
-
 def test_a_record_without_adhesion_or_of_a_prescribed_load_is_refused(body: FittedBody) -> None:
     t, noise = np.linspace(0, 3, 120), 1e-3 * np.random.default_rng(1).standard_normal(120)
     depth = np.interp(t, [0, 1, 2, 3], [-0.1, 0.1, 0.1, -0.1])
@@ -256,15 +259,6 @@ def test_contact_that_cannot_be_followed_is_told(body: FittedBody, monkeypatch: 
     trial = Trial(W, STRESS, 2.0, jkr.StandardSolid(0.3, 1.0).modes(3.0))
     (found,) = March(body.problem, AttractedBody(body.problem), [trial], (t, z)).run()
     assert found.given_up
-
-
-def test_closing_cracks_of_a_fluid_keep_their_digits() -> None:
-    """Nothing is gone of a crack at once, however much the body relaxes in the end: J_inf = 1000 here."""
-    _, c, q = creep(Modes(1e-3, np.array([0.999]), np.array([1.0])))
-    assert c.sum() == pytest.approx(999, rel=1e-6)
-    opening = passing(np.multiply.outer(np.geomspace(1e-7, 1e-3, 50), q))[0] @ c
-    assert (np.diff(opening) > 0).all()
-    assert opening[0] == pytest.approx(1e-7 / 3, rel=2e-3)
 
 
 # --------------------------------------------------------------------------------------------------

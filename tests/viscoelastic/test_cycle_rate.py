@@ -28,23 +28,17 @@ def answer(jkr: Callable, *words: object) -> dict:
     return jkr("cycle", *words, "--json", "--no-plots").told
 
 
-def test_the_pull_off_force_at_speed(jkr: Callable, series: Path) -> None:
-    """The table's value at V = 0.1, n = 0.6, a rigid device, from equilibrium at no load."""
+def test_pull_off_at_a_speed_under_a_dwell_and_by_a_table(jkr: Callable, series: Path) -> None:
+    # The table's value at V = 0.1, n = 0.6, a rigid device, from equilibrium at no load.
     found = answer(jkr, series, *RATE, "--speed", "0.1 m/s", "--to-load", "0 N")
     assert -found["pull_off"]["P_N"] / math.pi == pytest.approx(1.733807, rel=1e-5)
     assert found["contact_lost"]
     assert found["rate"] == {"law": "power", "v0_m_per_s": 1.0, "n": 0.6}
     assert found["turn_t_s"] < found["pull_off"]["t_s"] < found["lost_t_s"]
-
-
-def test_a_dwell_under_load_ends_in_loss(jkr: Callable, series: Path) -> None:
     found = answer(jkr, series, *RATE, "--speed", "1 N/s", "--stiffness", "load", "--dwell", "-5 N", "--dwell-time",
                    "1000 s")  # fmt: skip
     assert found["contact_lost"]
     assert found["pull_off"]["P_N"] == pytest.approx(-5.0)
-
-
-def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
     Path("way.csv").write_text("t_s,x_m\n0,-1\n10,1\n12,1\n12,0\n40,-20\n")
     found = answer(jkr, series, *RATE, "--program", "way.csv", "--rate-advance", "law=log,v0=1,b=0.2")
     assert found["contact_lost"]

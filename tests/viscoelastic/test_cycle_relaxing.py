@@ -219,12 +219,9 @@ def test_every_law_comes_back_from_its_file(tmp_path: Path) -> None:
         assert "the specimen relaxes: " in jkr_.transform(solved, 0.01).warnings[0]
 
 
-def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None:
+def test_what_is_said_of_a_specimen_that_relaxes(jkr: Callable, series: Path) -> None:
     done = jkr("check", series.with_suffix(".toml"))
     assert "  moduli    standard linear solid, ratio = 0.25, time = 1 s; loads here are those at t = 0" in done.out
-
-
-def test_the_pictures_of_limits_say_which(series: Path) -> None:
     found = jkr_.cycle(series, 0.01)
     for history, result in found.limits.values():
         title = result.figure().get_suptitle()

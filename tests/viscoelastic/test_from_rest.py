@@ -60,16 +60,13 @@ def test_from_rest_on_a_half_space(delta0: float, published: float, at: float) -
 
 
 def test_any_history_on_a_half_space() -> None:
-    """The largest force is E0/Einf times JKR's; the limits of very fast and very slow cycles are JKR's and equal."""
+    # The largest force is E0/Einf times JKR's; the limits of very fast and very slow cycles are JKR's and equal.
     found = lost(half_space(), W)
     jkr_force = 1.5 * math.pi * W * R
     assert force(found[FAST]) == pytest.approx(jkr_force, rel=1e-10)
     assert force(found[SLOW]) == pytest.approx(jkr_force, rel=1e-10)
     assert force(found[AT_MOST]) == pytest.approx(jkr_force / RHO, rel=1e-10)
     assert jkr_force < force(found[FROM_REST]) < jkr_force / RHO
-
-
-def test_units_do_not_matter() -> None:
     scale, by = 2e-6, 3e-9
     here, there = lost(half_space(), W), lost(half_space(scale, by), W * by / scale)
     for name, one in here.items():

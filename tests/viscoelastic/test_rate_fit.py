@@ -122,10 +122,18 @@ def test_points_of_a_clean_record_give_its_law(V: float, rows: int, use: tuple[s
         assert abs(math.log(value / true)) <= 2 * found.errors[name], name
 
 
-def test_too_narrow_speeds_are_said() -> None:
+def test_laws_of_which_little_is_told() -> None:
     v = np.geomspace(1e-6, 3e-6, 50)
     found = law_along_records("power", v, PowerRate(2e-6, 0.5).work(0.04, v))
     assert found.narrow
+    held = body("gel")
+    _, _, P, a, _ = clean("gel", 1e-5, 400)
+    rows = a > 1e-4
+    assert law_along([work_along(Nonadhesive(held.series, held.slopes), Curve("r", a=a[rows], P=P[rows]))]) is None
+    law = LawAlongRecords(PowerRate(4e-12, 0.1), 0.007, ("w0", "v0", "n"), np.diag([9.0, 16.0, 4.0]), (1.8e-5, 2e-5), 9)
+    assert through_words(law) == "no law over speed: 18 um/s to 20 um/s determine none of w0, v0, n"
+    known = replace(law, inner=np.diag([0.01, 16.0, 4.0]))
+    assert "(w0 ± 23 %, v0 not determined, n not determined, at 95 %)" in through_words(known)
 
 
 @pytest.mark.parametrize(("words", "said"), [
@@ -150,30 +158,13 @@ def test_what_a_command_asks_wrong_of_a_law_is_one_line(jkr: Callable) -> None:
 
 
 @pytest.mark.filterwarnings("error")
-def test_a_device_that_only_moves_in_has_no_retraction() -> None:
-    """A line through its last row alone was fitted: NumPy's RankWarning, or numbers out of range."""
+def test_records_without_a_retraction_or_a_time() -> None:
+    # A line through its last row alone was fitted: NumPy's RankWarning, or numbers out of range.
     t = np.linspace(0, 1, 60)
     for device in (t, np.full(60, 2.0), np.where(t < 1, t, 0.999)):
         with pytest.raises(InputError, match="rows of a retraction, at least"):
             rate_record(Curve("pressed", t=t, delta=device, P=t**1.5, stiffness=1.0), None)
-
-
-def test_a_time_that_falls_is_one_line() -> None:
     t = np.array([0.0, 1.0, 0.5, *range(2, 40)])
     curve = Curve("r", delta=-t, P=-t, t=t)
     with pytest.raises(InputError, match="r: time must rise from row to row, it does not in row 3"):
         rate_fit(body("gel"), [curve], rate_settings(body("gel"), "power"))
-
-
-def test_without_a_time_there_is_no_law() -> None:
-    held = body("gel")
-    _, _, P, a, _ = clean("gel", 1e-5, 400)
-    rows = a > 1e-4
-    assert law_along([work_along(Nonadhesive(held.series, held.slopes), Curve("r", a=a[rows], P=P[rows]))]) is None
-
-
-def test_a_law_of_which_nothing_is_told_is_none() -> None:
-    law = LawAlongRecords(PowerRate(4e-12, 0.1), 0.007, ("w0", "v0", "n"), np.diag([9.0, 16.0, 4.0]), (1.8e-5, 2e-5), 9)
-    assert through_words(law) == "no law over speed: 18 um/s to 20 um/s determine none of w0, v0, n"
-    known = replace(law, inner=np.diag([0.01, 16.0, 4.0]))
-    assert "(w0 ± 23 %, v0 not determined, n not determined, at 95 %)" in through_words(known)

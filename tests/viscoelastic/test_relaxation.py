@@ -43,12 +43,13 @@ def test_values_of_a_half_space() -> None:
     np.testing.assert_allclose(P, [0.40976766, 1.02621407, 0.45146169, 0.08167490], rtol=0, atol=1e-8)  # rounded
     assert found.lost == pytest.approx(1.62384979, abs=1e-8)
     np.testing.assert_allclose(a[:2], np.sqrt([0.5, 1.0]), rtol=1e-10)
-
-
-def test_values_of_a_bonded_layer() -> None:
     a, _, P = path(SOLID, TRIANGLE[0], 0.436692733 * TRIANGLE[1], depths(0.8)).states(np.array([0.5, 1, 1.25, 1.5]))
     np.testing.assert_allclose(P, [0.30357556, 1.19977308, 0.40694176, 0.04468622], rtol=0, atol=2e-8)
     assert a[1] == pytest.approx(0.9, rel=1e-8)
+    body, modes = depths().body, StandardSolid(0.25, 1e-3).modes(1.0)
+    t, x, rows = 1e-3 * TRIANGLE[0], TRIANGLE[1], np.array([0.5, 1.25])
+    P = depth_controlled(Depths(body.scaled(1e6)), modes, t, x).states(1e-3 * rows)[2]
+    np.testing.assert_allclose(P, 1e6 * path(SOLID, *TRIANGLE).states(rows)[2], rtol=1e-10)
 
 
 @pytest.mark.first(1)
@@ -165,13 +166,6 @@ def test_the_energy_lost_between_a_quick_press_and_a_quick_retraction(stiffness:
 def test_the_energy_lost_is_unknown_while_there_is_contact() -> None:
     held = RelaxingContact(depths().body, SOLID).history(Program(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 1.0])))
     assert str(held.energy_lost) == "contact is not lost"
-
-
-def test_units_scale() -> None:
-    body, modes = depths().body, StandardSolid(0.25, 1e-3).modes(1.0)
-    t, x, rows = 1e-3 * TRIANGLE[0], TRIANGLE[1], np.array([0.5, 1.25])
-    P = depth_controlled(Depths(body.scaled(1e6)), modes, t, x).states(1e-3 * rows)[2]
-    np.testing.assert_allclose(P, 1e6 * path(SOLID, *TRIANGLE).states(rows)[2], rtol=1e-10)
 
 
 @pytest.mark.parametrize("stiffness", [math.inf, 1.0])

@@ -89,6 +89,12 @@ def test_corners_of_a_motion() -> None:
     found, places = corners(t, np.interp(t, [0, 2, 7, 10], [0, 1, 1, -1]) + 0.01 * rng.standard_normal(400), 0.01)
     assert found == pytest.approx([0, 2, 7, 10], abs=0.08)  # 1.5 times the distance of rows over the noise
     assert places == pytest.approx([0, 1, 1, -1], abs=0.02)
+    t = np.linspace(0, 2, 400)  # 1 lies in the middle between two
+    found, places = corners(t, 1 - np.abs(t - 1), 1e-12)
+    assert found == pytest.approx([0, 1, 2])
+    assert places == pytest.approx([0, 1, 0], abs=1e-12)
+    stepped, _ = corners(t, np.where(t < 1, 0.0, 1.0), 1e-12)  # a step stays one
+    assert {t[199], t[200]} <= set(stepped)
 
 
 def test_what_cannot_be_fitted(body: FittedBody) -> None:
@@ -221,15 +227,6 @@ def test_errors_are_those_of_the_load_alone_where_a_position_is_exact(probed: Fi
     scale = float(np.mean((fit.record.response - fit.response)[loads(*true) > 0] ** 2)) ** 0.5 / noise
     found = [fit.estimate("E_star").error / fit.value("E_star"), fit.estimate("exponent").error]
     assert found == pytest.approx(scale * bound[1:], rel=0.25)  # 0.71 of it where the exact column counted as rows
-
-
-def test_a_turn_between_two_rows_is_one_corner() -> None:
-    t = np.linspace(0, 2, 400)  # 1 lies in the middle between two
-    found, places = corners(t, 1 - np.abs(t - 1), 1e-12)
-    assert found == pytest.approx([0, 1, 2])
-    assert places == pytest.approx([0, 1, 0], abs=1e-12)
-    stepped, _ = corners(t, np.where(t < 1, 0.0, 1.0), 1e-12)  # a step stays one
-    assert {t[199], t[200]} <= set(stepped)
 
 
 def test_what_a_record_does_not_determine_is_said_first(probed: FittedBody) -> None:

@@ -180,12 +180,9 @@ def test_a_press_a_hold_and_a_retraction_on_a_spring(layered: bool) -> None:
     np.testing.assert_allclose(np.interp(made.t, *rows.T)[apart], made.P[apart], atol=-2e-4 * made.P.min())  # 6e-5
 
 
-def test_a_power_law_is_refused() -> None:
+def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="power law"):
         sphere(1.0, PowerRelaxation(1.0, 0.3))
-
-
-def test_a_rim_that_is_met_beside_the_axis_is_refused() -> None:
     now = Now.apart(sphere(3.0)._body(1.0, 1e-3), 0.0, -0.06)
     dent = -0.3 * np.exp(-(((now.memory.body.points.x - 0.4) / 0.1) ** 2))
     with pytest.raises(InputError, match="beside the axis"):
@@ -209,7 +206,7 @@ def test_the_derivatives_of_a_state_are_those_of_differences(layered: bool) -> N
     np.testing.assert_allclose([many.delta[0], many.P[0], many.gap[0]], values(a, c), rtol=1e-5)
 
 
-def test_contact_is_made_again_where_the_dent_has_recovered() -> None:
+def test_a_second_contact() -> None:
     contact = sphere(3.0)
     speed = (0.05 - contact.least) / 0.1
     again = 60.0 + 0.55 / speed
@@ -219,9 +216,6 @@ def test_contact_is_made_again_where_the_dent_has_recovered() -> None:
     assert [jump.end is None for jump in course.jumps] == [False, True, False]
     first = next(row for row in course.rows if row.t == 0.1)
     assert course.rows[-1].P == pytest.approx(first.P, rel=5e-3)
-
-
-def test_a_second_press_onto_the_dent_that_is_left_holds_more() -> None:
     contact = sphere(3.0)
     speed = (0.05 - contact.least) / 0.1
     t = np.array([0.0, 0.1, 8.1, 8.2, 8.2 + 0.55 / speed])
@@ -273,8 +267,8 @@ def test_pull_off_of_any_convex_tip_is_that_of_its_relaxed_curve(tip: str) -> No
 PRONY = Prony((0.4, 0.3), (0.2, 3.0))
 
 
-def test_creep_undoes_relaxation() -> None:
-    """int_0^t r(t - s) dJ(s) = 1."""
+def test_the_work_of_a_crack_at_a_speed() -> None:
+    # int_0^t r(t - s) dJ(s) = 1.
     modes = PRONY.modes(1.0)
     J_inf, c, q = creep(modes)
     x, weights = np.polynomial.legendre.leggauss(60)
@@ -283,6 +277,15 @@ def test_creep_undoes_relaxation() -> None:
         rate = np.exp(-np.multiply.outer(s, q)) @ (c * q)
         whole = modes(t) * (J_inf - c.sum()) + t / 2 * weights @ (modes(t - s) * rate)
         assert whole == pytest.approx(1.0, rel=1e-10)
+    crack, ratio = CrackRate(0.05, 3.0, 10.0, StandardSolid(0.1, 2.0).modes(1.0)), 0.1
+    for v in (1e-3, 0.1, 3.0):
+        G = float(crack.work(0.05, v))
+        L = math.pi * ratio * 10.0 * G / (4 * 9.0)
+        theta = (np.arange(20_000) + 0.5) / 20_000 * math.pi / 2
+        y = np.sin(theta) ** 2
+        opens = np.arctanh(np.sqrt(y)) * 2 * np.sin(theta) * np.cos(theta)
+        behind = 1 - (1 - ratio) * np.exp(-(1 - y) * L / v * ratio / 2.0)
+        assert 0.05 / G == pytest.approx(float(np.mean(opens * behind)) * math.pi / 2, rel=1e-3)
 
 
 @pytest.mark.parametrize("law", [StandardSolid(0.1, 2.0), PRONY], ids=["sls", "prony"])
@@ -296,18 +299,6 @@ def test_the_law_rises_from_w_to_w_over_the_ratio(law: StandardSolid | Prony) ->
     assert (np.diff(w) > 0).all()
     np.testing.assert_allclose([crack.speed(0.05, x - 0.05) for x in w], v, rtol=1e-6)
     assert crack.speed(0.05, 1.0) == math.inf
-
-
-def test_a_slow_crack_of_a_standard_solid() -> None:
-    crack, ratio = CrackRate(0.05, 3.0, 10.0, StandardSolid(0.1, 2.0).modes(1.0)), 0.1
-    for v in (1e-3, 0.1, 3.0):
-        G = float(crack.work(0.05, v))
-        L = math.pi * ratio * 10.0 * G / (4 * 9.0)
-        theta = (np.arange(20_000) + 0.5) / 20_000 * math.pi / 2
-        y = np.sin(theta) ** 2
-        opens = np.arctanh(np.sqrt(y)) * 2 * np.sin(theta) * np.cos(theta)
-        behind = 1 - (1 - ratio) * np.exp(-(1 - y) * L / v * ratio / 2.0)
-        assert 0.05 / G == pytest.approx(float(np.mean(opens * behind)) * math.pi / 2, rel=1e-3)
 
 
 @pytest.mark.slow

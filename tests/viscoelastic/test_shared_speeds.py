@@ -86,18 +86,6 @@ def test_tables_of_laws_are_the_laws(law: object) -> None:
     assert not laws.at(rows, -v)[0].any()  # an edge that closes
 
 
-def test_works_of_a_law_are_over_the_modulus() -> None:
-    assert law_over("log", {"v0": 2.0, "b": 6.0}, 3.0) == jkr.LogRate(2.0, 2.0)
-    assert law_over("power", {"v0": 2.0, "n": 0.5}, 3.0) == jkr.PowerRate(2.0, 0.5)
-
-
-def test_when_half_of_the_tension_is_gone() -> None:
-    t = np.arange(6.0)
-    assert recovers(t, np.array([0, 1, -4.0, -4.0, 0, 0]), 4.0) == pytest.approx(3.5)
-    assert math.isinf(recovers(t, np.array([0, 1, 0, -4.0, -4.0, -4.0]), 4.0))
-    assert math.isinf(recovers(t, np.zeros(6), 0.0))
-
-
 def test_a_curve_without_an_approach(body: FittedBody) -> None:
     curve = record(2.0, 0.0, 1)
     half = replace(curve.rows(np.arange(int(np.argmax(curve.device)), len(curve))), name="half")
@@ -105,10 +93,16 @@ def test_a_curve_without_an_approach(body: FittedBody) -> None:
         shared_speeds_fit(body, [curve, half], relaxation_settings("sls", rate="power"))
 
 
-def test_what_is_shared_by_default() -> None:
+def test_what_is_shared_by_default_and_laws_over_the_modulus() -> None:
     assert relaxation_settings("sls", rate="power").own == ("delta0", "P0", "tilt")
     assert "w" in relaxation_settings("sls", free=["w"], shared=["E_star", "ratio", "time", "stress"]).own
     assert relaxation_settings("sls", rate="power", fix=[("w0", "2 J/m^2")]).fixed["w"] == 2.0
+    assert law_over("log", {"v0": 2.0, "b": 6.0}, 3.0) == jkr.LogRate(2.0, 2.0)
+    assert law_over("power", {"v0": 2.0, "n": 0.5}, 3.0) == jkr.PowerRate(2.0, 0.5)
+    t = np.arange(6.0)
+    assert recovers(t, np.array([0, 1, -4.0, -4.0, 0, 0]), 4.0) == pytest.approx(3.5)
+    assert math.isinf(recovers(t, np.array([0, 1, 0, -4.0, -4.0, -4.0]), 4.0))
+    assert math.isinf(recovers(t, np.zeros(6), 0.0))
 
 
 # --------------------------------------------------------------------------------------------------
@@ -166,20 +160,14 @@ def test_the_command(jkr: Callable, tmp_path: Path, two: list[Curve]) -> None:
 
 
 # ---------------------------------------------------------------------- names of spring and dashpot models
-def test_both_forms_of_the_solid_are_one() -> None:
-    """The modulus of one form times the compliance of the other is 1 at any rate s."""
+def test_names_of_springs_and_dashpots() -> None:
+    # The modulus of one form times the compliance of the other is 1 at any rate s.
     E_inf, E2, eta, series, viscosity, retardation = rheology.values_of("sls", {"ratio": 0.25, "time": 3.0}, 2.0)
     assert (E_inf, E2, eta, retardation) == pytest.approx((0.5, 1.5, 4.5, 12.0))
     for s in (0.01, 0.3, 20.0):
         modulus = E_inf + E2 * s / (s + E2 / eta)
         assert modulus * (1 / 2.0 + 1 / (series + viscosity * s)) == pytest.approx(1)
-
-
-def test_a_power_law_by_its_modulus_at_one_second() -> None:
     assert rheology.values_of("power", {"time": 0.01, "exponent": 0.2}, 5.0) == [pytest.approx(5 * 0.01**0.2), 0.2]
-
-
-def test_terms_of_a_series_are_springs_and_dashpots() -> None:
     p = {"weight1": 0.25, "time1": 2.0, "weight2": 0.5, "time2": 8.0}
     assert rheology.values_of("prony", p, 4.0) == pytest.approx([1, 1, 2, 2, 16])
 

@@ -115,7 +115,7 @@ def test_coating_of_unknown_modulus_without_noise_from_random_starts(seed: int, 
     assert found.value("E:base") == pytest.approx(1.5e6, rel=1e-14)
 
 
-def test_radii_far_beyond_the_case_are_solved_for() -> None:
+def test_radii_beyond_and_below_those_of_the_case() -> None:
     problem = thin_layer()
     small = replace(problem, loading=replace(problem.loading, maximum=0.05 * problem.loading.maximum))
     body = body_of(problem)
@@ -126,6 +126,16 @@ def test_radii_far_beyond_the_case_are_solved_for() -> None:
         InputError, match=r"data reach contact radii of .*, the solution ends at .*: increase \[loading"
     ):
         fit(body_of(small), curve, usual())
+    # The body is solved to the least radii of the data, too: of a case "begin at smaller radii" was said.
+    delta = np.array([1e-6, 3e-6, 1e-4, *np.linspace(0.01, 0.2, 20)])
+    case = described_body.UNIT.format(depth=0.2).replace("depth", "radius")
+    known = (Parameter("w", False, 0.0), Parameter("delta0", False, 0.0))
+    found = fit(
+        body_of_case(parse_case(case.encode(), "gel")),
+        Curve("c", delta=delta, P=4 / 3 * delta**1.5),
+        Settings((*free("modulus"), *known)),
+    )
+    assert found.value("E_star") == pytest.approx(1.0, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -176,7 +186,7 @@ def test_other_intervals_agree_with_those_of_the_covariance(confidence: str, poi
         assert two.high - two.low == pytest.approx(one.high - one.low, rel=width)
 
 
-def test_rows_out_of_contact_and_other_segments_are_left_out() -> None:
+def test_parts_of_a_curve() -> None:
     curve, random = sphere(noise=0.01, seed=1), np.random.default_rng(0)
     flat = np.linspace(-6, -1.3, 40) * DELTA_C
     whole = Curve(
@@ -189,9 +199,6 @@ def test_rows_out_of_contact_and_other_segments_are_left_out() -> None:
     assert found.left_out == ("200 rows of other segments", "40 rows out of contact")
     assert found.rows[0] == 200
     assert found.value("w") == pytest.approx(W, rel=0.01)  # 1 % noise: five standard errors
-
-
-def test_compressive_branch_alone_and_parts_of_a_curve() -> None:
     curve = sphere(noise=0.01, seed=5)
     compressive = fit(half_space(), curve, usual(branch="compressive"))
     assert compressive.left_out == ("108 rows of the adhesive part",)
@@ -296,16 +303,3 @@ def test_a_base_line_of_few_rows_is_one(line: int, power: float) -> None:
         assert 20 <= len(found) <= 22
         alone = points_of(Curve("c", None, depth, P[line:], None, None), None, "all", 3, None)
         assert len(alone) == 22  # a curve that begins gently is none
-
-
-def test_rows_of_next_to_no_contact_do_not_end_a_fit() -> None:
-    """The body is solved to the least radii of the data, too: of a case "begin at smaller radii" was said."""
-    delta = np.array([1e-6, 3e-6, 1e-4, *np.linspace(0.01, 0.2, 20)])
-    case = described_body.UNIT.format(depth=0.2).replace("depth", "radius")
-    known = (Parameter("w", False, 0.0), Parameter("delta0", False, 0.0))
-    found = fit(
-        body_of_case(parse_case(case.encode(), "gel")),
-        Curve("c", delta=delta, P=4 / 3 * delta**1.5),
-        Settings((*free("modulus"), *known)),
-    )
-    assert found.value("E_star") == pytest.approx(1.0, rel=1e-4)

@@ -215,13 +215,10 @@ def test_options_that_go_with_others(jkr, words: tuple[str, ...]) -> None:
     assert not list(Path().iterdir())
 
 
-def test_noise_of_what_was_not_measured(jkr) -> None:
+def test_options_without_an_effect_on_what_was_measured(jkr) -> None:
     rows = "\n".join(f"{i / 10},{i**1.5 / 100}" for i in range(1, 21))
     Path("one.csv").write_text(f"delta (um),P (mN)\n{rows}\n")
     jkr("fit", GEL, "one.csv", "--noise", "a=1 um", "-o", ".").refused("--noise a: the file has no a")
-
-
-def test_the_table_names_options_that_are_there() -> None:
     names = {option.name for option in verb.fit.params}
     assert set(EFFECT) <= names
     assert set(GOES_WITH) <= set(EFFECT)

@@ -81,10 +81,15 @@ def test_a_device_creeps_while_it_waits() -> None:
     assert not found.flags
 
 
-def test_hysteresis_needs_no_time() -> None:
+def test_what_hysteresis_and_creep_need() -> None:
     curve = made(bowed(0.01))
     one, other = (fit(BODY, each, usual(free=["hysteresis"])) for each in (curve, replace(curve, t=None)))
     assert other.value("hysteresis") == pytest.approx(one.value("hysteresis"))
+    curve = made(bowed(0.0))
+    with pytest.raises(InputError, match=r"^made: creep needs a column of time, there is none: leave creep out$"):
+        fit(BODY, replace(curve, t=None), usual(free=["creep"]))
+    with pytest.raises(InputError, match=r"^made: hysteresis is fitted to whole force curves only, without compliance"):
+        fit(BODY, curve, usual(free=["hysteresis"], branch="compressive"))
 
 
 def test_records_of_one_device_share_it() -> None:
@@ -98,14 +103,6 @@ def test_records_of_one_device_share_it() -> None:
     assert together.chance > 1e-3
     own = joint_fit([BODY] * 3, curves, settings, ("modulus",))
     assert [one.value("hysteresis") for one in own.fits] == pytest.approx([0.01] * 3, rel=0.1)
-
-
-def test_what_does_not_tell_it_is_refused() -> None:
-    curve = made(bowed(0.0))
-    with pytest.raises(InputError, match=r"^made: creep needs a column of time, there is none: leave creep out$"):
-        fit(BODY, replace(curve, t=None), usual(free=["creep"]))
-    with pytest.raises(InputError, match=r"^made: hysteresis is fitted to whole force curves only, without compliance"):
-        fit(BODY, curve, usual(free=["hysteresis"], branch="compressive"))
 
 
 @pytest.mark.parametrize(("name", "value"), [("hysteresis", "1"), ("creep", "-1e9")])

@@ -81,14 +81,28 @@ def test_coarse_curves_are_near_the_fine_ones(lam: float) -> None:
         assert np.abs(near - exact).max() < 1e-4 * abs(exact.min())  # 4e-5 measured
 
 
-def test_without_adhesion_a_range_has_no_tension() -> None:
-    """Its logarithm used to end fits by profiles, on whose way w may be 0."""
+def test_what_is_no_range() -> None:
+    # Its logarithm used to end fits by profiles, on whose way w may be 0.
     body, curve = tip(), record(1.0, 0.01, points=20)
     settings = settings_of(body, free=["range"])
     objective = Objective(body, settings.parameters, points_of(curve, None, "all", 4, 0.0), np.ones(2))
     values = {"modulus": 1.0, "w": 0.0, "range": 1e-9, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
     minimum = Minimum(objective, objective.scaled(values), least=None)
     assert _meaning(minimum, objective.unknowns.at(values))["stress"] == -math.inf
+    # Derivatives by it were 0/0.
+    for law in (("range", "1e-25 m"), ("stress", "1e29 Pa")):
+        with pytest.raises(InputError, match="which is adhesion without a range: leave stress and range out"):
+            fit(tip(), record(1.0, 0.0, points=60), settings_of(tip(), fix=[law]))
+    for free, fix, said in (
+        (["range", "stress"], [], "range and stress are one quantity"),
+        (["range", "E:base"], [], "E:base cannot be free together with a range of adhesion: fix E:base"),
+        ([], [("range", "0")], "range: must be > 0, got 0"),
+        (["range"], [("w", "0")], "needs w > 0"),
+    ):
+        with pytest.raises(InputError, match=said):
+            settings_of(tip(), free, fix=fix)
+    with pytest.raises(Refusal, match="give --surface sliding"):
+        _ = tip().on_surface("sticking").attracted
 
 
 @pytest.mark.parametrize("lam", [0.05, 1.0, 30.0])
@@ -209,26 +223,6 @@ def test_bounds_far_from_what_the_data_say_are_kept() -> None:
     for name, ends in (("E_star", "1e18 Pa..1e19 Pa"), ("w", "..1e-20 J/m^2")):
         with pytest.raises(InputError, match=r"tip: (no curve of this body|the data reach|the best fit leaves)"):
             fit(tip(), exact, settings_of(tip(), bound=[(name, ends)]))
-
-
-def test_a_range_that_is_none_is_refused() -> None:
-    """Derivatives by it were 0/0."""
-    for law in (("range", "1e-25 m"), ("stress", "1e29 Pa")):
-        with pytest.raises(InputError, match="which is adhesion without a range: leave stress and range out"):
-            fit(tip(), record(1.0, 0.0, points=60), settings_of(tip(), fix=[law]))
-
-
-def test_what_does_not_go_together_is_one_line() -> None:
-    for free, fix, said in (
-        (["range", "stress"], [], "range and stress are one quantity"),
-        (["range", "E:base"], [], "E:base cannot be free together with a range of adhesion: fix E:base"),
-        ([], [("range", "0")], "range: must be > 0, got 0"),
-        (["range"], [("w", "0")], "needs w > 0"),
-    ):
-        with pytest.raises(InputError, match=said):
-            settings_of(tip(), free, fix=fix)
-    with pytest.raises(Refusal, match="give --surface sliding"):
-        _ = tip().on_surface("sticking").attracted
 
 
 CASE = f"""

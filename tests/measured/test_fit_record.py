@@ -81,12 +81,18 @@ def case(layered: bool, E_star: float = 1e4) -> FittedBody:
     return FittedBody.of(problem, series, slopes(series), extensible=True)
 
 
-def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
+def test_records_that_determine_no_modulus() -> None:
     curve, _, _ = made(np.random.default_rng(3))
     words = np.where(np.arange(len(curve)) <= int(np.argmax(curve.device)), "approach", "retract")
     turned = replace(curve, delta=-curve.delta, segment=words, stiffness=None)
     with pytest.raises(InputError, match=r"wrong way: the displacement of the retract has the opposite .*--flip delta"):
         alone(raw_force_curve(turned, usual(contact="fitted")))
+    # A stiffness of the device that is half as large as it should be leaves no indentation: E* came out at 1e6 TPa,
+    # doubtful.
+    columns = record(3e5, R, 3e-4, 1e-3, Instrument(0.2, 400, far=2e-6, largest=1e-7, noise=3e-10), 3)
+    said = r"E\* is not determined.*: compared with a cantilever of 100 mN/m .* nearly rigid"
+    with pytest.raises(InputError, match=said):  # whether with a standard error, and which, is up to round-off
+        fit(BODY, read(columns, 0.1), usual())
 
 
 @pytest.mark.slow
@@ -117,15 +123,6 @@ def test_the_modulus_of_the_case_does_not_matter_and_what_is_known_is_kept() -> 
     bound = fit(BODY, curve, usual(bound=[("E_star", f"{2 * E_star} Pa..")]))
     assert bound.value("E_star") == pytest.approx(2 * E_star, rel=1e-6)
     assert any("E* ends on its bound" in line for line in bound.warnings)
-
-
-def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulus() -> None:
-    """A stiffness of the device that is half as large as it should be leaves no indentation: E* came out at 1e6 TPa,
-    doubtful."""
-    columns = record(3e5, R, 3e-4, 1e-3, Instrument(0.2, 400, far=2e-6, largest=1e-7, noise=3e-10), 3)
-    said = r"E\* is not determined.*: compared with a cantilever of 100 mN/m .* nearly rigid"
-    with pytest.raises(InputError, match=said):  # whether with a standard error, and which, is up to round-off
-        fit(BODY, read(columns, 0.1), usual())
 
 
 def test_a_drift_that_is_fitted_makes_no_specimen_rigid() -> None:
@@ -291,12 +288,17 @@ def test_the_edge_rests_at_the_turn(segment: str | None, layered: bool) -> None:
     assert np.abs(np.diff(drawn)).max() < 0.1 * np.ptp(drawn)  # in and out in one stroke: the line crosses no picture
 
 
-def test_a_direction_that_cannot_be_fitted_is_named_with_the_other() -> None:
+def test_one_direction_alone() -> None:
     curve = cycled(1)
     turn = int(np.argmax(curve.device))
     found = fit(BODY, curve.rows(np.arange(turn + 200)), usual())
     assert found.directions == "approach alone (retraction: it has no base line)"
     assert any("approach alone: its w is w_approach" in line for line in found.warnings)
+    found = graded(way_back(cycled(1)))
+    assert "no approach" in found.flags
+    assert found.grade.word in (GOOD, USABLE)
+    assert status_of(found) == FITTED
+    assert abs(found.value("E_star") / TRUE["E_star"] - 1) < found.grade.sizes["E_star_error"]
 
 
 def test_directions_of_different_moduli_stand_side_by_side() -> None:
@@ -498,14 +500,6 @@ def way_back(curve: Curve) -> Curve:
     return curve.rows(np.arange(int(np.argmax(curve.P)), len(curve)))
 
 
-def test_one_direction_alone_is_no_doubt() -> None:
-    found = graded(way_back(cycled(1)))
-    assert "no approach" in found.flags
-    assert found.grade.word in (GOOD, USABLE)
-    assert status_of(found) == FITTED
-    assert abs(found.value("E_star") / TRUE["E_star"] - 1) < found.grade.sizes["E_star_error"]
-
-
 def test_readings_without_noise_are_no_misfit_and_grade_and_sizes_are_written() -> None:
     found = graded(cycled(1, noise=1e-7))
     assert not {"misfit", "model rejected"} & set(found.flags)
@@ -531,10 +525,16 @@ def test_a_direction_that_says_otherwise_is_in_the_error() -> None:
     assert abs(item.value / TRUE["E_star"] - 1.05) < 2 * found.grade.sizes["E_star_error"]
 
 
-def test_noise_is_no_wave() -> None:
+def test_what_free_rows_hold_beside_a_line() -> None:
     curve = cycled(1)
     noise = 0.2 * np.ptp(curve.P) * np.random.default_rng(3).normal(size=len(curve))
     assert "wavy base line" not in segment_force_curve(replace(curve, P=curve.P + noise)).flags
+    # A tooth of 5 % of the load on the free rows: 1 % of it in their root mean square.
+    curve = cycled(1)
+    place = np.arange(len(curve)) / int(np.argmax(curve.P))
+    tooth = 0.05 * float(curve.P.max()) * np.maximum(1 - np.abs(place - 0.25) / 0.05, 0.0)
+    sizes = [graded(one, segment="approach").sizes or {} for one in (curve, replace(curve, P=curve.P + tooth))]
+    assert sizes[0]["misfit"] < 0.003 < 0.005 < sizes[1]["misfit"]
 
 
 def test_a_device_whose_stiffness_errs_has_loads_that_err() -> None:
@@ -561,12 +561,3 @@ def test_a_misfit_that_nothing_explains_names_no_alternative_and_widens_the_erro
     part = (item.model or {})["misfit"]
     assert part > 4 * (item.high - item.low) / 2
     assert abs(item.value / TRUE["E_star"] - 1) < part / item.value
-
-
-def test_free_rows_off_their_line_are_misfit_too() -> None:
-    """A tooth of 5 % of the load on the free rows: 1 % of it in their root mean square."""
-    curve = cycled(1)
-    place = np.arange(len(curve)) / int(np.argmax(curve.P))
-    tooth = 0.05 * float(curve.P.max()) * np.maximum(1 - np.abs(place - 0.25) / 0.05, 0.0)
-    sizes = [graded(one, segment="approach").sizes or {} for one in (curve, replace(curve, P=curve.P + tooth))]
-    assert sizes[0]["misfit"] < 0.003 < 0.005 < sizes[1]["misfit"]

@@ -114,7 +114,7 @@ def test_a_force_volume_of_fewer_curves_than_pixels(curves: int, columns: int, i
 
 
 # ---------------------------------------------------------------------- gzip
-def test_gzip_is_read_by_itself(tmp_path: Path) -> None:
+def test_gzip_is_read_by_itself_or_is_one_error(tmp_path: Path, jkr: Callable) -> None:
     text = table("delta_um,P_uN", numbers()).encode()
     for name, content in (
         ("a.csv", text),
@@ -127,9 +127,6 @@ def test_gzip_is_read_by_itself(tmp_path: Path) -> None:
         plain, unpacked = read(tmp_path / name), read(tmp_path / f"{name}.gz")
         assert len(plain) == len(unpacked)
         assert all(np.array_equal(one.load, other.load) for one, other in zip(plain, unpacked, strict=True))
-
-
-def test_a_wrong_gzip_is_one_error(tmp_path: Path, jkr: Callable) -> None:
     whole = gzip.compress(table("delta_um,P_uN", numbers()).encode())
     wrong = {
         "cut": whole[:-30], "bare": b"delta,P", "empty": b"", "crc": whole[:-8] + struct.pack("<II", 1, 2),

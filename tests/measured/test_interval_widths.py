@@ -61,7 +61,7 @@ def test_quantiles_have_two_sides(level: float) -> None:
 
 
 def test_covariances_of_two_means_by_hand() -> None:
-    """Three readings of one number and four of another, and twice as many residuals where two columns are read."""
+    # Three readings of one number and four of another, and twice as many residuals where two columns are read.
     r = np.array([1.0, -2.0, 1.0, 3.0, -1.0, -1.0, -1.0])
     J = np.repeat(np.eye(2), [3, 4], axis=0)
     assert variance_factor(r, 5, "linear", 1.0) == pytest.approx(18 / 5)
@@ -74,9 +74,6 @@ def test_covariances_of_two_means_by_hand() -> None:
     # Huber's loss that turns at 2: psi is 1, -1/2, 1/2 and, of the outlier, 1; three slopes of four are 1.
     r = np.array([2.0, -1.0, 1.0, 8.0])
     assert variance_factor(r, 3, "huber", 2.0) == pytest.approx((1 + 0.25 + 0.25 + 1) / 3 * 4 / 0.75**2)
-
-
-def test_systematic_parts_count_as_standard_errors() -> None:
     item = wider(FittedValue("delta0", 1.0, True, "length", 3.0, -5.0, 7.0), {"nu": 4.0, "R": 12.0}, 2.0)
     assert item.error == 13.0
     assert (item.low, item.high) == pytest.approx((1 - 2 * 13.0, 1 + 2 * 13.0))

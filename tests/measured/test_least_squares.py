@@ -15,9 +15,8 @@ from jkrcli.measured.lockstep import Flow, alone, ask, quiet, together
 from jkrcli.measured.parameters import Answer, FittedValue
 
 
-def test_a_step_to_where_nothing_can_be_solved_is_shortened() -> None:
-    """From 3 the first step on atan(x) - 0.5 leads to -4.5."""
-
+def test_searches_and_answers() -> None:
+    # From 3 the first step on atan(x) - 0.5 leads to -4.5.
     def model(x: np.ndarray) -> State:
         if x[0] < 0:
             raise SolveError("no body")
@@ -29,9 +28,6 @@ def test_a_step_to_where_nothing_can_be_solved_is_shortened() -> None:
     assert found.x[0] == pytest.approx(np.tan(0.5), rel=1e-6)
     with pytest.raises(SolveError):
         LeastSquares(model, everywhere).least(np.array([-1.0]))
-
-
-def test_a_parameter_without_variance_correlates_with_none() -> None:
     values = tuple(FittedValue(name, 1.0, True, "number", 0.1, 0.8, 1.2) for name in ("one", "two"))
     answer = Answer(estimates=values, free=("one", "two"), covariance=np.diag([0.01, 0.0]), dof=1)
     np.testing.assert_allclose(answer.correlation, [[1, 0], [0, 0]], rtol=1e-14)
@@ -77,7 +73,7 @@ def test_one_call_answers_all_that_wait_and_flows_that_end_leave() -> None:
     assert alone(powers(3.0, 1)) == 9.0
 
 
-def test_a_failure_is_of_its_own_flow_alone_and_can_be_caught_there() -> None:
+def test_failures_are_of_their_own_flows_alone() -> None:
     def caught(x: float) -> Flow[float]:
         try:
             return (yield from ask(squares, x))
@@ -90,14 +86,21 @@ def test_a_failure_is_of_its_own_flow_alone_and_can_be_caught_there() -> None:
     with pytest.raises(SolveError, match="below 0"):
         alone(powers(-1.0, 2))
 
-
-def test_a_kernel_that_fails_as_a_whole_answers_each_question_alone() -> None:
     def inverse(x: float) -> Flow[Any]:
         return (yield from ask(fragile, x))
 
     good, bad = together([inverse(4.0), inverse(0.0)])
     assert good == 0.25
     assert isinstance(bad, ZeroDivisionError)
+
+    def faulty(asked: list[float]) -> list[float]:
+        return [{}[x] for x in asked]
+
+    def flow() -> Flow[float]:
+        return (yield from ask(faulty, 1.0))
+
+    with pytest.raises(KeyError):
+        together([flow(), flow()])
 
 
 def test_warnings_of_arithmetic_are_off_while_a_quiet_flow_goes_on_and_on_while_it_waits() -> None:
@@ -116,14 +119,3 @@ def test_warnings_of_arithmetic_are_off_while_a_quiet_flow_goes_on_and_on_while_
         with pytest.raises(FloatingPointError):
             alone(steps())
     assert heard == ["raise"]
-
-
-def test_a_fault_of_a_kernel_shows_itself() -> None:
-    def faulty(asked: list[float]) -> list[float]:
-        return [{}[x] for x in asked]
-
-    def flow() -> Flow[float]:
-        return (yield from ask(faulty, 1.0))
-
-    with pytest.raises(KeyError):
-        together([flow(), flow()])

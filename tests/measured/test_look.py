@@ -91,22 +91,6 @@ def test_no_base_line_leaves_nothing_that_is_told_over_it(jkr: Callable[..., Out
     assert told["adhesion_force_N_unknown"] == "there is no base line"
 
 
-def test_no_row_is_dropped_silently(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
-    z = np.linspace(1.0, -3.0, 400)
-    load = 30 * np.maximum(z, 0) ** 1.5 + 0.05 * np.random.default_rng(1).normal(size=400)
-    rows = [f"{x},{P}" for x, P in zip(z, load, strict=True)]
-    path = tmp_path / "back.csv"
-    told = [f"{rows[0]},approach", *(f"{row},retract" for row in rows)]
-    path.write_text("\n".join(["delta_um,P_nN,segment", *told]) + "\n")
-    done = jkr("look", str(path), "--no-plots")
-    assert "401 rows of displacement, load; approach 1, retract 400" in done.out
-    assert "no approach: 1 of its rows, at least 20 are needed" in done.out
-    path.write_text("\n".join(["delta_um,P_nN", *rows]) + "\n")
-    assert "400 rows of displacement, load; retract 400; " in jkr("look", str(path), "--no-plots").out
-    path.write_text("\n".join(["delta_um,P_nN", rows[1], *rows]) + "\n")
-    assert "401 rows of displacement, load; retract 400, 1 of neither" in jkr("look", str(path), "--no-plots").out
-
-
 def test_a_radius_of_metres_is_remarked(jkr: Callable[..., Outcome], table: Path) -> None:
     done = jkr("fit", "--radius", "5", "--nu", "0.5", str(table), "--no-plots", "--stiffness", "0.05 N/m")
     assert done.err.startswith('jkr: warning: --radius 5 without a unit is 5 m: give its unit, --radius "5 um"\n')
@@ -161,10 +145,23 @@ def test_columns_that_are_not_what_they_should_be(jkr: Callable[..., Outcome], t
     jkr("look", "probe.csv", "--sensitivity", "45 nm/V").refused("this file holds no volts", "--unit P=V")
 
 
-def test_a_file_that_is_missing_among_good_ones_is_an_exit_code(jkr: Callable[..., Outcome], table: Path) -> None:
+def test_no_row_and_no_file_is_dropped_silently(jkr: Callable[..., Outcome], table: Path, tmp_path: Path) -> None:
     for flags in ((), ("--json",)):
         done = jkr("look", "missing.txt", table, "--no-plots", *flags)
         assert (done.code, "missing.txt" in done.err, "probe" in done.out) == (2, True, True)
+    z = np.linspace(1.0, -3.0, 400)
+    load = 30 * np.maximum(z, 0) ** 1.5 + 0.05 * np.random.default_rng(1).normal(size=400)
+    rows = [f"{x},{P}" for x, P in zip(z, load, strict=True)]
+    path = tmp_path / "back.csv"
+    told = [f"{rows[0]},approach", *(f"{row},retract" for row in rows)]
+    path.write_text("\n".join(["delta_um,P_nN,segment", *told]) + "\n")
+    done = jkr("look", str(path), "--no-plots")
+    assert "401 rows of displacement, load; approach 1, retract 400" in done.out
+    assert "no approach: 1 of its rows, at least 20 are needed" in done.out
+    path.write_text("\n".join(["delta_um,P_nN", *rows]) + "\n")
+    assert "400 rows of displacement, load; retract 400; " in jkr("look", str(path), "--no-plots").out
+    path.write_text("\n".join(["delta_um,P_nN", rows[1], *rows]) + "\n")
+    assert "401 rows of displacement, load; retract 400, 1 of neither" in jkr("look", str(path), "--no-plots").out
 
 
 def test_a_table_of_contact_radii_is_called_one(jkr: Callable[..., Outcome], tmp_path: Path) -> None:

@@ -154,6 +154,14 @@ def test_damage_to_a_nanosurf_file_is_said_in_one_line(jkr: Callable[..., Outcom
     with h5py.File(vendors.nanosurf(path), "a") as file:
         file["group_0000/subgroup_0002/dataset_0003"][:] = ROWS + 1
     assert_refused(jkr, path, "is cut off: its curves hold more rows than its channels")
+    # The sizes in it are followed by the C library, for ever where one leads to a free space of no size.
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    whole = path.read_bytes()
+    heap = whole.index(b"GCOL") + 16
+    for size in (0x0502, 2**40, 0):
+        path.write_bytes(whole[: heap + 8] + size.to_bytes(8, "little") + whole[heap + 16 :])
+        with pytest.raises(InputError, match="the HDF5 file is damaged and cannot be read"):
+            read_one(path)
 
 
 HEADS = [b"group_type", b"segment_name", b"signal_name", b"dataset_block_size_source", b"signal_calibration_max"]
@@ -172,17 +180,6 @@ def test_a_flip_in_an_attribute_leads_the_library_nowhere(tmp_path: Path, name: 
         path.write_bytes(whole[:place] + bytes([whole[place] ^ bits]) + whole[place + 1 :])
         with contextlib.suppress(InputError):
             assert read_one(path).P.size == FORCE.size
-
-
-def test_a_heap_of_texts_without_an_end_is_refused(tmp_path: Path) -> None:
-    """The sizes in it are followed by the C library, for ever where one leads to a free space of no size."""
-    path = vendors.nanosurf(tmp_path / "x.nhf")
-    whole = path.read_bytes()
-    heap = whole.index(b"GCOL") + 16
-    for size in (0x0502, 2**40, 0):
-        path.write_bytes(whole[: heap + 8] + size.to_bytes(8, "little") + whole[heap + 16 :])
-        with pytest.raises(InputError, match="the HDF5 file is damaged and cannot be read"):
-            read_one(path)
 
 
 def test_jpk_files_in_hdf5_are_refused_with_the_remedy(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
@@ -247,8 +244,8 @@ def test_rows_are_selected_by_number_by_segment_and_by_column(tmp_path: Path) ->
             read_one(path, **how)
 
 
-def test_a_wave_marks_its_dwells_which_its_motion_does_not_tell(tmp_path: Path) -> None:
-    """The piezo creeps on by a tenth of its way while the tip waits in contact, and waits again far away."""
+def test_waves_know_their_dwells_and_their_pixel(tmp_path: Path) -> None:
+    # The piezo creeps on by a tenth of its way while the tip waits in contact, and waits again far away.
     pytest.importorskip("afmformats")
     ways = np.concatenate([np.linspace(0, 1, 200), np.linspace(1, 1.1, 150), np.linspace(1.1, 0, 200), np.zeros(50)])
     force = 4e-9 * np.maximum(ways - 0.6, 0) ** 1.5 + 2e-12 * np.random.default_rng(1).normal(size=ways.size)
@@ -264,9 +261,6 @@ def test_a_wave_marks_its_dwells_which_its_motion_does_not_tell(tmp_path: Path) 
     assert by_motion != marked
     for wrong in ({"Indexes": "0,199,349,500,"}, {"Indexes": "0,349,199,549,599"}, {"Direction": "Inf,1,x,-1,0"}):
         assert segments(**told | wrong) == by_motion
-
-
-def test_waves_of_a_map_know_their_pixel(tmp_path: Path) -> None:
     pytest.importorskip("afmformats")
     curve = read_one(vendors.ibw(tmp_path / "x.ibw", (3, 5)))
     assert (curve.pixel.column, curve.pixel.row, curve.pixel.x, curve.pixel.y) == (3, 5, 3e-6, 5e-6)

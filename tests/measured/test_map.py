@@ -237,7 +237,7 @@ def test_a_fit_says_which_places_it_took(jkr: Callable, tmp_path: Path) -> None:
 
 
 def test_a_sparse_map_has_its_cells_at_their_places() -> None:
-    """Columns 10 µm apart of which two hold no curve, rows numbered by twos: cells are squares, none is stretched."""
+    # Columns 10 µm apart of which two hold no curve, rows numbered by twos: cells are squares, none is stretched.
     pixels = [Pixel(i, 2 * j, 1e-5 * i, 1e-5 * j) for j in range(3) for i in (0, 1, 4)]
     unread = Failure(None, ("scan/notes.txt: is no table",))
     scan = map_of([*(Failure(one, ("no contact",)) for one in curves([str(at) for at in pixels], pixels)), unread])
@@ -248,6 +248,15 @@ def test_a_sparse_map_has_its_cells_at_their_places() -> None:
     corners = mesh.get_coordinates()
     np.testing.assert_allclose(np.diff(corners[..., 0], axis=1), 1e-5, rtol=1e-9)
     np.testing.assert_allclose(np.diff(corners[..., 1], axis=0), 1e-5, rtol=1e-9)
+    x = np.arange(8) * 2.5e-6
+    image = np.arange(64.0).reshape(8, 8)
+    image[2, 3] = np.nan
+    figure = map_figure(Map(x, x, dict.fromkeys(IMAGES, image)))
+    panel = figure.axes[0]
+    assert panel.get_facecolor()[:3] == pytest.approx((0.8, 0.8, 0.8))
+    bar, *_ = panel.get_lines()
+    assert float(np.ptp(bar.get_xdata())) == pytest.approx(10e-6)  # of 20 µm, a quarter or more, round
+    assert [text.get_text() for text in panel.texts] == ["10 µm"]
 
 
 @pytest.mark.slow
@@ -262,18 +271,6 @@ def test_each_sample_with_places_is_a_map_of_its_own(jkr: Callable, tmp_path: Pa
     assert sorted(path.name for path in Path("out").glob("*-map*.png")) == ["fit-map-ctrl.png", "fit-map-drug-A.png"]
     with h5py.File("out/fit.h5") as file:
         assert file["maps/drug A/E_star"].shape == (2, 2)
-
-
-def test_a_map_has_a_bar_of_its_scale_and_grey_places_without_a_value() -> None:
-    x = np.arange(8) * 2.5e-6
-    image = np.arange(64.0).reshape(8, 8)
-    image[2, 3] = np.nan
-    figure = map_figure(Map(x, x, dict.fromkeys(IMAGES, image)))
-    panel = figure.axes[0]
-    assert panel.get_facecolor()[:3] == pytest.approx((0.8, 0.8, 0.8))
-    bar, *_ = panel.get_lines()
-    assert float(np.ptp(bar.get_xdata())) == pytest.approx(10e-6)  # of 20 µm, a quarter or more, round
-    assert [text.get_text() for text in panel.texts] == ["10 µm"]
 
 
 def test_a_map_with_positions_shows_E_star_along_its_middle_row_and_column() -> None:

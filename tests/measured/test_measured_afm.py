@@ -48,6 +48,9 @@ def test_indentation_is_minus_height_minus_deflection(tmp_path: Path) -> None:
     assert curve.flags == ("displacement from the height (measured)",)
     np.testing.assert_allclose(curve.P, FORCE, rtol=1e-14)  # the file holds eight digits, these numbers have two
     np.testing.assert_allclose(curve.delta, -HEIGHT - FORCE / K, rtol=1e-14)
+    columns = CONTENT | {"tip position": HEIGHT * 0.9}
+    (curve,) = measured.read(written(tmp_path / "m.h5", data(columns=columns)))
+    np.testing.assert_allclose(curve.delta, -HEIGHT * 0.9, rtol=1e-14)
 
 
 @pytest.fixture
@@ -98,12 +101,6 @@ def test_what_is_wrong_with_one_curve_costs_no_other(tmp_path: Path) -> None:
     first, second = measured.each(path)
     assert isinstance(first, Curve)
     assert 'curve "1"' in str(second) or '"1" is a link' in str(second)
-
-
-def test_the_position_of_the_tip_itself_needs_no_deflection(tmp_path: Path) -> None:
-    columns = CONTENT | {"tip position": HEIGHT * 0.9}
-    (curve,) = measured.read(written(tmp_path / "m.h5", data(columns=columns)))
-    np.testing.assert_allclose(curve.delta, -HEIGHT * 0.9, rtol=1e-14)
 
 
 def test_one_bad_curve_of_a_map_is_told_and_the_others_follow(tmp_path: Path) -> None:

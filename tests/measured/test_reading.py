@@ -197,7 +197,7 @@ def test_a_mark_of_thousands_far_down_a_long_table(tmp_path: Path) -> None:
     np.testing.assert_allclose(curve.P, loads * 1e-9, rtol=1e-12)
 
 
-def test_volts_and_metres_of_deflection_become_loads(tmp_path: Path) -> None:
+def test_deflections_become_loads(tmp_path: Path) -> None:
     volts = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (mV)", LOAD / 0.1 / 5e-8 * 1e3)))
     curve = one(volts, Reading(stiffness=0.1, sensitivity=5e-8))
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
@@ -206,6 +206,12 @@ def test_volts_and_metres_of_deflection_become_loads(tmp_path: Path) -> None:
     metres = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (nm)", LOAD / 0.1 * 1e9)))
     np.testing.assert_allclose(one(metres, Reading(stiffness=0.1)).P, LOAD, rtol=1e-12)
     assert one(metres, Reading(incomplete=True)).flags[1].endswith("loads in arbitrary units, give --stiffness")
+    path = written(tmp_path, "\n".join(f"{z * 1e9} {d}" for z, d in zip(Z, LOAD / 0.1 / 5e-8, strict=True)), "m.txt")
+    told = {"columns": {"delta": "1", "P": "2"}, "stiffness": 0.1}
+    volts = one(path, Reading(units={"delta": "nm", "P": "V"}, sensitivity=5e-8, **told))
+    metres = one(path, Reading(units={"delta": "nm", "P": "nm"}, factors={"P": 50.0}, **told))
+    for curve in (volts, metres):
+        np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
 
 
 # ---------------------------------------------------------------------- the user wins
@@ -223,15 +229,6 @@ def test_units_are_told_of_columns_by_name_number_or_quantity(tmp_path: Path, na
     curve = one(path, Reading(units=dict(zip(names, ("nm", "um"), strict=True)), stiffness=0.1))
     np.testing.assert_allclose(curve.device, Z, rtol=1e-12, atol=1e-20)
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
-
-
-def test_a_bare_column_told_as_load_in_metres_or_volts_is_a_deflection(tmp_path: Path) -> None:
-    path = written(tmp_path, "\n".join(f"{z * 1e9} {d}" for z, d in zip(Z, LOAD / 0.1 / 5e-8, strict=True)), "m.txt")
-    told = {"columns": {"delta": "1", "P": "2"}, "stiffness": 0.1}
-    volts = one(path, Reading(units={"delta": "nm", "P": "V"}, sensitivity=5e-8, **told))
-    metres = one(path, Reading(units={"delta": "nm", "P": "nm"}, factors={"P": 50.0}, **told))
-    for curve in (volts, metres):
-        np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
 
 
 SPELT = ("Weg in mm;Kraft in N", "Weg mm;Kraft N", "Weg (Millimeter);Kraft (Newton)", "Déplacement [mm];Effort [N]",
@@ -319,7 +316,7 @@ def archive(path: Path, members: dict[str, bytes], packed: int = zipfile.ZIP_DEF
     return path
 
 
-def test_an_archive_holds_a_curve_per_table(tmp_path: Path) -> None:
+def test_archives_hold_a_curve_per_table_and_no_more_than_they_say(tmp_path: Path) -> None:
     path = archive(tmp_path / "m.zip", {
         "run/one.txt": ENCODINGS["windows-1252"], "run/two.txt": b"x\n", "run/three.csv": ENCODINGS["utf-16 little"],
         "__MACOSX/one.txt": b"\0", "run/picture.png": b"\x89PNG",
@@ -329,10 +326,7 @@ def test_an_archive_holds_a_curve_per_table(tmp_path: Path) -> None:
     np.testing.assert_allclose(first.P, third.P, rtol=1e-12)
     assert str(second).startswith(f"{path}/two: holds no row of at least 2 numbers")
     assert one(archive(tmp_path / "s.zip", {"s.txt": ENCODINGS["utf-8"]})).where == str(tmp_path / "s.zip")
-
-
-def test_no_more_is_unpacked_than_an_archive_says(tmp_path: Path) -> None:
-    """A member of 64 MiB that says it were 1000 bytes."""
+    # A member of 64 MiB that says it were 1000 bytes.
     path = archive(tmp_path / "m.zip", {"a.txt": bytes(64 << 20)})
     content = path.read_bytes()
     told, size = (64 << 20).to_bytes(4, "little"), (1000).to_bytes(4, "little")

@@ -50,13 +50,7 @@ def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path:
     assert look(glass(tmp_path / "glass.csv", 1, bend=0.2), rigid=True).rigid.straight is False
 
 
-def test_a_gel_is_no_glass(jkr: Callable, tmp_path: Path) -> None:
-    done = jkr("look", gel(tmp_path / "gel.csv", f"# springConstant: {K}"), "--rigid", "--no-plots")
-    assert "the contact is curved: the specimen is not rigid" in done.out
-    assert "--factor P=" in done.out  # of loads, not of volts
-
-
-def test_files_on_glass_tell_one_sensitivity_which_a_fit_takes(jkr: Callable, tmp_path: Path) -> None:
+def test_files_on_glass_tell_one_sensitivity_and_a_gel_is_no_glass(jkr: Callable, tmp_path: Path) -> None:
     (tmp_path / "glass").mkdir()
     for seed in range(4):
         glass(tmp_path / f"glass/{seed}.csv", seed)
@@ -64,6 +58,9 @@ def test_files_on_glass_tell_one_sensitivity_which_a_fit_takes(jkr: Callable, tm
     assert done.out.startswith('rigid specimen: --sensitivity "45.')
     told = jkr("look", "glass", "--rigid", "--no-plots", "--json").told["files"][0]["rigid"]
     assert told["value"] == pytest.approx(S, rel=1e-3)
+    done = jkr("look", gel(tmp_path / "gel.csv", f"# springConstant: {K}"), "--rigid", "--no-plots")
+    assert "the contact is curved: the specimen is not rigid" in done.out
+    assert "--factor P=" in done.out  # of loads, not of volts
 
 
 def test_files_by_different_assumed_sensitivities_have_one_mean_and_its_scatter() -> None:

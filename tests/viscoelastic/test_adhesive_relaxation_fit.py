@@ -169,7 +169,7 @@ def test_works_behind_a_force_on_a_half_space(body: FittedBody) -> None:
     assert elastic.work(3.0, 1.5 * np.pi * 1e-3) == pytest.approx(1e-3, rel=0.01)
 
 
-def test_laws_at_many_parameters_are_those_of_each() -> None:
+def test_laws_at_many_parameters_are_those_of_each(monkeypatch: pytest.MonkeyPatch) -> None:
     t = np.geomspace(0.1, 3, 5)
     laws = {
         "sls": ({"ratio": 0.3, "time": 0.5}, jkr.StandardSolid(0.3, 0.5)),
@@ -179,8 +179,6 @@ def test_laws_at_many_parameters_are_those_of_each() -> None:
     for name, (values, law) in laws.items():
         np.testing.assert_allclose(relaxation_at(t, name, values), law.modes(3.0)(t), rtol=1e-8)
 
-
-def test_a_law_of_one_s_own_is_known_at_many_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
     @dataclass(frozen=True)
     class Own:
         time: float
@@ -204,16 +202,11 @@ def test_free_rows_are_found_with_jumps(before: float, behind: float) -> None:
     np.testing.assert_allclose(np.diff(found.program[1]), [0.1 - found.z[0] + 0.03, 0, found.z[-1] - 0.13], atol=1e-6)
 
 
-def test_an_unloading_that_ends_in_contact_is_no_base_line() -> None:
-    made = usual()
-    whole = readings(made, 0.5, 0.5, k=2.0)
+def test_unloadings_in_contact_and_levers_of_the_tip() -> None:
+    whole = readings(usual(), 0.5, 0.5, k=2.0)
     assert Cycle.of(whole.rows(np.arange(200 + 300))).held
     assert not Cycle.of(whole).held
-
-
-def test_a_lever_is_found_where_the_tip_was_read() -> None:
-    curve = readings(usual(), 0.5, 0.5, k=2.0)
-    assert Cycle.of(replace(curve, stiffness=None)).stiffness == pytest.approx(2.0, rel=1e-3)
+    assert Cycle.of(replace(whole, stiffness=None)).stiffness == pytest.approx(2.0, rel=1e-3)
 
 
 @pytest.mark.parametrize(("law", "asked", "line"), [
@@ -253,10 +246,17 @@ def test_a_device_that_moves_as_a_sine_prescribes_no_load() -> None:
     assert not Cycle.of(Curve("made", t=t, delta=z, P=P)).load_is_prescribed
 
 
-def test_contact_that_cannot_be_followed_is_told(body: FittedBody, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lockstep_march, "MOST_ITERATIONS", 30)
+def test_marches_that_find_no_state(body: FittedBody, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it is cut, and beyond its grid: extrapolated far it once asked for a radius that this does not hold."""
     t, z = np.array(CORNERS).T
     trial = Trial(W, STRESS, 2.0, jkr.StandardSolid(0.3, 1.0).modes(3.0))
+    one = March(body.problem, AttractedBody(body.problem), [trial], (t, z))
+    one.run()
+    rows = np.array([0])
+    one._step(rows, np.zeros(1))
+    for place in (-1e3, 1e3):
+        assert not one._leap(rows, np.array([place]), np.zeros(1), True)[-1].any()
+    monkeypatch.setattr(lockstep_march, "MOST_ITERATIONS", 30)
     (found,) = March(body.problem, AttractedBody(body.problem), [trial], (t, z)).run()
     assert found.given_up
 
@@ -363,15 +363,3 @@ def test_a_record_that_finds_no_history_does_not_cost_the_others(
     done = jkr("fit", "gel.toml", "a.csv", "b.csv", "--relaxation", "sls", "--free", "w", "--json")
     assert (len(done.told["fits"]), "no history" in done.err) == (1, True)
     assert jkr("fit", "gel.toml", "a.csv", "--relaxation", "sls", "--free", "w", "--force").code == 1
-
-
-def test_a_jump_to_where_there_is_no_state_finds_none(body: FittedBody) -> None:
-    """Extrapolated far beyond the grid it once asked for a radius that this does not hold."""
-    t, z = np.array(CORNERS).T
-    trial = Trial(W, STRESS, 2.0, jkr.StandardSolid(0.3, 1.0).modes(3.0))
-    one = March(body.problem, AttractedBody(body.problem), [trial], (t, z))
-    one.run()
-    rows = np.array([0])
-    one._step(rows, np.zeros(1))
-    for place in (-1e3, 1e3):
-        assert not one._leap(rows, np.array([place]), np.zeros(1), True)[-1].any()

@@ -39,7 +39,7 @@ def answer(jkr: Callable, *words: object) -> dict:
     return jkr("cycle", *words, "--json", "--no-plots").told
 
 
-def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
+def test_the_trace_over_time_holds_and_programs(jkr: Callable, series: Path) -> None:
     done = jkr("cycle", series, "--speed", "1 m/s", "--points", 101).ok
     assert "no adhesion; standard linear solid, ratio = 0.25, time = 1 s" in done.out
     assert "contact is lost at t = 1.624 s; it shrinks from t = 1 s on" in done.out
@@ -53,6 +53,16 @@ def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
     assert history.lost == pytest.approx(1.62384979, abs=1e-7)
     np.testing.assert_allclose(history.table(101)["P_N"], P, rtol=1e-8, atol=1e-12)
     assert history.error < 1e-6  # 4e-8, of steps twice as long
+    held = answer(jkr, series, "--speed", "1", "--hold", "5 s")
+    Path("way.csv").write_text("t_s,x_m\n0,-1\n1,0\n2,1\n7,1\n8,0\n")
+    told = answer(jkr, series, "--program", "way.csv")
+    assert [corner["P_N"] for corner in told["corners"]] == pytest.approx([c["P_N"] for c in held["corners"]])
+    assert held["corners"][1]["P_N"] == pytest.approx(1 / 3 + (1.02621407 - 1 / 3) * math.exp(-5), rel=1e-7)
+    Path("creep.csv").write_text("t_s,P_N\n0,0\n0,0.1\n9,0.1\n")
+    crept = answer(jkr, series, "--program", "creep.csv", "--stiffness", "load")
+    creep = 0.1 * (4 - 3 * math.exp(-9 / 4))
+    assert crept["corners"][-1]["delta_m"] == pytest.approx((0.75 * creep) ** (2 / 3), rel=1e-9)
+    assert not crept["contact_lost"]
 
 
 @pytest.mark.slow
@@ -97,19 +107,6 @@ def test_verbs_of_constant_moduli_say_so(jkr: Callable, series: Path, words: tup
     (warning,) = (text for text in jkr_.transform(series, 1.0).warnings if "relaxes" in text)
     assert f"{series}: {warning}" in " ".join(done.err.split())
     assert warning in " ".join(jkr("run", "gel.toml", "-o", "again.h5").err.split())
-
-
-def test_a_hold_and_a_program(jkr: Callable, series: Path) -> None:
-    held = answer(jkr, series, "--speed", "1", "--hold", "5 s")
-    Path("way.csv").write_text("t_s,x_m\n0,-1\n1,0\n2,1\n7,1\n8,0\n")
-    told = answer(jkr, series, "--program", "way.csv")
-    assert [corner["P_N"] for corner in told["corners"]] == pytest.approx([c["P_N"] for c in held["corners"]])
-    assert held["corners"][1]["P_N"] == pytest.approx(1 / 3 + (1.02621407 - 1 / 3) * math.exp(-5), rel=1e-7)
-    Path("creep.csv").write_text("t_s,P_N\n0,0\n0,0.1\n9,0.1\n")
-    crept = answer(jkr, series, "--program", "creep.csv", "--stiffness", "load")
-    creep = 0.1 * (4 - 3 * math.exp(-9 / 4))
-    assert crept["corners"][-1]["delta_m"] == pytest.approx((0.75 * creep) ** (2 / 3), rel=1e-9)
-    assert not crept["contact_lost"]
 
 
 @pytest.mark.slow

@@ -145,7 +145,7 @@ def test_a_change_of_units_scales_everything() -> None:
     assert there.t * speed / length == pytest.approx(here.t, rel=1e-7)
 
 
-def test_very_slow_cycles_are_the_quasi_static_ones() -> None:
+def test_slow_cycles_and_rests() -> None:
     contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.6, 3.0)
     slow = contact.history(there_and_back(8.0, 1e-8, 1e-8))
     approach = AdhesiveCurve(half_space(), 0.6)
@@ -154,9 +154,6 @@ def test_very_slow_cycles_are_the_quasi_static_ones() -> None:
     assert not isinstance(quiet, Unknown)
     assert slow.energy_lost == pytest.approx(quiet.energy_lost, rel=3e-4)  # the excess ~ V^0.46 is 2e-4 there
     assert slow.pull_off.P == pytest.approx(-1.5 * math.pi, rel=3e-4)
-
-
-def test_between_the_two_works_of_adhesion_the_edge_rests() -> None:
     contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.5)
     history = contact.history(there_and_back(5.0, 1.0, 1.0, 2.0))
     assert [piece.phase for piece in history.pieces] == ["advance", "rest", "rest", "recede"]
@@ -261,10 +258,7 @@ def test_the_width_is_dugdales_and_its_shares_are_said() -> None:
     assert found.over_h == pytest.approx(found.width / 1e-4)
     assert found.words == "160 um, 0.16 of the contact radius and 1.6 of the layer's thickness"
     assert ["contact radius" in line or "layer" in line for line in found.warnings] == [True, True]
-
-
-def test_what_is_not_known_of_the_width() -> None:
-    """A half-space has no share of a layer, less than an atom is no size, and without a stress there is none."""
+    # A half-space has no share of a layer, less than an atom is no size, and without a stress there is none.
     found = zone(1.0, 0.05, 1e9, 1e-4, math.inf, None, 1e-9)  # 50 MPa
     assert isinstance(found.over_h, Unknown)
     assert found.words == "310 nm, 0.0031 of the contact radius"

@@ -84,11 +84,8 @@ def test_the_model_of_the_answer_is_the_viscoelastic_one() -> None:
     assert float(np.median(np.abs(auto.residuals))) * auto.scales["P"] == pytest.approx(0.6745 * size, rel=0.1)
 
 
-def test_an_elastic_record_that_adheres_stays_elastic() -> None:
+def test_records_to_which_relaxation_is_no_alternative() -> None:
     auto = fitted(curve(1.0), model="auto")
     assert RELAXING not in {one.name for one in (*auto.verdict.alternatives.scores, *auto.verdict.fitted)}
-
-
-def test_a_record_without_times_is_fitted_as_before() -> None:
     plain = fitted(curve(0.4, time=False))
     assert RELAXING not in {one.name for one in plain.verdict.alternatives.scores}

@@ -10,13 +10,7 @@ import pytest
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import InputError, Unknown
-from jkrcli.formulas import (
-    adhesive_half_space,
-    hertz,
-    jkr,
-    rounded_flat,
-    sneddon_sphere,
-)
+from jkrcli.formulas import adhesive_half_space, hertz, jkr, rounded_flat, sneddon_sphere
 from jkrcli.series import Series
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0

@@ -138,7 +138,6 @@ loading = {{ radius = "20 um", points = {points} }}
 
 @pytest.mark.parametrize(("points", "method"), [(60, "layered"), (4, "hybrid")])
 def test_the_summary_holds_it_and_what_is_far_below_the_digits_is_not_printed(jkr, points: int, method: str) -> None:
-    """Of four points interpolation knows no error: the points of exact methods are solved."""
     Path("x.toml").write_text(CASE.format(points=points), encoding="utf-8")
     assert jkr("run", "x.toml", "--method", method).code == 0
     outcome = jkr("transform", "x.h5", "--w", "10 mJ/m^2", "--no-plots").ok

@@ -54,7 +54,6 @@ def test_the_table_is_the_curve_where_it_is_stable(jkr) -> None:
 
 
 def compiled(name: str, *words: str) -> str:
-    """What the program `name`, made by `words` after the compiler's name, prints."""
     compiler = shutil.which(words[0])
     if compiler is None:
         pytest.skip(f"no {words[0]} on this machine")

@@ -50,7 +50,6 @@ def cycled(one: EquilibriumCurve, two: EquilibriumCurve, stiffness: float) -> Cy
 
 @pytest.mark.parametrize(("stiffness", "ratio"), [(20.0, 3.0), (math.inf, 1.0)])
 def test_energies_of_few_rows_state_what_interpolation_leaves(stiffness: float, ratio: float) -> None:
-    """25 rows were 4e-6 off and said nothing."""
     coarse, fine = (
         cycled(*(curve(n, w, devices=(stiffness,)) for w in (0.02, 0.02 * ratio)), stiffness) for n in (25, 200)
     )
@@ -133,7 +132,6 @@ def test_energies_of_finite_range_state_their_errors() -> None:
 
 @pytest.mark.slow
 def test_energies_by_elements_state_those_of_the_mesh() -> None:
-    """1e-3 off without a word."""
     coarse, fine = (curve(60, 0.02, method) for method in ("fem", "layered"))
     ratios = []
     for stiffness in (20.0, math.inf):

@@ -20,7 +20,6 @@ FACTOR = 3.0
 
 @pytest.fixture(name="pair")
 def _pair(jkr: Callable) -> tuple[Path, Path]:
-    """The same body by E and by three times E, to the same depth."""
     for name, factor in (("soft", 1.0), ("stiff", FACTOR)):
         text = CASE.format(film=2e6 * factor, base=5e6 * factor, loading='depth = "300 nm"')
         Path(f"{name}.toml").write_text(text)

@@ -88,7 +88,6 @@ GEL = Specimen((Layer(Elastic(15e3, 0.499), 0.36e-3),), Rigid(True))
 
 
 def gel(radii: Array) -> Nonadhesive:
-    """A thin nearly incompressible layer under a paraboloid."""
     problem = Problem(Paraboloid(6e-3), GEL, Loading.given("radius", tuple(radii.tolist())))
     series = Layered(1e-9)(problem).series
     return Nonadhesive(series, slopes(series))

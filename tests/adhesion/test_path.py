@@ -25,7 +25,6 @@ loading = {{ radius = "20 um", points = {points}, spacing = "log" }}
 
 @cache
 def half_space() -> Nonadhesive:
-    """E* = R = 1."""
     a = np.geomspace(1e-3, 6, 80)
     delta, P = hertz(a, 1.0, 1.0)
     series = Series(a, delta, P, 2 * a, np.full(80, 2.0))
@@ -106,7 +105,6 @@ def test_after_a_loss_contact_forms_anew() -> None:
 
 @pytest.mark.parametrize("turn", [5.0, 2.0])
 def test_a_rule_of_speed_and_one_of_equilibrium_are_one_path(turn: float) -> None:
-    """The approach, at once in both, and the rest are the same, piece by piece."""
     program = Program(np.arange(3.0), np.array([0.0, turn, -1.0]))
     quiet = path(contact(0.5, 1.0, 3.0), program)
     fast = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.5, 3.0).once(program)

@@ -108,7 +108,6 @@ def profile_spectrum(spectrum: PowerSpectrum, q: Array) -> Array:
 
 @pytest.fixture(name="tables", scope="module")
 def _tables(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """One spectrum in each convention, to 4e-4 of U at 40 points a decade."""
     spectrum, folder = python.Roughness(longest=20e-6, **WAVES).spectrum, tmp_path_factory.mktemp("tables")
     q = np.geomspace(*spectrum.q, 133)
     C = spectrum.at(q)
@@ -228,7 +227,6 @@ def test_verbs_carry_it(jkr: Any, tmp_path: Path) -> None:
 
 
 def test_a_long_noisy_spectrum_of_profiles_is_averaged(tmp_path: Path) -> None:
-    """Of 2,000 waves with the scatter of one periodogram, exponential; the energy lies within its stated error."""
     q = np.linspace(1, 2000, 2000) * 2 * math.pi / 20e-6
     C = 1e-16 * q**-1.2  # of which no few waves hold the energy
     scatter = np.random.default_rng(3).exponential(size=q.size)

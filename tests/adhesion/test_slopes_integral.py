@@ -110,7 +110,6 @@ def test_band_holds_where_a_layer_bends_the_curve_at_its_end(contrast: float, po
 
 
 def test_band_holds_where_the_curvature_of_the_profile_has_steps() -> None:
-    """A table of 15 points on a half-space: some twenty steps, which the first knots cannot follow."""
     problem = Problem(indenter_of("table", 1e-6, 0.05), Specimen((), HalfSpace(Elastic(1e9, 0.3))),
                       Loading("radius", 1e-6, 500))  # fmt: skip
     exact = Layered()(problem).series

@@ -148,7 +148,6 @@ def test_smoothing_the_slope_of_s_further_takes_a_third_of_its_error_on_a_thin_l
 
 # ---------------------------------------------------------------------- the spline itself
 def uneven(n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Uneven abscissae, a noisy curve and random weights."""
     generator = np.random.default_rng(seed)
     x = np.cumsum(0.3 + generator.random(n))
     return x, np.sin(6 * x / x[-1]) + 0.05 * generator.standard_normal(n), 0.5 + generator.random(n)

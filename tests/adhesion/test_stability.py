@@ -162,7 +162,6 @@ def thin(law: str) -> AdhesiveCurve:
 
 
 def test_a_thin_compressible_layer_is_not_lost_under_displacement_control() -> None:
-    """delta falls to a = 0 (no minimum): said, with no number and no extrapolation."""
     found = stability_under(thin("compressible"), RIGID)
     assert found.critical == ()
     assert isinstance(found.pull_off, Unknown)

@@ -6,7 +6,6 @@ import builtins
 import contextlib
 import csv
 import io
-import itertools
 import json
 import math
 import os
@@ -28,7 +27,6 @@ from jkrcli.base.files import write_csv
 
 OURS = '{"format": "jkr-test", "made": "%s"}'
 NAMES = ("a.json", "b.json", "c.json", "d.json")
-WORKS = ("0.01", "0.02")
 CASE = """
 method = "closed-form"
 indenter = { shape = "paraboloid", radius = "1 mm" }
@@ -107,76 +105,62 @@ def failing(where: str, fault: Fault) -> Iterator[None]:
 
 
 def named(words: str, names: Iterable[str]) -> set[str]:
-    """Which of the ``names`` are told in these words."""
     return {name for name in names if re.search(rf"(^|[ /]){re.escape(name)}(,|;|$)", words)}
-
-
-@pytest.fixture(name="two")
-def _two(jkr: Callable[..., Outcome]) -> list[Path]:
-    """The files of two works of adhesion, with pictures, as an earlier run left them."""
-    Path("s.toml").write_text(CASE)
-    assert jkr("run", "s.toml").code == 0
-    paths = [Path(f"s-w{w}{end}") for w in WORKS for end in (".csv", ".json", ".png", ".svg")]
-    for path in paths:
-        files.check_target(path, force=True)
-        path.write_bytes(b"old")
-    return paths
-
-
-def every_fault(two: list[Path], jkr: Callable[..., Outcome], where: str, error: BaseException) -> None:
-    """Each call of ``where`` fails in turn: every file is old or new, none a part, and the message says which."""
-    words = ("transform", "s.h5", *itertools.chain(*(("--w", w) for w in WORKS)), "--force", "-q")
-    assert jkr(*words).code == 0
-    new, every = {path: path.read_bytes() for path in two}, [path.name for path in two]
-    for number in itertools.count(1):
-        for path in two:
-            path.write_bytes(b"old")
-        fault = Fault(os.fsync, number, error)
-        with failing(where, fault):
-            done = jkr(*words)
-        now = {path: path.read_bytes() for path in two}
-        assert all(content in (b"old", new[path]) for path, content in now.items()), number
-        assert not list(Path().glob(f"{files.ASIDE}*"))
-        if fault.calls < number:
-            assert (done.code, now, number) == (0, new, len(two) + 1)
-            break
-        code = 130 if isinstance(error, KeyboardInterrupt) else 1
-        assert (done.code, done.err.strip().count("\n"), "Traceback" in done.err) == (code, 0, False), number
-        is_new = {path.name for path in two if now[path] == new[path]}
-        if where == "replace":
-            assert len(is_new) == number - 1
-            words_of_new, words_of_old = done.err.strip().partition("new: ")[2].split("; as before: ")
-            assert (named(words_of_new, every), named(words_of_old, every)) == (is_new, set(every) - is_new)
-        else:
-            assert not is_new
-            assert ("nothing half-written was left" if code == 130 else "; nothing was replaced") in done.err
 
 
 NO_SPACE = OSError(28, "No space left on device")
 
 
+@pytest.mark.parametrize("error", [NO_SPACE, KeyboardInterrupt()], ids=["disk full", "interrupt"])
+@pytest.mark.parametrize("where", ["write", "fsync", "replace"])
+def test_every_fault_is_told_as_it_is(where: str, error: BaseException, tmp_path: Path) -> None:
+    """Each call of ``where`` fails in turn: every file is old or new, none a part, and the message says which."""
+    for number in range(1, len(NAMES) + 2):
+        write(tmp_path, NAMES, OURS % "old")
+        told = ""
+        try:
+            with failing(where, Fault(os.fsync, number, error)):
+                write(tmp_path, NAMES, OURS % "new")
+        except (JkrError, KeyboardInterrupt) as caught:
+            told = str(caught)
+        now = held(tmp_path)
+        is_new = {name for name, content in now.items() if content == OURS % "new"}
+        assert now == {name: OURS % ("new" if name in is_new else "old") for name in NAMES}
+        if number > len(NAMES):
+            assert (is_new, told) == ({*NAMES}, "")
+        elif where == "replace":
+            assert len(is_new) == number - 1
+            of_new, of_old = told.partition("new: ")[2].split("; as before: ")
+            assert (named(of_new, NAMES), named(of_old, NAMES)) == (is_new, {*NAMES} - is_new)
+        else:
+            assert not is_new
+            assert "; nothing was replaced" in told or isinstance(error, KeyboardInterrupt)
+
+
 @pytest.mark.parametrize(
-    ("where", "error"),
-    [("write", NO_SPACE), ("fsync", KeyboardInterrupt()), ("replace", NO_SPACE), ("replace", KeyboardInterrupt())],
+    ("where", "number", "error", "code", "said", "new"),
+    [
+        ("fsync", 4, NO_SPACE, 1, "; nothing was replaced", 0),
+        ("write", 4, KeyboardInterrupt(), 130, "nothing half-written was left", 0),
+        ("replace", 3, KeyboardInterrupt(), 130, "; as before: s-w0.02", 2),
+    ],
 )
-def test_every_fault_of_two_works_is_told_as_it_is(
-    where: str, error: BaseException, two: list[Path], jkr: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+def test_all_files_of_a_command_come_together(
+    jkr: Callable[..., Outcome], where: str, number: int, error: BaseException, code: int, said: str, new: int
 ) -> None:
-    """With pictures that are no pictures, and what is computed kept from one try to the next."""
-    from jkrcli.cli import inputs
-    from jkrcli.report import forward, plots, tables
-    from jkrcli.resolve import analysis
-
-    def save(_: object, paths: Iterable[Path]) -> None:
-        for path in paths:
-            files.write_bytes(path, b"picture")
-
-    curves = analysis.analyse(inputs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
-    monkeypatch.setattr(plots, "save", save)
-    monkeypatch.setattr(forward, "draw_curve", lambda *_: "a picture")
-    monkeypatch.setattr(tables, "curve_summary", lambda one, _: {"w_J_per_m2": one.w})
-    monkeypatch.setattr(analysis, "analyse", lambda *_: curves)
-    every_fault(two, jkr, where, error)
+    Path("s.toml").write_text(CASE)
+    assert jkr("run", "s.toml").code == 0
+    words = ("transform", "s.h5", "--w", "0.01", "--w", "0.02", "--no-plots", "--force", "-q")
+    assert jkr(*words).code == 0
+    paths = sorted(Path().glob("s-w*"))
+    for path in paths:
+        path.write_text("old")
+    with failing(where, Fault(os.fsync, number, error)):
+        done = jkr(*words)
+    assert (len(paths), done.code, done.err.strip().count("\n")) == (4, code, 0)
+    assert said in done.err
+    assert sum(path.read_text() != "old" for path in paths) == new
+    assert not list(Path().glob(f"{files.ASIDE}*"))
 
 
 def test_a_file_that_cannot_be_removed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -286,7 +270,6 @@ def test_new_replaces_no_case_that_appears(jkr: Callable[..., Outcome], monkeypa
 
 
 def test_a_measured_table_is_not_taken_for_one_of_ours(tmp_path: Path) -> None:
-    """Measurements may have our names of columns and no others."""
     path = tmp_path / "m.csv"
     for head in ("a_m,delta_m,P_N", "t_s,a_m,delta_m,P_N", "delta_m,P_N,phase", "P_N,a_m,delta_m,delta_H_m"):
         path.write_text(f"{head}\n1,2,3,4\n")

@@ -89,7 +89,6 @@ def test_quintics_and_their_two_derivatives(step: list[float], seed: int) -> Non
 
 
 def test_slopes_between_close_knots_do_not_hold_the_errors_of_values() -> None:
-    """A value wrong by 1e-12 is a secant wrong by 1e-6 between knots 1e-6 apart."""
     x = np.array([0.7, 0.7 + 1e-6])
     y = np.sin(x) + np.array([1e-12, -1e-12])
     quintic = PiecewiseQuintic(x, y, np.cos(x), -np.sin(x), close=1e-3)
@@ -134,7 +133,6 @@ def test_many_zeros_are_found_at_once() -> None:
 @few
 @given(st.lists(st.tuples(st.floats(1e-6, 1e3), st.floats(1e-6, 1e3), st.floats(-1e6, 1e6)), min_size=3, max_size=20))
 def test_a_cubic_with_rising_slopes_rises_whatever_the_slopes_were(steps: list[tuple[float, float, float]]) -> None:
-    """Of slopes that fall, beside a corner of a tip, exp of the cubic overflowed."""
     width, height, slopes = np.array(steps).T
     x, y = np.cumsum(width), np.cumsum(height)
     cubic = CubicHermiteSpline(x, y, rising_slopes(x, y, slopes))

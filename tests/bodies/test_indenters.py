@@ -69,7 +69,6 @@ def test_table_is_exact_for_a_paraboloid_at_any_spacing() -> None:
 
 
 def through(indenter: Indenter, count: int, **keys: tuple[float, ...]) -> TableProfile:
-    """The table of ``count`` points of an indenter, to half the length R."""
     r = np.linspace(0, 0.5 * R, count)
     return TableProfile(tuple(r), tuple(np.asarray(indenter.f(r)).tolist()), **keys)
 
@@ -190,7 +189,6 @@ WORN = {  # profiles beyond the flat end, and their Abel images
 @pytest.mark.parametrize("points", [41, 61])
 @pytest.mark.parametrize("name", WORN)
 def test_a_worn_tip_ends_in_a_corner_between_the_points_or_on_one(name: str, points: int) -> None:
-    """The end was taken to be rounded over the interval of the table in which it lies."""
     beyond, image = WORN[name]
     r = np.linspace(0, TOP, points)
     table = TableProfile(tuple(r.tolist()), tuple(np.where(r > FLAT, beyond(np.maximum(r, FLAT)), 0.0).tolist()))
@@ -201,7 +199,6 @@ def test_a_worn_tip_ends_in_a_corner_between_the_points_or_on_one(name: str, poi
 
 @pytest.mark.parametrize("height", [1.65436e-24, 1e-19, 1e-17])
 def test_heights_of_rounding_are_part_of_the_flat_end(height: float) -> None:
-    """A worn tip whose last flat point has a height of 1e-24 m: the radii from there on began at 55 nm."""
     r = np.linspace(0, TOP, 61)
     f = np.maximum(r**2 - FLAT**2, 0.0) / 1e-6
     f[12] = height  # at 60 nm

@@ -42,8 +42,6 @@ def smoothed(r: np.ndarray, f: np.ndarray, **keys: float) -> TableProfile:
 
 
 def lowest(w: float, flat: float) -> float:
-    """Pull-off force [N] of a truncated paraboloid on a half-space."""
-
     def load(a: float) -> float:
         a *= 1e-9
         s = math.sqrt(a**2 - flat**2)
@@ -63,7 +61,6 @@ def pulled(
     body: Specimen = HALF_SPACE,
     method: str = "layered",
 ) -> tuple[float, float]:
-    """Pull-off force under load control and its error [N]."""
     solution = solve(Problem(tip, body, Loading("radius", 250e-9, 40)), method)
     point = pull_off(solution, w=w).summary()["controls"][0]["pull_off"]
     return point["P_N"], point["P_err_N"]
@@ -71,7 +68,6 @@ def pulled(
 
 @pytest.mark.parametrize(("points", "w"), [(20, 0.03), (61, 0.05), (122, 0.095)])
 def test_pull_off_of_a_worn_tip_without_noise(points: int, w: float) -> None:
-    """Of 61 points the numbers left the range of arithmetic: that at 60 nm is 1.7e-24 m high."""
     r = np.linspace(0, 300e-9, points)
     P, error = pulled(smoothed(r, heights(r)), w)
     true = lowest(w, FLAT)
@@ -98,7 +94,6 @@ def misses(seeds: range, points: int, flat: float, noise: float = NOISE) -> tupl
 
 
 def test_pull_off_under_a_noisy_tip_is_within_its_error() -> None:
-    """It was refused as not convex."""
     off, stated = misses(range(2), 30, 0.0)
     assert np.count_nonzero(np.abs(off) <= 1) >= 1
     assert np.median(stated) < 3.6e-3  # a twentieth of a nanometre is no excuse; 3.1e-3, 2.7e-3 by other arithmetic
@@ -124,7 +119,6 @@ def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: floa
 
 
 def test_a_worn_end_is_found_along_with_its_corner() -> None:
-    """A corner alone, with what is curved before it, was not told from a smooth tip: errors were five times larger."""
     tip, true = smoothed(*measured(1000, 200, noise=0.2e-9), noise=0.2e-9), lowest(0.05, FLAT)
     P, error = pulled(tip, 0.05)
     assert abs(P - true) < error < 6e-3 * abs(true)  # 5e-3 at 90 %
@@ -158,14 +152,12 @@ SMALL_FLAT, SMALL_R, SMALL_E = 10e-9, 30e-9, 70e6
 
 
 def worn(seed: int, noise: float, whole: bool, axis: float = 0.0) -> TableProfile:
-    """Sixty points of a truncated paraboloid, or twice as many of both sides about an ``axis``."""
     x = np.linspace(-30e-9, 30e-9, 121) if whole else np.linspace(0, 30e-9, 61)
     f = np.maximum(0.0, ((x - axis) ** 2 - SMALL_FLAT**2) / (2 * SMALL_R))
     return smoothed(x, f + noise * np.random.default_rng(seed).standard_normal(x.size), noise=noise)
 
 
 def test_both_sides_of_a_profile_are_one_about_their_axis() -> None:
-    """They were refused for want of a column r; the apex of a scan is where the scan put it."""
     tip = worn(1, 0.05e-9, True, axis=0.8e-9)
     x = np.linspace(0, 29e-9, 200)
     assert np.max(np.abs(tip.f(x) - np.maximum(0.0, (x**2 - SMALL_FLAT**2) / (2 * SMALL_R)))) < 0.1e-9
@@ -179,7 +171,6 @@ def test_both_sides_of_a_profile_are_one_about_their_axis() -> None:
 
 @pytest.mark.slow
 def test_a_corner_near_the_axis_is_sought_beyond_it() -> None:
-    """Of 200 points the first places of corners lie nearer to the axis than to each other: numbers were none."""
     assert smoothed(*measured(1003, 200, noise=0.2e-9), noise=0.2e-9).smooth is not None
 
 

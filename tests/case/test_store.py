@@ -36,7 +36,6 @@ def _path(tmp_path: Path) -> Path:
 
 
 def in_increments(**changes: Any) -> Solution:
-    """A solution with increments, pressures, reasons and words."""
     raw = RawSeries(np.array([0.0, 1, 1, 2]), np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(5, 9))
     coarser = Series(
         np.array([1.5, 3]), np.array([3.0, 6]), np.array([3.0, 7]), np.ones(2), np.ones(2), a0=0.5, S0=None
@@ -63,7 +62,6 @@ def assert_same_by_larger_elements(one: Series, other: Series) -> None:
 
 
 def assert_same(one: Solution, other: Solution) -> None:
-    """Every number and string of two solutions is the same."""
     for name in COLUMNS:
         np.testing.assert_array_equal(getattr(one.series, name), getattr(other.series, name))
         np.testing.assert_array_equal(one.series.errors.get(name), other.series.errors.get(name))
@@ -102,7 +100,6 @@ def root_of(path: Path) -> hdf5.Group:
 
 
 def test_two_runs_of_a_case_have_one_digest(tmp_path: Path) -> None:
-    """The times that they took were under it; they are sealed by themselves."""
     roots = []
     for seconds in (1.0, 2.0):
         path = tmp_path / f"{seconds}.h5"
@@ -113,7 +110,6 @@ def test_two_runs_of_a_case_have_one_digest(tmp_path: Path) -> None:
 
 
 def test_a_file_whose_times_are_under_its_digest_is_read(path: Path) -> None:
-    """As files were written before."""
     before = store.read_solution(path).timings
     with h5py.File(path, "r+") as file:
         del file["timings_s"].attrs[hdf5.SEAL]

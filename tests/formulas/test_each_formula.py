@@ -198,7 +198,6 @@ def test_sphere_capped_cone() -> None:
 
 
 def test_sphere_capped_cone_rate() -> None:
-    """F' is the derivative of the displacement F."""
     x, b = np.array([4e-4, 1.3e-3, 3e-3]), 1.2e-3
     above, below = (formulas.sphere_capped_cone(x * (1 + e), E_STAR, R, b)[0] for e in (1e-6, -1e-6))
     assert_allclose(formulas.sphere_capped_cone_rate(x, R, b), (above - below) / (2e-6 * x), rtol=1e-7)
@@ -251,7 +250,6 @@ def test_adhesive() -> None:
 
 
 def test_device_factors() -> None:
-    """The sums of D, T, H, V with them are delta + P/k and P."""
     four, s, v, k = (
         np.array([3e-6, 2e-6, 4e-3, 5e-3]),
         np.array([2.0, 3.0]),
@@ -336,7 +334,6 @@ def test_logarithm() -> None:
 
 
 def test_stiffness() -> None:
-    """S' is the derivative of S; without tension S = 2 E* a."""
     a, kappa, e = 1e-4, 1e-6, 1e-6
     (S, dS), (above, _), (below, _) = (formulas.stiffness(a * (1 + x), E_STAR, kappa) for x in (0, e, -e))
     assert dS == pytest.approx((above - below) / (2 * e * a), rel=1e-7)

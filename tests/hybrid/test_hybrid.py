@@ -59,7 +59,6 @@ def exact(specimen: Specimen, a: float, indenter: object = PARABOLOID) -> Series
 
 
 def difference(series: Series, other: Series, names: tuple[str, ...] = COLUMNS) -> float:
-    """Largest relative difference of any of the columns."""
     return max(float(np.abs(getattr(series, name) / getattr(other, name) - 1).max()) for name in names)
 
 

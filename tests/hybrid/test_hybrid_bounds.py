@@ -89,7 +89,6 @@ BODIES = {
 
 
 def ratios(problem: Problem, exact: Method, method: Method = Hybrid()) -> dict[str, float]:  # noqa: B008
-    """The true error of each column over the stated one, where that is worst."""
     found, truth = method(problem).series, exact(problem).series
     return {
         name: float(np.max(np.abs(getattr(found, name) - getattr(truth, name)) / found.errors[name]))
@@ -140,7 +139,6 @@ def test_points_where_two_degrees_agree_by_accident_have_an_error() -> None:
 
 
 def test_rounding_in_a_slender_rod_is_far_below_the_kernel() -> None:
-    """The kernel of the last degrees, 4,000 times that of the contact alone, differs by its last digits only."""
     levels = AdaptiveKernel(Paraboloid(1e3), ROLLERS, 1e-5).levels(13.2)
     high, higher = levels.correction(14), levels.correction(16)
     assert np.abs(high.K - higher.K).max() < 1e-12 * np.abs(higher.K).max()
@@ -214,7 +212,6 @@ def test_short_waves_of_a_kernel_of_polynomials_count_for_the_place() -> None:
 
 @pytest.mark.slow
 def test_points_are_solved_where_that_takes_seconds() -> None:
-    """Above one second they were interpolated without a word: forces 1.4 % off, 0.2 % stated."""
     sliding = Specimen((Layer(Elastic(2.36e9, 0.5), 2.3e-6),), Rigid(bonded=False))
     problem = Problem(PowerLaw(0.231, 1.0), sliding, Loading("radius", 3e-5, 60))
     result, true = (analyse(method(problem), [1039.0])[0] for method in (Hybrid(), Layered()))

@@ -81,7 +81,6 @@ def test_what_no_longer_gets_better_is_given_up() -> None:
 
 
 def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
-    """A blunt profile on a coating 10^4 times as stiff as its base: no pressure in the middle."""
     specimen = stack((1.0, 0.3, 1.0), (1e-3, 0.3, 4.0))
     problem = Problem(PowerLaw(1e-3, 4.0), specimen, Loading("radius", 3.0, 10))
     exact, found = Layered()(problem), Hybrid(1e-4)(problem)
@@ -102,7 +101,6 @@ def test_no_correction_is_computed_again_for_more_parameters(monkeypatch: pytest
 
 
 def test_levels_say_what_they_cost() -> None:
-    """Unknowns as they are, but for those that supports hold: up to a third of so few."""
     for specimen in FINITE.values():
         levels = AdaptiveKernel(PARABOLOID, specimen, 1e-5).levels(1.0)
         assert levels.cost(8).unknowns == pytest.approx(levels.correction(8).unknowns, rel=0.35)
@@ -133,7 +131,6 @@ def test_pressures_in_great_contrasts_are_eliminated_without_pivots() -> None:
 
 
 def test_wide_layers_that_would_take_elements_long_are_solved_by_layered() -> None:
-    """Whose numbers they get, and are told so; others keep their elements."""
     thin = Problem(PARABOLOID, stack((1.0, 0.3, 1.0), (2.0, 0.4, 1.0), (1.0, 0.3, 1.0)), Loading("radius", 60.0, 5))
     assert Hybrid().refusal(thin) is None
     assert Hybrid().forecast(thin).seconds < 1.0
@@ -149,7 +146,6 @@ def test_wide_layers_that_would_take_elements_long_are_solved_by_layered() -> No
 
 
 def test_what_is_not_to_be_had_is_forecast_in_bounds() -> None:
-    """A top layer of a two-thousandth of the contact in a cylinder: terabytes were told."""
     specimen = Specimen((Layer(Elastic(1.0, 0.3), 5e-4), Layer(Elastic(1.0, 0.5), 1.0)), Rigid(), 2.0, "free")
     reason = Hybrid().refusal(Problem(PARABOLOID, specimen, Loading("radius", 1.0)))
     assert reason is not None

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from jkrcli.bodies.problem import Elastic, Layer, Rigid, Specimen
-from jkrcli.formulas import point_force
 from jkrcli.hybrid.correction import LineElements, Mesh, Region, RingField, lines
 
 T = np.array([0.2, 0.7])
@@ -19,7 +18,6 @@ def field(r: float, z: float, nu: float) -> RingField:
 
 
 def slopes(name: str, r: float, z: float, nu: float) -> tuple[np.ndarray, np.ndarray]:
-    """Central differences along r and z."""
     along_r = getattr(field(r + STEP, z, nu), name) - getattr(field(r - STEP, z, nu), name)
     along_z = getattr(field(r, z + STEP, nu), name) - getattr(field(r, z - STEP, nu), name)
     return along_r / (2 * STEP), along_z / (2 * STEP)
@@ -48,15 +46,6 @@ def test_the_surface_of_the_half_space() -> None:
     t, half = T[:, None], 0.5 / (1 - 0.3**2)
     assert_allclose(f.s_zz, np.where(outside, 0, half * t / np.abs(t**2 - r**2) ** 1.5), atol=1e-7)
     assert_allclose(f.s_rz, 0, atol=1e-8)
-
-
-def test_far_away_the_ring_is_a_point_force() -> None:
-    """Of pi E*: the total of any of the pressures, their transform at k = 0 being E*/2."""
-    r, z, nu = np.array([300.0]), np.array([400.0]), 0.3
-    f, (u_r, u_z) = RingField.at(r, z, T, nu), point_force(r, z, 1.0, nu)
-    force = np.pi / (1 - nu**2)
-    assert_allclose(f.u_z, np.broadcast_to(force * u_z, (2, 1)), rtol=1e-5)  # (t/distance)^2 and rounding
-    assert_allclose(f.u_r, np.broadcast_to(force * u_r, (2, 1)), rtol=1e-5)
 
 
 @settings(max_examples=25, deadline=None)
@@ -104,7 +93,6 @@ def test_stiffness(nu: float) -> None:
 
 @pytest.mark.parametrize("nu", [0.3, 0.5])
 def test_work_is_the_quadratic_form_of_the_stiffness(nu: float) -> None:
-    """Pressures included; and rounding moves it by no more than is said."""
     region = Region.of(body(nu, layers=2), 1.0, 1e-5)
     mesh = Mesh(region, *lines(region, 4))
     U = np.random.default_rng(5).normal(size=(mesh.stiffness.shape[0], 3))

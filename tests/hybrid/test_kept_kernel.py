@@ -37,7 +37,6 @@ BODIES = {
 
 @pytest.fixture(name="systems")
 def _systems(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """The unknowns of the systems of finite elements that are solved, in order."""
     seen: list[int] = []
     solved = correction._solved
 
@@ -84,7 +83,6 @@ def test_points_with_the_kept_kernel_agree_with_those_of_their_own(
 @pytest.mark.first(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_rows_solved_again_with_it_are_those_of_the_series(name: str, tmp_path: Path, systems: list[int]) -> None:
-    """Columns and errors; of moduli three times as large too."""
     solution = stored(name, tmp_path / "x.h5")
     systems.clear()
     for series in (solution, solution.scaled(3.0)):

@@ -18,7 +18,6 @@ A = 4e-4  # contact radius [m]
 
 
 def _cylinder(tip: Elastic | None) -> Solution:
-    """A layer within a clamped wall, in contact over 0.4 of its radius."""
     specimen = Specimen((Layer(Elastic(1e6, 0.5), 2e-3),), Rigid(), radius=1e-3, side="clamped")
     return Hybrid(tolerance=1e-4)(Problem(Paraboloid(1e-2, tip), specimen, Loading("radius", A, 5)))
 

@@ -132,7 +132,6 @@ def test_layered_refuses_more_nodes_than_it_takes_before_it_begins(jkr: Callable
 
 @pytest.mark.slow
 def test_auto_names_no_method_that_the_solve_refuses(jkr: Callable, tmp_path: Path) -> None:
-    """layered was said to take 8,100 nodes and a quarter of an hour, and refused more than 4,000 when it was begun."""
     (tmp_path / "thin.toml").write_text("""
 indenter = { shape = "paraboloid", radius = "1 mm" }
 specimen.layers = [{ thickness = "27.9 nm", E = "1 MPa", nu = 0.3 }]
@@ -180,7 +179,6 @@ def test_every_curve_counts_in_the_memory(jkr: Callable) -> None:
 
 @pytest.mark.slow
 def test_pictures_count_in_the_memory(jkr: Callable) -> None:
-    """Of 30 works 0.128 GiB were said and 0.5 used, as pictures waited for the collector."""
     assert jkr("run", CASES / "halfspace.toml", "-o", "h.h5").code == 0
     works = [word for i in range(30) for word in ("--w", f"{1e-3 * (1 + i / 30):.8f}")]
     jkr("transform", "h.h5", *works, "--limit-memory", "0.2", "-o", "o").refused("the limit is 0.2 GiB")

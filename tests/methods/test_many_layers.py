@@ -15,21 +15,18 @@ from jkrcli.methods.protocol import long_look, method_class, survey
 
 
 def stack(count: int, loading: Loading | None = None, top: float = 1e-4) -> Problem:
-    """A hundred micrometres of ``count`` layers, the uppermost ``top`` m thick, on a half-space."""
     rest = [Layer(Elastic(1e6 * (1 + i % 7), 0.2 + 0.02 * (i % 9)), 1e-4 / count) for i in range(1, count)]
     layers = (Layer(Elastic(1e6, 0.2), top), *rest)
     return Problem(Paraboloid(1e-3), Specimen(layers, HalfSpace(Elastic(1e7, 0.3))), loading or Loading("radius", 5e-5))
 
 
 def law(thicknesses: list[float], growth: float) -> SizeLaw:
-    """Sizes on layers, as on a contact of the radius 1 on them."""
     tops = np.cumsum([0.0, *thicknesses[:-1]]).tolist()
     layers = tuple((top, t, min(2 * growth, 0.5) * t, 100 * t) for top, t in zip(tops, thicknesses, strict=True))
     return SizeLaw(1.0, growth, 0.2, 5.0, inner=0.1, slope=0.2, layers=layers)
 
 
 def brute_force(sizes: SizeLaw, width: float, depth: float) -> float:
-    """The same count from the law itself, point by point on a dense grid."""
     r, z = (np.concatenate([[0], np.geomspace(1e-5, end, 1500)]) for end in (width, depth))
     near = np.geomspace(1e-4, 0.5, 100)
     across = np.array([top + t * part for top, t, *_ in sizes.layers for part in (near, 1 - near)]).ravel()

@@ -42,7 +42,6 @@ def stiffness(a_over_h: float) -> float:
 
 
 def slope(a_over_h: float) -> float:
-    """S'/(2 E*) of it."""
     return contact(a_over_h, 0.5)[3] / 2
 
 
@@ -186,7 +185,6 @@ REFUSED = {
 
 @pytest.mark.parametrize("options", REFUSED, ids=" ".join)
 def test_what_is_not_derived_is_refused(jkr: Callable, options: tuple[str, ...]) -> None:
-    """In one line, and nothing is written."""
     verb, *rest = options
     Path("punch.toml").write_text(CASE.format(R=1e-3, specimen=LAYER, loading="radius = 1e-3"))
     file = "punch.toml"
@@ -269,7 +267,6 @@ def test_a_small_punch_on_something_stiff_says_what_a_range_changes(jkr: Callabl
 
 
 def test_the_first_line_names_the_force_that_is_right(jkr: Callable) -> None:
-    """A tip of 10 nm: JKR's force and that of a range of 0.3 nm, which --range gives."""
     where = ("--radius", "10 nm", "--E", "70 GPa", "--nu", "0.4", "--w", "50 mJ/m^2")
     first = " ".join(jkr("pull-off", *where).out.split("(E = 70")[0].split())
     assert "by JKR; 3.06 nN (load) with a range of 300 pm" in first

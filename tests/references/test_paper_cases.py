@@ -30,7 +30,6 @@ def between(x: Array | float, xs: Array, ys: Array) -> Array:
 
 
 def exact_loads(problem: Problem, delta: Array) -> Array:
-    """P of the exact layer at the displacements ``delta``."""
     return Layered()(replace(problem, loading=Loading.given("depth", tuple(delta.tolist())))).series.P
 
 

@@ -69,13 +69,11 @@ def half_space(E: float, nu: float) -> Specimen:
 
 
 def at(indenter: Indenter, specimen: Specimen, to: Any, value: float) -> dict[str, float]:
-    """a, delta, P, S without adhesion at one value of a quantity."""
     series = solve(Problem(indenter, specimen, Loading.given(to, (value,)))).series
     return {name: float(getattr(series, name)[-1]) for name in ("a", "delta", "P", "S")}
 
 
 def lost(indenter: Indenter, specimen: Specimen, w: float, a: float, **keys: Any) -> list[dict[str, Any]]:
-    """What is read off under load and displacement control; ``a``: radius to which the body is solved."""
     spacing = keys.pop("spacing", "radius")
     solution = solve(Problem(indenter, specimen, Loading("radius", a, 200, spacing)))
     found: list[dict[str, Any]] = pull_off(solution, w=w, **keys).summary()["controls"]
@@ -218,7 +216,6 @@ def test_the_cone_of_maugis_and_barquins() -> None:
 
 @pytest.mark.slow
 def test_the_flat_punch_of_kendall() -> None:
-    """sqrt(8 pi E* w a^3) for a flat end of 20 um whose edge is rounded by 1 nm."""
     found = lost(RoundedFlat(20e-6, 1e-9), half_space(1e6, 0.5), 0.05, 20.01e-6, spacing="log")[0]["pull_off"]["P_N"]
     exact = -math.sqrt(8 * math.pi * 1e6 / 0.75 * 0.05 * 20e-6**3)
     assert exact == pytest.approx(-1.15776200729e-04, rel=1e-11)
@@ -237,7 +234,6 @@ def test_ting_of_pyfmrheo() -> None:
 
 
 def test_ting_of_pyfmrheo_under_a_cone() -> None:
-    """Half angle 35 deg, the same motion."""
     body = Specimen((), HalfSpace(Elastic(1e3, 0.5)), relaxation=PowerRelaxation(time=1.0, exponent=0.2))
     tip = PowerLaw(1 / math.tan(math.radians(35)), 1.0)
     history = cycle_relaxing(solve(Problem(tip, body, Loading("depth", 1.2e-6, 200))), speed=1e-5, to_depth=1e-6)

@@ -24,7 +24,6 @@ def write_table(path: Path, delta: Any, P: Any, area: Any) -> None:
 
 
 def ellipse_table(path: Path, ratio: float, rows: int = 40) -> None:
-    """The nonadhesive contact of an ellipsoid with sqrt(R1 R2) = R, from its own program."""
     areas = math.pi * np.linspace(0.02, 0.3, rows) ** 2
     delta, P = ellipses.hertz(ratio, areas)
     write_table(path, delta * R, P * E_STAR * R**2, areas * R**2)

@@ -24,7 +24,6 @@ WRONG = {
 
 
 def imported(number: int, of_radii: float, of_loads: float, folder: Path) -> tuple[Analysis, dict[str, tuple]]:
-    """A drawn series, wrong by factors, and the exact pull-off points of the bodies that are stated."""
     rng = np.random.default_rng(100 + number)
     series = draw("two zones" if number % 2 else "even", rng, False, True)
     while series.body.name.startswith("bonded layer 0.49"):

@@ -25,7 +25,6 @@ RUBBER = Elastic(1e6, 0.5)
 def found(
     specimen: Specimen, w: float = 0.0, indenter: object = None, z0: float = 3e-10, **more: object
 ) -> dict[str, NeglectedEffect]:
-    """What is left out, by the first two words of its name."""
     problem = Problem(indenter or Paraboloid(R), specimen, Loading("radius", a, 40), **more)
     works = (w,) if w else ()
     rows = neglected_effects(problem, preview_effects(problem, works, z0), works, z0)

@@ -61,7 +61,6 @@ def test_smooth_radii_are_none_of_nodes() -> None:
 
 
 def test_what_integral_errs_by_is_in_the_error_of_a_rule_that_is_judged_by_it(tmp_path: Path) -> None:
-    """A point of "loocv" 12 % off that of "integral", which states 4.6 %: 14 % were stated."""
     series = list(drawn(5, 21, ("even",)))[4]
     solution = read_series(series.write(tmp_path), series.body.problem, SeriesReading(compare=series.known))
     found, errors = [], []

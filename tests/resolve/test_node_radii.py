@@ -120,7 +120,6 @@ def test_a_modulus_does_not_move_the_edge_and_a_radius_of_the_tip_little() -> No
 # ---------------------------------------------------------------------- what is stated
 @pytest.mark.parametrize(("ahead", "node"), [(0.3, "outermost"), (0.0, "next")])
 def test_bands_of_the_pull_off_force_hold(ahead: float, node: str, tmp_path: Path) -> None:
-    """Uncorrected the force was low by the part of an element over the radius: 1.2 % at 0.3."""
     given = node_series(LAYER, 60, 200, ahead, node)
     known, stated = judged(given, read(given, tmp_path))
     assert abs(known) < stated < 0.01

@@ -23,7 +23,6 @@ def read(path: Path, columns: np.ndarray) -> Solution:
 
 @pytest.mark.parametrize(("noise", "points"), [(1e-2, 60), (3e-2, 15)])
 def test_noise_is_not_refused(tmp_path: Path, noise: float, points: int) -> None:
-    """27 of 30 tables of 60 points with 1 % noise used to be refused."""
     for seed in range(3):
         solution = read(tmp_path / "t.csv", disturbed(HERTZ.series(points), "independent", noise, seed))
         assert len(solution.series) == points
@@ -91,7 +90,6 @@ def exact_columns() -> np.ndarray:
 
 
 def test_an_outlier_below_zero_costs_its_row_only(tmp_path: Path) -> None:
-    """Beyond the first tenth of the rows it used to refuse the table, before that to cost all rows up to it."""
     columns = disturbed(HERTZ.series(60), "independent", 1e-2, 0)
     clean = analyse(read(tmp_path / "t.csv", columns), [50.0])[0]
     columns[2, 40] *= -0.1
@@ -106,7 +104,6 @@ def test_an_outlier_below_zero_costs_its_row_only(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("near", "outlier"), [(3, 14), (2, 12)])
 def test_an_outlier_below_zero_is_none_of_the_rows_near_first_touch(tmp_path: Path, near: int, outlier: int) -> None:
-    """The 14th of 60 rows used to count with three before it: the table was refused as in another order."""
     columns = disturbed(HERTZ.series(60), "independent", 1e-2, 0)
     columns[2, :near] *= -1
     columns[2, outlier] *= -0.1
@@ -117,7 +114,6 @@ def test_an_outlier_below_zero_is_none_of_the_rows_near_first_touch(tmp_path: Pa
 
 
 def test_an_outlier_at_the_end_of_few_rows_is_no_other_order(tmp_path: Path) -> None:
-    """The last radius of 15 in the place of the fifth: the table used to be refused as in another order."""
     columns = disturbed(HERTZ.series(15), "independent", 1e-2, 0)
     columns[0, 14] = columns[0, 4]
     (words,) = read(tmp_path / "t.csv", columns).warnings
@@ -125,7 +121,6 @@ def test_an_outlier_at_the_end_of_few_rows_is_no_other_order(tmp_path: Path) -> 
 
 
 def test_rows_in_order_keep_their_scatter_where_one_is_left_out(tmp_path: Path) -> None:
-    """The band was 1e-5 of the force: that of what had been fitted to the rows."""
     columns = disturbed(HERTZ.series(15), "independent", 1e-2, 0)
     assert (np.diff(columns) > 0).all()
     columns[2, 14] *= -0.1
@@ -137,7 +132,6 @@ def test_rows_in_order_keep_their_scatter_where_one_is_left_out(tmp_path: Path) 
 @pytest.mark.parametrize("factor", [1.2, 1.7])
 @pytest.mark.parametrize("points", [60, 500])
 def test_a_radius_beyond_all_others_is_an_outlier(tmp_path: Path, points: int, factor: float) -> None:
-    """The splines bent to it: no pull-off within the series, or a band of a third of the force, and not a word."""
     columns = disturbed(HERTZ.series(points), "independent", 1e-2, 0)
     last, row = columns[0].max(), points * 23 // 25
     columns[0, row] *= factor
@@ -159,7 +153,6 @@ def test_rows_in_order_end_at_the_last_radius_that_is_no_outlier_too(tmp_path: P
 @pytest.mark.parametrize("body", BODIES[:3:2], ids=lambda body: body.name)
 @pytest.mark.parametrize("kind", ["independent", "AR(1) 0.5", "AR(1) 0.9", "outliers", "drift"])
 def test_bands_of_the_pull_off_force_hold_or_the_data_are_doubted(body, kind: str) -> None:
-    """100 seeds: a band that holds in 86 to 96 % of many does in 80 to 99 of them."""
     found = cell(body, 60, kind, 1e-2, range(100))
     assert found.refused == 0
     if kind == "independent":

@@ -30,7 +30,6 @@ def _read(body: Body, points: int) -> tuple[Series, Series]:
 
 @pytest.mark.parametrize(("name", "points"), [("layer-0.499", 60), ("stiff-coating", 5)])
 def test_columns_of_the_bodies_give_their_slopes(name: str, points: int) -> None:
-    """Without them five rows leave S' by up to a half."""
     exact, read = _read(next(body for body in BODIES if body.name == name), points)
     found, alone = integral(read), integral(replace(read, own=None))
 
@@ -77,7 +76,6 @@ def test_few_noisy_rows_of_a_coating_keep_its_bending(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_other_bodies_than_said_are_warned_of(tmp_path: Path) -> None:
-    """A coating said to be half as thick again: what is smoothed towards it is wrong, and it is said."""
     problem = COATING.problem(60)
     (layer,) = problem.specimen.layers
     said = replace(

@@ -25,7 +25,6 @@ CASES = Path(__file__).parents[2] / "cases"
 
 
 def test_the_cost_is_asked_for_at_the_radii_of_the_series() -> None:
-    """A thin-layer formula holds from a/h = 60 on; at half of a/h = 75 it was refused, and with it every curve."""
     specimen = Specimen((Layer(Elastic(1e6, 0.45), 1e-5),), Rigid())
     radii = (6e-4, 6.5e-4, 6.8e-4, 7e-4, 7.3e-4, 7.5e-4)
     solution = ClosedForm()(Problem(Paraboloid(0.1), specimen, Loading.given("radius", radii)))
@@ -33,7 +32,6 @@ def test_the_cost_is_asked_for_at_the_radii_of_the_series() -> None:
 
 
 def test_points_that_take_too_many_nodes_cost_nothing(tuned: Callable[[str, object], None]) -> None:
-    """Those at 600 thicknesses were refused, and with them every curve: what is interpolated stands, with its error."""
     model = load_case(CASES / "thin-layer.toml").model
     solution = Layered()(model.problem())
     tuned("jkrcli.methods.layered.contact.LAYERED_MOST_NODES", 10)
@@ -45,7 +43,6 @@ def test_points_that_take_too_many_nodes_cost_nothing(tuned: Callable[[str, obje
 
 @pytest.mark.parametrize(("name", "points"), [("gel", 100), ("coating", 100), ("thin-layer", 40)])
 def test_points_are_solved_and_their_errors_are_near_the_truth(name: str, points: int) -> None:
-    """Interpolated, their force erred by up to 5e-4 and said 1e-4 to 2e-3."""
     model = load_case(CASES / f"{name}.toml").model
     problem = replace(model.problem(), loading=replace(model.problem().loading, points=points))
     result = analyse(solve(problem, "layered")[1], [model.adhesion.w[0]])[0]
@@ -89,7 +86,6 @@ def test_the_place_of_pull_off_is_known_less_well_near_the_rim_of_a_sphere(share
 
 @pytest.mark.parametrize(("method", "share"), [("layered", 1.03), ("hybrid", 1.0005)])
 def test_points_are_solved_beyond_the_last_row(method: str, share: float) -> None:
-    """What was read off next to the end of a series was refused: it "lies outside the solution"."""
     body = Specimen((Layer(Elastic(1e6, 0.45), 1e-6),), Rigid())
     problem = Problem(Paraboloid(1e-5), body, Loading("radius", share * 1.025412e-6, 40))
     result = analyse(method_class(method)()(problem), [4e-3])[0]
@@ -105,7 +101,6 @@ def test_points_are_solved_beyond_the_last_row(method: str, share: float) -> Non
 def test_a_point_beside_its_solved_radius_errs_by_the_bend_between(
     rows: int, spacing: Spacing, w: float, stiffness: float
 ) -> None:
-    """Up to 1e-6 of it away they counted as one: of few rows the bend is 1 % off, and P was 10 times beyond."""
     body = Specimen((Layer(Elastic(1e6, 0.45), 1e-5),), Rigid())
     problem = Problem(Paraboloid(1e-4), body, Loading("radius", 4e-5, rows, spacing))
     curve = with_solved_points(analyse(Layered()(problem), [w])[0], stiffness).curve
@@ -136,7 +131,6 @@ def test_what_is_read_between_the_rows_has_its_own_error() -> None:
 
 @pytest.mark.parametrize(("method", "count"), [("layered", 20), ("hybrid", 20)])
 def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: str, count: int) -> None:
-    """A table of a sphere in 20 intervals: delta at load pull-off was up to 1.2e-2 off, 4e-7 to 4e-4 stated."""
     body = Specimen((Layer(Elastic(1e6, 0.45), 8e-6),), Rigid())
     sphere, r = Sphere(2e-5), np.linspace(0, 1.2e-5, 21)
     table = TableProfile(tuple(r), tuple(np.asarray(sphere.f(r)).tolist()))
@@ -149,7 +143,6 @@ def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: str
 
 @pytest.mark.parametrize("method", ["layered", "hybrid"])
 def test_a_table_of_three_points_says_how_little_they_tell(method: str) -> None:
-    """Of f = B r^2.5 on a stack: delta at load pull-off was off by 108 times its error."""
     layers = (Layer(Elastic(1.4767e10, 0.22577), 4.3672e-4), Layer(Elastic(4.2797e11, -0.018248), 2.18148e-4),
               Layer(Elastic(1.40738e13, 0.487165), 7.4424e-4))  # fmt: skip
     shape, r, loading = PowerLaw(2.102e5, 2.5), np.array([0.0, 5e-5, 1e-4]), Loading("radius", 6.2457e-5, 40)
@@ -178,7 +171,6 @@ def test_rows_stay_beside_solved_radii_whatever_a_table_leaves_open() -> None:
 @pytest.mark.parametrize("nu", [0.3, 0.4995])
 @pytest.mark.parametrize("indenter", [Paraboloid(2e-5), Sphere(4e-5)], ids=["paraboloid", "sphere"])
 def test_what_the_profile_leaves_of_the_depth_is_no_spring_in_series(indenter: Indenter, nu: float) -> None:
-    """delta_H erred by 1e-10, S by 1e-12: delta under displacement control was 2 to 3 times beyond its error."""
     specimen = Specimen((Layer(Elastic(3e4, nu), 5.8e-6),), Rigid())
     result = analyse(Layered()(Problem(indenter, specimen, Loading("radius", 3.4e-6, 32, "log"))), [2e-9])[0]
     point, stated = result.pull_off["displacement"], result.pull_off_errors["displacement"]
@@ -243,7 +235,6 @@ adhesion.w = 1.65e-4
 
 
 def test_a_stiff_film_has_a_fold_of_its_own_below_the_first_row(jkr: Callable) -> None:
-    """Eight rows from 1.6 um on gave the fold of the soft half-space below, at 2.2 um and -344 nm."""
     found = []
     for points in (8, 100):
         Path("body.toml").write_text(f"{FILM}loading = {{ radius = 13e-6, points = {points} }}")

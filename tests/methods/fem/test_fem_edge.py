@@ -100,7 +100,6 @@ ZONES = FEM(layout="zones", element="quadrilateral", order=1, depth=2e-3, width=
 @pytest.mark.parametrize("spacing", ["depth", "radius"])
 @pytest.mark.parametrize("element_size", [5e-7, 1e-6, 2e-6, None], ids=["0.005 R", "0.01 R", "0.02 R", "thin layer"])
 def test_bands_of_the_papers_increments_hold(spacing, element_size):
-    """The paper's half-space on zones of three sizes and its thin layer, ten works of adhesion each, by every rule."""
     if element_size is None:
         layer = Specimen((Layer(Elastic(5e9, 0.4), 1e-6),), Rigid())
         problem = Problem(Sphere(1e-3), layer, Loading("depth", 1.5e-7, 100, spacing))
@@ -120,7 +119,6 @@ def test_bands_of_the_papers_increments_hold(spacing, element_size):
 
 
 def test_increments_and_their_file_tell_what_nested_contact_does(tmp_path):
-    """The increments choose what is reported, not the curve."""
     asked = replace(COATING, loading=Loading("radius", 1.0, 30))
     increments, nested = (FEM(spacing=0.1, growth=0.3, contact=by)(asked) for by in ("incremental", "nested"))
     write_solution(tmp_path / "series.h5", increments)
@@ -198,7 +196,6 @@ def test_without_an_error_estimate_there_are_no_slopes():
 
 
 def test_increments_are_even_in_load():
-    """As the paper words it: each the same part of the largest load, which the depth asks for."""
     asked = replace(COATING, loading=Loading("depth", 0.05, 25, "load"))
     other = replace(COATING, loading=Loading("depth", 0.05, 25, "depth"))
     by_load, by_depth = (FEM(spacing=0.1, growth=0.3, contact="incremental", estimate_error=False)(one).raw

@@ -26,13 +26,10 @@ GRADED = Graded(Exponential(0.84, 8.4, 1.0), 0.4)
 LAMELLAR = TransverselyIsotropic(E_p=2.0, E_z=1.0, nu_p=0.3, nu_zp=0.2, G_z=0.5)
 TIP = Paraboloid(1.0)
 BODIES = {  # kappa = 2 Ups for E* = 1
-    "half-space, slight": (Specimen((), HalfSpace(SOFT), surface_tension=0.05), TIP),
     "half-space, strong": (Specimen((), HalfSpace(SOFT), surface_tension=1.5), TIP),
     "half-space, flat end": (Specimen((), HalfSpace(SOFT), surface_tension=0.1), RoundedFlat(0.4, 1.0)),
-    "layer": (Specimen((Layer(SOFT, 1.0),), Rigid(), surface_tension=0.05), TIP),
     "layer under a membrane": (Specimen((Layer(SOFT, 1.0),), Rigid(), surface_tension=5.0), TIP),
     "rubber": (Specimen((Layer(RUBBER, 1.0),), Rigid(), surface_tension=0.5), TIP),
-    "coating": (Specimen((Layer(SOFT, 1.0),), HalfSpace(STIFF), surface_tension=0.15), TIP),
     "graded": (Specimen((Layer(GRADED, 1.0),), Rigid(), surface_tension=0.15), TIP),
     "lamellar": (Specimen((Layer(LAMELLAR, 1.0),), Rigid(False), surface_tension=0.15), TIP),
     "wide cylinder": (Specimen((Layer(SOFT, 1.0),), Rigid(), 12.0, "free", surface_tension=0.15), TIP),

@@ -11,9 +11,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.no_slip import StuckSpectrum
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.methods.layered.spectrum import (
-    LayeredSpectrum,
-)
+from jkrcli.methods.layered.spectrum import LayeredSpectrum
 from jkrcli.methods.layered.surface_tension import TenseSpectrum
 from studies.stack_judge import compliances, contact
 
@@ -21,7 +19,6 @@ RUBBER = HalfSpace(Elastic(1e6, 0.5))
 
 
 def ratio(decades: float, base: Rigid | HalfSpace) -> Specimen:
-    """A thin, a thick and a middling layer."""
     thick, middling = Layer(Elastic(30.0, 0.5), 10**decades), Layer(Elastic(1e-3, 0.3), 10 ** (decades / 2))
     return Specimen((Layer(Elastic(1.0, 0.4), 1.0), thick, middling), base)
 

@@ -47,7 +47,6 @@ COLUMNS = ("delta", "P", "S", "dS")
 
 
 def layer(law, nu, base):
-    """One graded layer of thickness 1."""
     return Specimen((Layer(Graded(law, nu), 1.0),), base)
 
 
@@ -56,7 +55,6 @@ def problem(specimen, *radii):
 
 
 def worst(one, other):
-    """Largest relative difference of any column of two series."""
     return max(np.max(np.abs(getattr(one, name) / getattr(other, name) - 1)) for name in COLUMNS)
 
 
@@ -173,7 +171,6 @@ CONTACTS = [
 
 
 def stack(law, nu, base, count):
-    """``count`` homogeneous sublayers that become thinner towards the surface, each with the modulus of its middle."""
     edges = np.linspace(0, 1, count + 1) ** 2
     middle = law.at((edges[1:] + edges[:-1]) / 2)
     layers = (Layer(Elastic(float(E), nu), h) for E, h in zip(middle, np.diff(edges), strict=True))
@@ -291,13 +288,11 @@ def test_contact_by_another_equation(law, nu, base):
     ],
 )
 def test_finite_elements_agree_within_the_stated_errors(law, nu, base):
-    """nu near and at 1/2 in the mixed form."""
     assert_finite_elements_agree(layer(law, nu, base))
 
 
 # ---------------------------------------------------------------------- cases, files, refusals
 def case(layer_keys, base="base = 'bonded'"):
-    """A case file with one layer of 10 um."""
     return (
         "[indenter]\nshape = 'paraboloid'\nradius = '100 um'\n[specimen]\n" + base
         + f"\n[[specimen.layers]]\nthickness = '10 um'\n{layer_keys}\n[loading]\nradius = '5 um'\n"
@@ -354,5 +349,4 @@ def test_what_is_refused():
 
 
 def test_the_spectrum_is_resolved_with_few_evaluations():
-    """The panels in k do not chase the noise of the extrapolation."""
     assert LayeredSpectrum(layer(*CONTACTS[0])).panels[0].size < 40

@@ -47,7 +47,6 @@ def solved(specimen, radii, method=None):
 
 
 def worst(one, other):
-    """Largest relative difference of any column of two series."""
     return max(np.max(np.abs(getattr(one, name) / getattr(other, name) - 1)) for name in COLUMNS)
 
 

@@ -44,7 +44,6 @@ def solved(specimen, *radii, indenter=PARABOLOID, sticks=True, tolerance=1e-8):
 
 
 def flat_ends(nu, *radii, order=4):
-    """S/(2 E* a) of flat ends alone, without the growth of a contact."""
     spectrum, ends = StuckLayeredContact(PARABOLOID, bonded(nu)).spectrum, np.array(radii, dtype=float)
     panels = Panels.through(ends, Quadrature(order, 0.3, 0))
     return StuckDisc.of(spectrum.stuck_kernel(2 * ends[-1], 24), panels).S / ends
@@ -177,7 +176,6 @@ def test_forecasts_count_the_check_that_is_solved():
 
 
 def test_the_list_of_radii_changes_nothing():
-    """The growth has its own radii: neither how many are asked for, nor the first, nor the next counts."""
     exact = solved(bonded(0.5), 2.0, tolerance=1e-9)
     for radii in (np.linspace(0.1, 2.0, 20), np.linspace(0.004, 2.0, 500), [1.99, 2.0], [2.0, 5.0]):
         series = Layered()(stuck(bonded(0.5), "radius", *radii)).series

@@ -38,7 +38,6 @@ def bonded(nu, kappa, h=1.0):
 
 
 def others(kappa):
-    """Bodies beside a half-space and one layer, E* = 1 at the top in the first two."""
     graded = Graded(Exponential(0.84, 8.4, 1.0), 0.4)
     lamellar = TransverselyIsotropic(E_p=2.0, E_z=1.0, nu_p=0.3, nu_zp=0.2, G_z=0.5)
     return {
@@ -100,7 +99,6 @@ def test_the_map_of_the_study_has_the_same_values():
 
 
 def slope(values, step):
-    """Derivative in the middle of five values."""
     return np.array([1, -8, 0, 8, -1]) @ values / (12 * step)
 
 
@@ -177,20 +175,7 @@ def test_tension_alone_leaves_wetting(body):
     assert pull_off(specimen, 3 * radius, w) / w == pytest.approx(1, rel=2e-4)
 
 
-def test_a_change_of_units_scales_everything():
-    lengths, forces = 3e-6, 7e-9
-    specimen = bonded(0.4, 0.3)
-    body = Specimen(
-        (Layer(Elastic(0.84 * forces / lengths**2, 0.4), lengths),), Rigid(), surface_tension=0.15 * forces / lengths
-    )
-    plain, scaled = at(specimen, 0.7), at(body, 0.7 * lengths, indenter=Paraboloid(lengths))
-    assert scaled.delta[0] == pytest.approx(plain.delta[0] * lengths, rel=1e-9)
-    assert scaled.P[0] == pytest.approx(plain.P[0] * forces, rel=1e-9)
-    assert scaled.S[0] == pytest.approx(plain.S[0] * forces / lengths, rel=1e-9)
-
-
 def test_stated_errors_hold():
-    """Each error is above that of twice the nodes, and 100 radii are a matter of a moment."""
     specimen = bonded(0.5, 0.2)
     radii = np.linspace(0.02, 2.0, 100)
     series, finer = at(specimen, *radii, tolerance=1e-6), at(specimen, *radii[::9], tolerance=1e-8)

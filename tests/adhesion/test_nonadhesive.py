@@ -28,11 +28,6 @@ def noisy_hertz(seed: int, noise: float = 1e-3) -> Series:
     return Series(a, delta, P)
 
 
-def exact_hertz() -> Nonadhesive:
-    series = Series(RADII, *hertz(RADII, E_STAR, R), 2 * E_STAR * RADII, 2 * E_STAR * np.ones(60))
-    return Nonadhesive(series, slopes(series))
-
-
 def test_no_adhesion_is_the_limit_of_little() -> None:
     """On noisy data too: the fitted columns, not those of the data, which lie up to 0.7 % of the load beside them."""
     series = noisy_hertz(0)
@@ -53,7 +48,8 @@ def test_no_adhesion_is_the_limit_of_little() -> None:
 def test_solved_radii_of_large_errors_leave_the_ends_of_the_series() -> None:
     """Every row gave way to solved radii whose error is stated as 100 % or more: what lies beyond them was extrapolated
     over decades, until exp overflowed. Those half as far and farther stay now, and both ends."""
-    body = exact_hertz()
+    series = Series(RADII, *hertz(RADII, E_STAR, R), 2 * E_STAR * RADII, 2 * E_STAR * np.ones(60))
+    body = Nonadhesive(series, slopes(series))
     few = np.arange(35, 58)
     columns = {name: getattr(body.series, name)[few] for name in ("a", "delta", "P", "S", "dS")}
     unsure = Series(**columns, errors={"delta": 10 * columns["delta"], "dS": columns["dS"]})
@@ -69,18 +65,6 @@ def test_the_explorer_begins_at_a_third_of_the_series() -> None:
     body = Nonadhesive(series, slopes(series, "integral"))
     assert start_work(body) == 37.0
     assert AdhesiveCurve(body, 37.4).pull_off(0.0).a == pytest.approx(body.a[20], rel=1e-3)
-
-
-def test_rates_are_the_derivatives_of_the_parts() -> None:
-    """By central differences, whose error is of second order, and of round-off where a function hardly changes."""
-    series = noisy_hertz(1, 1e-3)
-    body = Nonadhesive(series, slopes(series, "integral"))
-    a, step = np.geomspace(1.1 * series.a[0], 0.9 * series.a[-1], 50), 1e-4
-    here, rates = body.with_rates(a)
-    for name in here._fields:
-        before, after = (getattr(body.parts(a * factor), name) for factor in (1 - step, 1 + step))
-        difference, rate = (after - before) / (2 * step), a * getattr(rates, name)
-        np.testing.assert_allclose(difference, rate, rtol=0, atol=1e-5 * np.abs(getattr(here, name)).max())
 
 
 # ---------------------------------------------------------------------- between the rows

@@ -183,17 +183,6 @@ def test_points_that_are_not_positive_are_refused_by_number() -> None:
         smoothed(RawSeries(series.a, series.delta, P))
 
 
-def test_change_of_units() -> None:
-    length, force = 1e-3, 1e9
-    raw = noisy(half_space(30), 1e-3, 1)
-    plain = smoothed(raw)[1]
-    scaled = smoothed(RawSeries(raw.a * length, raw.delta * length, raw.P * force))[1]
-    # both end where a step moves the fit by less than 1e-2 standard deviations, that is 1e-5 here
-    np.testing.assert_allclose(scaled.S * length / force, plain.S, rtol=1e-6)
-    np.testing.assert_allclose(scaled.dS * length**2 / force, plain.dS, rtol=1e-6)
-    np.testing.assert_allclose(scaled.dS_err * length**2 / force, plain.dS_err, rtol=1e-4)
-
-
 def quantised(offset: float) -> RawSeries:
     """100 increments even in depth with the radius of the outermost node in contact, of 20 that are shifted by a
     fraction of their spacing: exact but for that."""

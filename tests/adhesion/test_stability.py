@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
-from stated_errors import in_units
 
 from jkrcli.adhesion.curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Nonadhesive, position, transform
 from jkrcli.adhesion.device_path import (
@@ -305,24 +304,6 @@ def test_no_adhesion() -> None:
     found = stability_under(curve(half_space(), 0.0), RIGID)
     nothing = NO_ADHESION
     assert vars(found) == vars(Stability(RIGID, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION))
-
-
-@pytest.mark.parametrize("w", [None, 1.8e-4])
-def test_change_of_units(w: float | None) -> None:
-    plain, length, force = classical() if w is None else stiff_coating(w), 1e-3, 1e7
-    stiff, scaled = force / length, in_units(plain.series, length, force)
-    other = curve(scaled, plain.w * stiff)
-    for stiffness in (0.0, 30.0 if w else 3e4, RIGID):
-        here, there = stability_under(plain, stiffness), stability_under(other, stiffness * stiff)
-        assert len(here.partial) == len(there.partial)
-        for name in ("pull_off", "jump_in"):
-            one, two = getattr(here, name), getattr(there, name)
-            assert two.a == pytest.approx(one.a * length, rel=1e-8)
-            assert two.P == pytest.approx(one.P * force, rel=1e-8)
-            assert two.delta == pytest.approx(one.delta * length, rel=1e-7, abs=1e-12 * scaled.delta[-1])
-        for name in ("energy_lost", "separation"):
-            one, two = getattr(here, name), getattr(there, name)
-            assert two == (one if isinstance(one, Unknown) else pytest.approx(one * force * length, rel=1e-8))
 
 
 # ---------------------------------------------------------------------- w behind a measured pull-off force

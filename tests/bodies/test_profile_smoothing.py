@@ -151,14 +151,10 @@ def test_the_smooth_profile_is_convex_and_has_the_corner_of_the_worn_end() -> No
 SMALL_FLAT, SMALL_R, SMALL_E = 10e-9, 30e-9, 70e6
 
 
-def worn(seed: int, noise: float, whole: bool, axis: float = 0.0) -> TableProfile:
-    x = np.linspace(-30e-9, 30e-9, 121) if whole else np.linspace(0, 30e-9, 61)
-    f = np.maximum(0.0, ((x - axis) ** 2 - SMALL_FLAT**2) / (2 * SMALL_R))
-    return smoothed(x, f + noise * np.random.default_rng(seed).standard_normal(x.size), noise=noise)
-
-
 def test_both_sides_of_a_profile_are_one_about_their_axis() -> None:
-    tip = worn(1, 0.05e-9, True, axis=0.8e-9)
+    x = np.linspace(-30e-9, 30e-9, 121)
+    f = np.maximum(0.0, ((x - 0.8e-9) ** 2 - SMALL_FLAT**2) / (2 * SMALL_R))
+    tip = smoothed(x, f + NOISE * np.random.default_rng(1).standard_normal(121), noise=NOISE)
     x = np.linspace(0, 29e-9, 200)
     assert np.max(np.abs(tip.f(x) - np.maximum(0.0, (x**2 - SMALL_FLAT**2) / (2 * SMALL_R)))) < 0.1e-9
     assert tip.r_max == pytest.approx(30.8e-9, abs=0.05e-9)

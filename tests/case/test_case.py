@@ -89,17 +89,6 @@ def test_shapes(text: str, expected: object) -> None:
     assert models.case_of(problem).model.problem() == problem
 
 
-def test_profile_file_is_read_beside_the_case_and_kept_in_the_resolved_case(tmp_path: Path) -> None:
-    (tmp_path / "tip.csv").write_text("r_m,f_m\n0,0\n1e-6,1e-8\n2e-6,4e-8\n")
-    path = tmp_path / "case.toml"
-    path.write_text(
-        "[indenter]\nshape='table'\nfile='tip.csv'\n[specimen.half_space]\nE=1\nnu=0.3\n[loading]\ndepth=1e-9"
-    )
-    case = load_case(path)
-    assert case.model.problem().indenter == TableProfile((0.0, 1e-6, 2e-6), (0.0, 1e-8, 4e-8))
-    assert parse_case(case.to_toml().encode(), "elsewhere").model == case.model
-
-
 def test_layers_on_each_base() -> None:
     layers = "layers = [{thickness='1 um', E='1 MPa', nu=0.5}, {thickness='2 um', E=3, nu=0, name='glue'}]\n"
     stack = (Layer(Elastic(1e6, 0.5), 1e-6), Layer(Elastic(3.0, 0.0), 2e-6))

@@ -1,6 +1,7 @@
 """Wrong case files: every mistake is one line with file, key, value and what is allowed."""
 
 import pytest
+from conftest import refused_by
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import SHAPES
@@ -54,16 +55,10 @@ ONE_CHANGE = [  # what is changed, into what, and how the one line begins
 ]  # fmt: skip
 
 
-def said_of(content: str) -> tuple[str, ...]:
-    with pytest.raises(InputError) as caught:
-        parse_case(content.encode(), "my.toml")
-    return caught.value.lines
-
-
 @pytest.mark.parametrize(("old", "new", "line"), ONE_CHANGE)
 def test_one_mistake_gives_one_line(old: str, new: str, line: str) -> None:
     assert GOOD.count(old) == 1
-    (found,) = said_of(GOOD.replace(old, new))
+    (found,) = refused_by(parse_case, GOOD.replace(old, new).encode(), "my.toml")
     assert found.startswith(f"my.toml: {line}")
 
 
@@ -85,7 +80,7 @@ def test_all_mistakes_are_reported_at_once() -> None:
         "my.toml: specimen.layers[1].E: must be > 0, got -3 Pa",
         "my.toml: specimen.layers[1].thickness: must be > 0, got -1 um",
     )
-    for line, beginning in zip(said_of(text), beginnings, strict=True):
+    for line, beginning in zip(refused_by(parse_case, text.encode(), "my.toml"), beginnings, strict=True):
         assert line.startswith(beginning)
 
 
@@ -112,9 +107,8 @@ WHOLE_FILES = [
 
 @pytest.mark.parametrize(("content", "lines"), WHOLE_FILES)
 def test_wrong_file(content: str | bytes, lines: list[str]) -> None:
-    with pytest.raises(InputError) as caught:
-        parse_case(content if isinstance(content, bytes) else content.encode(), "my.toml")
-    for found, line in zip(caught.value.lines, lines, strict=True):
+    said = refused_by(parse_case, content if isinstance(content, bytes) else content.encode(), "my.toml")
+    for found, line in zip(said, lines, strict=True):
         assert found.startswith(f"my.toml: {line}")
 
 

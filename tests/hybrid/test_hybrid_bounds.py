@@ -7,7 +7,7 @@ import pytest
 from stated_errors import stationary
 
 from jkrcli.base.errors import Refusal
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, _falls
 from jkrcli.hybrid.solver import Hybrid
@@ -29,19 +29,6 @@ ON_ITS_BASE = Specimen((Layer(Elastic(24416.76, 0.5), 2.993e-3),), HalfSpace(Ela
 SUBSTRATE_AT_A_HALF = Specimen(
     (Layer(Elastic(1911.0, 0.4738), 0.24597), Layer(Elastic(1171.0, 0.3267), 0.027916)),
     HalfSpace(Elastic(989.3, 0.499964)),
-)
-SOFT_ON_ROCK = Specimen(
-    (Layer(Elastic(24375146.5, 0.33829060), 5.90928622),), HalfSpace(Elastic(6.73762402e10, 0.420661156))
-)
-CYLINDER = Specimen(
-    (
-        Layer(Elastic(11872.35, 0.4998486), 0.0329801),
-        Layer(Elastic(5740.769, 0.5), 2.498544e-3),
-        Layer(Elastic(10885.38, 0.444338), 0.0142841),
-    ),
-    Rigid(bonded=False),
-    3.3845082e-3,
-    "clamped",
 )
 ROLLERS = Specimen(
     (
@@ -68,11 +55,6 @@ BODIES = {
     # S 1.5e-6 and S' 3.1e-6 off where 4.3e-7 and 8.7e-7 were stated: three intervals along r, longer than they should
     # be, where degrees 4, 6 and 8 err by 8e-3, -7e-6 and 4e-5 of K
     "a thick layer": Problem(Paraboloid(1.0), THICK, Loading.given("radius", (1e-5, 2e-5, 3.6e-5))),
-    # delta 5.4e-7 and P 1.5e-6 off where 2.5e-7 and 9e-7 were stated: where the body is cut again it had other
-    # elements, whose errors, a thousand times what the cut itself costs, were extrapolated
-    "a half-space that is hard to move": Problem(
-        Sphere(147.149095), SOFT_ON_ROCK, Loading.given("radius", tuple(np.linspace(0.3, 3.3, 7).tolist()))
-    ),
     # 2e-5 off where 5e-6 was stated: the plate's field goes on for tens of thicknesses, over which intervals grew, and
     # degree 8 erred no less than 6
     "a plate much stiffer than its layer": Problem(
@@ -99,14 +81,6 @@ def ratios(problem: Problem, exact: Method, method: Method = Hybrid()) -> dict[s
 @pytest.mark.parametrize("name", BODIES)
 def test_the_stated_errors_hold(name: str) -> None:
     assert max(ratios(BODIES[name], Layered(1e-10)).values()) <= 1.0
-
-
-@pytest.mark.slow
-def test_a_level_that_is_right_by_accident_hides_no_error_beside_a_singular_corner() -> None:
-    """S 3.4 and S' 3.3 times as far off as was stated: degree 6 errs as little as 8, by accident, degree 4 by 1e-3."""
-    d, a = 5.691161672545955, 1.811016e-3
-    problem = Problem(PowerLaw(0.1 * a ** (1 - d) / d, d), CYLINDER, Loading.given("radius", (0.5 * a, 0.8 * a, a)))
-    assert max(ratios(problem, Hybrid(1e-6)).values()) <= 1.0  # itself good to 1.5e-7
 
 
 def test_errors_fall_less_at_half_of_the_radius_than_at_the_largest() -> None:

@@ -137,16 +137,12 @@ def test_pressures_use_it_as_far_as_it_reaches(
         np.testing.assert_allclose(column, own[name], rtol=1e-3, atol=1e-4 * np.abs(own[name]).max())
 
 
-def _delete(name: str) -> Callable[[h5py.File], None]:
-    return lambda file: file.__delitem__(name)
-
-
 @pytest.mark.parametrize(
     ("change", "word"),
     [
         (lambda file: file["kernel"].attrs.__setitem__("reach_m", -1.0), "attribute reach_m must be finite and > 0"),
         (lambda file: file["kernel/radii"].__setitem__(0, 1.0), "increasing radii"),
-        (_delete("kernel/weights"), 'dataset "kernel/weights" is missing'),
+        (lambda file: file.__delitem__("kernel/weights"), 'dataset "kernel/weights" is missing'),
     ],
 )
 def test_a_wrong_kernel_is_refused_in_one_line(

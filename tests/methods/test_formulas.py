@@ -8,19 +8,13 @@ from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Speci
 from jkrcli.methods.closed_form import CLOSED_FORM_WORST, ClosedForm
 from jkrcli.methods.layered.solver import Layered
 
-R, H = 1000.0, 1.0
-
-
-def layer(nu: float, radii: tuple[float, ...], bonded: bool = True) -> Problem:
-    stack = Specimen((Layer(Elastic(1.0, nu), H),), Rigid(bonded))
-    return Problem(Paraboloid(R), stack, Loading.given("radius", radii))
-
 
 @pytest.mark.parametrize(
     ("nu", "radii", "bonded"), [(0.3, (40.0, 48.0), True), (0.1, (35.0, 50.0), True), (0.49, (45.0, 50.0), False)]
 )
 def test_thin_layers_are_within_their_stated_error_of_the_exact_solution(nu, radii, bonded) -> None:
-    problem = layer(nu, radii, bonded)
+    stack = Specimen((Layer(Elastic(1.0, nu), 1.0),), Rigid(bonded))
+    problem = Problem(Paraboloid(1000.0), stack, Loading.given("radius", radii))
     found, exact = ClosedForm()(problem), Layered(1e-6)(problem).series
     error = found.budget.discretisation
     assert 1e-3 < error <= CLOSED_FORM_WORST

@@ -61,7 +61,6 @@ from jkrcli import (
 from jkrcli.adhesion.curve import transform
 from jkrcli.bodies.indenters import Indenter
 from jkrcli.bodies.problem import Graded, Power
-from jkrcli.series import Series
 
 
 def half_space(E: float, nu: float) -> Specimen:
@@ -157,15 +156,11 @@ def test_pyramids_of_nanite_and_atomicj(faces: int, bilodeau: float, more: float
     assert bilodeau / ours - 1 == pytest.approx(more, abs=6e-4)
 
 
-# ---------------------------------------------------------------------- JKR
-def jkr_series(indenter: Indenter, specimen: Specimen, a: float) -> Series:
-    return solve(Problem(indenter, specimen, Loading("radius", a, 300, "log"))).series
-
-
 def test_jkr_of_a_biofilm_code() -> None:
     """R = 0.8, E* = 3900, w = 200 (its gamma is half of that): a at delta = 0.1, and at P = 0."""
     body = half_space(2925.0, 0.5)
-    curve = transform(jkr_series(Paraboloid(0.8), body, 1.0), "exact", 200.0)
+    series = solve(Problem(Paraboloid(0.8), body, Loading("radius", 1.0, 300, "log"))).series
+    curve = transform(series, "exact", 200.0)
     assert float(curve.at(np.array(0.6726338308))[0]) == pytest.approx(0.1, rel=1e-8)
     jump = lost(Paraboloid(0.8), body, 200.0, 1.2)[0]["jump_in"]
     assert jump["a_m"] == pytest.approx(0.7741692485979158, rel=1e-9)

@@ -275,19 +275,6 @@ def test_wrong_choices_name_the_columns(tmp_path: Path, monkeypatch, reading: Se
         read_series(Path("t.csv"), on_a_half_space(Sphere(R)), reading)
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.text(alphabet='aAP delta_mN,;\t\n.0123456789-e#"\x00(um)', max_size=200))
-def test_any_text_gives_a_series_or_a_sentence(tmp_path_factory, text: str) -> None:
-    path = tmp_path_factory.mktemp("any") / "t.csv"
-    path.write_text("a_m,delta_m,P_N\n" + text)
-    lines: tuple[str, ...] = ()
-    try:
-        assert len(read_series(path, on_a_half_space(Sphere(R)), SeriesReading()).series) >= 5
-    except InputError as error:
-        lines = error.lines
-    assert all(line.startswith((str(path), "...")) for line in lines)
-
-
 def test_a_sign_is_left_alone_when_asked(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text(table_of([(a, -d, p) for a, d, p in GOOD]))

@@ -15,14 +15,10 @@ from jkrcli.resolve.foreign import SeriesReading, read_series
 from jkrcli.series import RawSeries
 
 
-def judged(
-    series: MeshedSeries, folder: Path, rule: str = "auto", nodes: bool = False
-) -> dict[str, tuple[float, float]]:
+def judged(series: MeshedSeries, folder: Path) -> dict[str, tuple[float, float]]:
     """Relative error of the pull-off force and its stated half-width, by control; NaN where there is none."""
-    file = series.write_nodes(folder) if nodes else None
-    reading = SeriesReading(compare=series.known, nodes=file)
-    solution = read_series(series.write(folder), series.body.problem, reading)
-    result, found = analyse(solution, [series.w], rule)[0], {}
+    solution = read_series(series.write(folder), series.body.problem, SeriesReading(compare=series.known))
+    result, found = analyse(solution, [series.w])[0], {}
     for control in ("load", "displacement"):
         point, half, true = result.pull_off[control], result.pull_off_errors.get(control), series.true(control)[2]
         told = not (half is None or isinstance(half, Unknown) or isinstance(point, Unknown))

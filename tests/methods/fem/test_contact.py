@@ -14,22 +14,12 @@ from jkrcli.methods.fem.elasticity import Surface
 from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout
 from jkrcli.methods.fem.model import Discretisation, SurfaceContact, nested_events, solve_depths
 
-SOFT = Elastic(2.0, 0.35)
-
-
-def half_space_model(order):
-    body = MeshedBody((200.0,), (SOFT,), 200.0, True, "free", True, True, completed=True)
-    return Discretisation(scaled_layout(body, "triangle", 1.0, 0.0, 0.1, 0.1, 0.2), order, (), 1.0).build(StageClock())
-
 
 @pytest.fixture(scope="module")
 def models():
-    return {order: half_space_model(order) for order in (1, 2)}
-
-
-def plain_surface(C):
-    n = len(C)
-    return Surface(C, np.arange(1.0, n + 1), np.ones(n, dtype=bool), np.ones(n), 0, 0.0, 0.0)
+    body = MeshedBody((200.0,), (Elastic(2.0, 0.35),), 200.0, True, "free", True, True, completed=True)
+    layout = scaled_layout(body, "triangle", 1.0, 0.0, 0.1, 0.1, 0.2)
+    return {order: Discretisation(layout, order, (), 1.0).build(StageClock()) for order in (1, 2)}
 
 
 def brute_force(C, f, delta):
@@ -53,7 +43,8 @@ def test_increments_find_the_one_solution_of_any_positive_definite_problem(seed)
     root = rng.normal(size=(6, 6))
     C = root @ root.T + 0.2 * np.eye(6)
     f, delta = rng.uniform(0, 1, 6), 0.6
-    (step,) = solve_depths(SurfaceContact(plain_surface(C), f), [delta])
+    surface = Surface(C, np.arange(1.0, 7), np.ones(6, dtype=bool), np.ones(6), 0, 0.0, 0.0)
+    (step,) = solve_depths(SurfaceContact(surface, f), [delta])
     np.testing.assert_allclose(step.p, brute_force(C, f, delta), atol=1e-8 * max(step.p.max(), 1e-300))
 
 

@@ -81,22 +81,6 @@ def graded(exponent: float, length: float) -> Problem:
     return Problem(Paraboloid(1.0), Specimen((layer,), Rigid()), Loading("radius", 0.01, 100))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("exponent", "length", "unfinished"), [(0.4, 1e-8, 6e-4), (0.6, 1e-9, 1.7e-3)])
-def test_pull_off_of_power_law_grading(exponent: float, length: float, unfinished: float) -> None:
-    """(k + 3)/2 pi w R (Chen, Yan, Zhang and Gao 2009), less what a finite modulus at the surface takes off, about
-    (length/a)^(1 - k): 1.2 % off in rows as high as the distance of vertices, in which the modulus grows a hundredfold.
-    """
-    problem, w = graded(exponent, length), 1e-3
-    solution = FEM()(problem)
-    curve = analyse(solution, [w])[0].curve
-    point = curve.pull_off(0.0)
-    stated = error_of_point(curve, point, 0.0)["P"] / abs(point.P)
-    off = abs(-point.P / ((exponent + 3) / 2 * np.pi * w) - 1)
-    assert off <= stated + unfinished
-    assert stated < 2e-3
-
-
 @pytest.mark.first(1)
 @pytest.mark.parametrize("exponent", [0.6, 0.2, 0.8])
 def test_the_forecast_of_a_graded_body_is_what_the_run_says(exponent: float) -> None:

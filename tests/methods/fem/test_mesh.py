@@ -14,9 +14,6 @@ from jkrcli.methods.fem import FEM
 from jkrcli.methods.fem.mesh import (
     SizeLaw,
     graded_points,
-    make_grid,
-    ringed_quads,
-    tensor_quads,
     triangles,
     write_msh,
     write_vtu,
@@ -40,11 +37,6 @@ def problem(length=1.0, layers=(), base=None, indenter=None, **specimen):
     return Problem(indenter or Paraboloid(10 * length), Specimen(layers, base, **specimen), Loading("radius", length))
 
 
-def area(grid):
-    x, y = grid.points[grid.cells].transpose(2, 0, 1)
-    return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
-
-
 def length(grid, name):
     ends = grid.points[grid.boundaries[name]]
     return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
@@ -60,7 +52,9 @@ def test_the_law_reads_the_same_as_text_and_as_numbers():
 def test_triangles_fill_the_rectangle_and_respect_interfaces(interfaces):
     surface = graded_points(0.0, 6.0, lambda r: LAW(r, 0 * r))
     grid = triangles(surface, 4.0, interfaces, LAW.text())
-    assert area(grid).sum() == pytest.approx(24.0, rel=1e-12)  # no gaps, no overlaps
+    x, y = grid.points[grid.cells].transpose(2, 0, 1)
+    area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1))
+    assert area == pytest.approx(24.0, rel=1e-12)  # no gaps, no overlaps
     tops, ends = [0.0, *interfaces], [*interfaces, 4.0]
     for layer, (top, end) in enumerate(zip(tops, ends, strict=True)):
         z = -grid.points[grid.cells[grid.materials == layer], 1]
@@ -71,16 +65,6 @@ def test_triangles_fill_the_rectangle_and_respect_interfaces(interfaces):
     np.testing.assert_allclose(grid.surface_radii(), surface, rtol=1e-12, atol=1e-14)
     assert np.median(grid.quality()) > 0.85  # slender only in the layer that is thinner than the sizes asked for
     assert not grid.points.flags.writeable
-
-
-def test_structured_quadrilaterals_fill_the_rectangle():
-    r = np.array([0.0, 0.5, 1.0])
-    plain = make_grid(*tensor_quads(r, np.array([0.0, 0.4, 1.0])), np.array([0.4]))
-    ringed = make_grid(*ringed_quads(r, r, np.array([2.0, 5.0]), np.array([3.0, 9.0])), np.array([]))
-    assert area(plain).sum() == pytest.approx(1.0, rel=1e-14)
-    assert plain.materials.tolist() == [0, 1, 0, 1]
-    assert area(ringed).sum() == pytest.approx(45.0, rel=1e-14)
-    assert (area(ringed) > 0).all()
 
 
 @pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
@@ -97,17 +81,6 @@ def test_the_edge_of_a_flat_end_is_a_vertex_with_small_elements_on_both_sides():
     at = np.argmin(np.abs(r - 0.6))
     assert r[at] == pytest.approx(0.6, rel=1e-11)
     assert np.diff(r)[[at - 1, at]].max() < 0.002  # 0.04 * 0.05 * (1.1 - 0.6)
-
-
-@pytest.mark.parametrize("options", [{}, {"layout": "zones", "element_size": 0.05}])
-def test_the_mesh_scales_with_the_unit_of_length(options):
-    stack = (Layer(STIFF, 0.7),)
-    small = tuple(Layer(x.material, x.thickness * 1e-6) for x in stack)
-    metres = FEM(**options).mesh(problem(1.0, stack))
-    options = options | {key: 1e-6 * options[key] for key in ("element_size",) if key in options}
-    microns = FEM(**options).mesh(problem(1e-6, small))
-    assert np.array_equal(metres.cells, microns.cells)
-    np.testing.assert_allclose(microns.points * 1e6, metres.points, rtol=1e-10, atol=1e-10)  # 12 digits are kept
 
 
 @pytest.mark.slow

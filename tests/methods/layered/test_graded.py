@@ -54,10 +54,6 @@ def problem(specimen, *radii):
     return Problem(Paraboloid(100.0), specimen, Loading.given("radius", radii))
 
 
-def worst(one, other):
-    return max(np.max(np.abs(getattr(one, name) / getattr(other, name) - 1)) for name in COLUMNS)
-
-
 # ---------------------------------------------------------------------- laws
 @pytest.mark.parametrize("law", LAWS)
 def test_the_taylor_series_is_that_of_the_law(law):
@@ -170,13 +166,6 @@ CONTACTS = [
 ]
 
 
-def stack(law, nu, base, count):
-    edges = np.linspace(0, 1, count + 1) ** 2
-    middle = law.at((edges[1:] + edges[:-1]) / 2)
-    layers = (Layer(Elastic(float(E), nu), h) for E, h in zip(middle, np.diff(edges), strict=True))
-    return Specimen(tuple(layers), base)
-
-
 @pytest.mark.first(2)
 @pytest.mark.parametrize(("law", "nu", "base"), CONTACTS)
 @pytest.mark.parametrize("spacing", ["even", "log"])
@@ -215,7 +204,8 @@ def test_an_elastic_indenter_is_a_softer_contact():
     rigid = Layered()(problem(specimen, 0.02)).series
     loading = Loading.given("radius", (0.02,))
     hard, equal = (Layered()(Problem(Paraboloid(100.0, Elastic(E, 0.3)), specimen, loading)).series for E in (1e9, 1.0))
-    assert worst(hard, rigid) < 1e-5  # GRADED
+    for name in COLUMNS:
+        assert getattr(hard, name) == pytest.approx(getattr(rigid, name), rel=1e-5)  # GRADED
     assert equal.P[0] / rigid.P[0] == pytest.approx(0.5, rel=0.02)  # a/h = 0.02
 
 

@@ -12,10 +12,8 @@ from jkrcli.base.errors import InputError, JkrError, Refusal, SolveError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.problem import (
     Elastic,
-    Graded,
     HalfSpace,
     Layer,
-    Linear,
     Loading,
     Problem,
     Rigid,
@@ -100,25 +98,6 @@ def test_half_space(indenter: object) -> None:
     assert series.dS == pytest.approx(2 * material.E_star + 0 * a, rel=1e-13)
     assert series.a0 == indenter.a0  # type: ignore[attr-defined]
     assert_allclose(series.S0, 2 * material.E_star * indenter.a0, rtol=1e-13)  # type: ignore[attr-defined]
-
-
-def test_change_of_units() -> None:
-    length, pressure = 1e-6, 1e9
-    indenter, small = RoundedFlat(0.5, 9.0), RoundedFlat(0.5 * length, 9.0 * length)
-    layers = (Layer(Elastic(3.0, 0.5), 1.0), Layer(Elastic(0.1, 0.3), 2.0))
-    other = tuple(Layer(layer.material.scaled(pressure), layer.thickness * length) for layer in layers)
-    for loading, factor in [
-        (Loading("depth", 0.1, 7), length),
-        (Loading("load", 0.2, 7, "depth"), pressure * length**2),
-        (Loading("radius", 0.9, 7), length),
-    ]:
-        one = Layered()(Problem(indenter, Specimen(layers, Rigid()), loading)).series
-        scaled = Loading(loading.to, loading.maximum * factor, loading.points, loading.spacing)
-        two = Layered()(Problem(small, Specimen(other, Rigid()), scaled)).series
-        assert two.a / length == pytest.approx(one.a, rel=1e-9)  # radii are searched to 1e-10 in depth or load
-        assert two.delta / length == pytest.approx(one.delta, rel=2e-9)
-        assert two.P / (pressure * length**2) == pytest.approx(one.P, rel=3e-9)
-        assert two.dS / pressure == pytest.approx(one.dS, rel=3e-9)
 
 
 # -- loading --------------------------------------------------------------------------------------------------------
@@ -274,19 +253,6 @@ def test_estimate_bounds_the_error_where_differences_cross_zero(log_a: float) ->
 
 
 # -- refinement -----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("points", [1, 7])
-def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
-    """Refined by narrower panels: higher orders lose accuracy. Against 28 radii, whose panels are finer anyway."""
-    specimen = Specimen((Layer(Graded(Linear(1.6827, 20.3, 1.0), 0.23), 1.0),), Rigid())
-    few, many = (Layered()(Problem(Paraboloid(3.0), specimen, Loading("radius", 2.472, n))) for n in (points, 28))
-    stated = few.budget.discretisation + many.budget.discretisation
-    assert stated < 2e-5
-    for name in ("delta", "P", "S", "dS"):
-        found, exact = getattr(few.series, name), getattr(many.series, name)[28 // points - 1 :: 28 // points]
-        assert np.max(np.abs(found / exact - 1)) < stated
 
 
 def test_rounding_is_no_error_where_the_check_fails(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -102,16 +102,12 @@ def slope(values, step):
     return np.array([1, -8, 0, 8, -1]) @ values / (12 * step)
 
 
-def plain(contact, grid, a):
-    spectrum = contact.spectrum
-    return grid.matrices(lambda s: spectrum.singular(s)[None], lambda s: spectrum.smooth(2 * a, 24)(s)[:1], a)[0]
-
-
 def energies(contact, a):
     """S, Q, T of U = S delta^2/2 - Q delta + T/2 at the radius a, by psi_1 and psi_F."""
     plan = contact.plan(np.array([a]), 1e-12)
     grid = contact._angles(a, plan)
-    K = plain(contact, grid, a)
+    spectrum = contact.spectrum
+    K = grid.matrices(lambda s: spectrum.singular(s)[None], lambda s: spectrum.smooth(2 * a, 24)(s)[:1], a)[0]
     F = contact.indenter.abel(a * np.cos(grid.tau))
     one, psi = np.linalg.solve(K, np.stack([np.ones_like(F), F], axis=1)).T
     return np.pi * contact.E_star * np.array([grid.w @ one, grid.w @ (one * F), grid.w @ (psi * F)])

@@ -55,6 +55,7 @@ def test_noise_on_a_coating_by_integration() -> None:
     assert_neither_doubled_nor_halved(np.mean(found, axis=0))
 
 
+@pytest.mark.slow
 def test_little_noise_on_a_thin_layer_by_the_papers_slopes() -> None:
     """1e-9 and 1e-7 on all columns, where S(a) is interpolated: held, 5.6 and 6.3 times too large measured."""
     exact = Layered()(Problem(Paraboloid(R), THIN, Loading("radius", 1e-5, 100))).series

@@ -242,7 +242,7 @@ def sums_by_galerkin(law, nu, g, a, R, count=30):
     return np.array([phi[0] * a, a**3 / R * (phi[0] / 3 + 2 / 15 * phi[1])])
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "nu", "base"), [(Linear(1.0, 5.0, 1.0), 0.45, math.inf), (Exponential(10.0, 1.0, 1.0), 0.3, 1.0)]
 )

@@ -13,9 +13,10 @@ from jkrcli.adhesion.curve import LOAD_CONTROL, transform
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import GEL_TENSION, Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas import displacement, over_hertz, over_jkr, sneddon_sphere
+from jkrcli.formulas import over_hertz, over_jkr, sneddon_sphere
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.neglected import LEFT_OUT_GLASS, NeglectedEffect, neglected_effects, preview_effects
+from studies.stack_judge import _at
 
 GLASS = Elastic(*LEFT_OUT_GLASS)
 R, a = 1e-5, 2e-6
@@ -152,39 +153,15 @@ def test_a_range_of_adhesion_is_maugis_own() -> None:
     assert one.load == pytest.approx((load - jkr) / (4 * E * a**3 / (3 * R)), rel=0.05)
 
 
-def weighed(eps: float, n: int = 600) -> tuple[float, float, float, float]:
-    """S/(2 E*), S'/(2 E*), delta_H and P_H/(2 E*) of the radius 1 under a paraboloid R = 1: the integral equation of a
-    half-space with the kernel g - 1 = -eps/(k + eps), by cells."""
-    h = 1 / n
-    x = (np.arange(n) + 0.5) * h
-    nodes, weights = np.polynomial.legendre.leggauss(6)
-
-    def logs(v: np.ndarray) -> np.ndarray:
-        return v * np.log(np.where(v == 0, 1, np.abs(v))) - v
-
-    def cells(s: np.ndarray) -> np.ndarray:
-        """Integral of A(eps |s + u|) over a cell: its logarithm in closed form, the smooth rest by Gauss points."""
-        rest = sum(
-            weight * (displacement(z) + np.log(z))
-            for node, weight in zip(nodes, weights, strict=True)
-            for z in [eps * np.abs(s + node * h / 2)]
-        )
-        return h / 2 * rest - (logs(s + h / 2) - logs(s - h / 2)) - h * math.log(eps)
-
-    def kernel(at: np.ndarray) -> np.ndarray:
-        return -eps / 2 * (cells(at - x) + cells(at + x))
-
-    matrix = np.eye(n) + 2 / math.pi * kernel(x[:, None])
-    flat, round_ = (np.linalg.solve(matrix, 2 / math.pi * right) for right in (np.ones(n), x**2))
-    edge = kernel(np.array(1.0))
-    first, second = (2 / math.pi * (end - edge @ phi) for end, phi in ((1.0, flat), (1.0, round_)))
-    depth = second / first
-    return (
-        math.pi / 2 * flat.sum() * h,
-        math.pi**2 / 4 * first**2,
-        depth,
-        math.pi / 2 * (depth * flat - round_).sum() * h,
-    )
+def weighed(eps: float) -> tuple[float, ...]:
+    """S/(2 E*), S'/(2 E*), delta_H and P_H/(2 E*) of the radius 1 under a paraboloid R = 1 on a half-space of the
+    kernel g - 1 = -eps/(k + eps)."""
+    edges = np.concatenate([[0.0], np.geomspace(1e-10, 1, 40), np.arange(2.0, 400.0)])
+    x, w = np.polynomial.legendre.leggauss(16)
+    half = np.diff(edges)[:, None] / 2
+    k = np.ravel(edges[:-1, None] + half * (1 + x))
+    delta, P, S, dS = _at(1.0, k, np.ravel(half * w) * -eps / (k + eps), 1.0, 0.5).tolist()
+    return S, dS, delta, P
 
 
 @pytest.mark.slow

@@ -1,16 +1,16 @@
 """Moduli that vary over depth: laws, spectrum, tail and contact against closed forms, other discretisations and fem."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from compliance import compliance_ratio
+from graded_annulus import Stack
 from hypothesis import given
 from hypothesis import strategies as st
 from layers_of_any_kind import assert_finite_elements_agree, read_back
 from numpy.polynomial import chebyshev, legendre
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.special import spherical_jn
 
@@ -88,10 +88,8 @@ def test_scaling_multiplies_every_modulus(law):
 @pytest.mark.parametrize(
     ("make", "line"),
     [
-        (lambda: Tabulated((0.0, 1.0), (1.0, 2.0, 3.0)), "a table needs as many moduli as depths, at least two of "),
         (lambda: Tabulated((0.1, 1.0), (1.0, 2.0)), "depth: must start at 0 m and increase, got [0.1, 1.0]"),
         (lambda: Tabulated((0.0, 1.0), (1.0, 0.0)), "moduli: entry 2 must be > 0, got 0.0 Pa"),
-        (lambda: Layer(Graded(Linear(1.0, 2.0, 0.5), 0.3), 1.0), "the law of E ends at a depth of 0.5 m, above the "),
     ],
 )  # fmt: skip
 def test_wrong_laws(make, line):
@@ -100,11 +98,13 @@ def test_wrong_laws(make, line):
 
 
 @pytest.mark.parametrize(
-    ("law", "nu"), [(Exponential(1.0, 5.0, 1.0), 0.5), (Linear(5.0, 1.0, 1.0), 0.3), (Power(1.0, 0.3, 0.7), 0.4)]
+    ("law", "nu"), [(Exponential(1.0, 5.0, 1.0), 0.45), (Linear(5.0, 1.0, 1.0), 0.3), (Power(1.0, 0.3, 0.7), 0.4)]
 )
 def test_the_spectrum_solves_the_riccati_equation(law, nu):
     k = np.array([0.1, 1.0, 6.0])
-    assert compliance_ratio(layer(law, nu, Rigid()), k) == pytest.approx(compliance_by_ode(law, nu, k), rel=1e-9)
+    assert compliance_ratio(layer(law, nu, Rigid()), k) == pytest.approx(
+        Stack([(1.0, law.at, nu)]).compliance_ratio(k), rel=1e-9
+    )
 
 
 def test_a_constant_law_is_the_homogeneous_layer():
@@ -209,24 +209,6 @@ def test_an_elastic_indenter_is_a_softer_contact():
     assert equal.P[0] / rigid.P[0] == pytest.approx(0.5, rel=0.02)  # a/h = 0.02
 
 
-# ---------------------------------------------------------------------- contact, by other equations throughout
-def compliance_by_ode(law, nu, k, base=math.inf):
-    """g of a bonded graded layer of thickness 1 at the wave numbers ``k``: the Riccati equation of the compliance in
-    fixed units, from the base or from where it is no longer felt, integrated upwards for all of them at once. ``base``:
-    modulus of a half-space of the same nu below."""
-    c, beta, e = nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu)
-    seen = np.minimum(1.0, 20 / k)
-
-    def upwards(x, F):
-        G, (rr, zz, rz) = law.at(seen * (1 - x)), F.reshape(3, -1)
-        right = 1 / G - 2 * rz - e * G * rr**2, beta / G + 2 * c * rz - e * G * rz**2, c * rr - zz - e * G * rr * rz
-        return (k * seen * np.array(right)).ravel()
-
-    start = np.outer((1 - nu, 1 - nu, nu - 0.5), np.where(seen < 1, 1 / law.at(seen), 1 / base))
-    solved = solve_ivp(upwards, (0, 1), start.ravel(), "DOP853", rtol=1e-12, atol=1e-15)
-    return solved.y[:, -1].reshape(3, -1)[1] * law.at(np.zeros(1)) / (1 - nu)
-
-
 def sums_by_galerkin(law, nu, g, a, R, count=30):
     """int phi_1 and int phi_1 F over the contact, right sides 1 and F = x^2/R; phi as a sum of even Legendre
     polynomials, whose cosine transforms are spherical Bessel functions. ``g``: of ln(k)."""
@@ -244,13 +226,14 @@ def sums_by_galerkin(law, nu, g, a, R, count=30):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("law", "nu", "base"), [(Linear(1.0, 5.0, 1.0), 0.45, math.inf), (Exponential(10.0, 1.0, 1.0), 0.3, 1.0)]
+    ("law", "nu", "base"), [(Linear(1.0, 5.0, 1.0), 0.45, None), (Exponential(10.0, 1.0, 1.0), 0.3, 1.0)]
 )
 def test_contact_by_another_equation(law, nu, base):
     """delta_H = d(int phi_1 F)/dS by a Chebyshev series over ln(a): to 1e-7 but for S', where 1e-6 is stated."""
     R, a, around, size = 100.0, 0.3, 0.015, 5
     ln_k = np.linspace(np.log(1e-5), np.log(130 * np.pi / a), 700)
-    g = CubicSpline(ln_k, compliance_by_ode(law, nu, np.exp(ln_k), base))
+    stack = Stack([(1.0, law.at, nu)], (base, nu) if base else None)
+    g = CubicSpline(ln_k, stack.compliance_ratio(np.exp(ln_k)))
     nodes = np.cos(np.pi * (np.arange(size) + 0.5) / size)
     sums = [sums_by_galerkin(law, nu, g, a * np.exp(around * node), R) for node in nodes]
     series = chebyshev.chebfit(nodes, np.log(sums), size - 1)
@@ -258,7 +241,7 @@ def test_contact_by_another_equation(law, nu, base):
     dS, rise = np.array([S, moment]) * chebyshev.chebval(0, chebyshev.chebder(series)) / (around * a)
     delta, scale = rise / dS, 2 * float(law.at(np.zeros(1))[0]) / (1 - nu**2)
     exact = {"delta": delta, "P": scale * (delta * S - moment), "S": scale * S, "dS": scale * dS}
-    below = HalfSpace(Elastic(base, nu)) if math.isfinite(base) else Rigid()
+    below = HalfSpace(Elastic(base, nu)) if base else Rigid()
     found = Layered()(problem(layer(law, nu, below), *np.linspace(0, a, 16)[1:])).series
     for name in COLUMNS:
         difference = abs(getattr(found, name)[-1] - exact[name])
@@ -271,7 +254,6 @@ def test_contact_by_another_equation(law, nu, base):
 @pytest.mark.parametrize(
     ("law", "nu", "base"),
     [
-        CONTACTS[0],
         CONTACTS[1],
         (Linear(5.0, 1.0, 1.0), 0.499, Rigid()),
         (LAWS[4], 0.3, HalfSpace(Elastic(1.0, 0.3))),

@@ -29,17 +29,12 @@ def body(tau, reach: float, widest: float = 0.5) -> LogarithmicAttraction:
 
 def test_the_compliance_is_that_of_elasticity() -> None:
     k = np.geomspace(1e-2, 300, 7)
-    top = jkr.Specimen((jkr.Layer(jkr.Graded(jkr.Linear(1.0, 20.0, 1.0), 0.4), 1.0),), jkr.Rigid())
     below = jkr.Specimen(
         (jkr.Layer(jkr.Elastic(1.0, 0.4), 1.0), jkr.Layer(jkr.Graded(jkr.Linear(3.0, 1.0, 1.0), 0.3), 1.0)),
         jkr.HalfSpace(jkr.Elastic(5.0, 0.25)),
     )
-    stacks = (
-        Stack([(1.0, linear(1, 20), 0.4)]),
-        Stack([(1.0, np.ones_like, 0.4), (1.0, linear(3, 1), 0.3)], (5.0, 0.25)),
-    )
-    for specimen, stack in zip((top, below), stacks, strict=True):
-        assert compliance(specimen, k)[0] == pytest.approx(stack.compliance_ratio(k), rel=1e-10)  # 1e-11 was seen
+    stack = Stack([(1.0, np.ones_like, 0.4), (1.0, linear(3, 1), 0.3)], (5.0, 0.25))
+    assert compliance(below, k)[0] == pytest.approx(stack.compliance_ratio(k), rel=1e-10)  # 1e-11 was seen
 
 
 @pytest.mark.parametrize(("a", "c"), [(0.3, 0.32), (2.0, 3.0)])

@@ -93,19 +93,6 @@ def test_the_kernel_converges_exponentially_and_is_symmetric() -> None:
     assert levels.correction(10).asymmetry < 1e-7
 
 
-@pytest.mark.first(1)
-@pytest.mark.parametrize("name", ["free", "clamped"])
-def test_better_than_second_order_where_a_free_side_meets_a_held_one(name: str) -> None:
-    """In two dimensions the second order is one over the number of unknowns."""
-    region = Region.of(FINITE[name], 1.0, 1e-9)
-    levels = KernelLevels(region, count_for(region, 1e-7), 1.0)
-    best = levels.correction(14).K
-    found = [levels.correction(p) for p in (4, 6, 8, 10)]
-    errors = [np.abs(c.K - best).max() for c in found]
-    order = -np.polyfit(np.log([c.unknowns for c in found]), np.log(errors), 1)[0]
-    assert order > 2  # that is fourth order in the size
-
-
 def test_slabs_within_little_memory_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     body = stack((1.0, 0.4, 1.0), base=HalfSpace(Elastic(10.0, 0.25)))
     whole = solve(body, 1.0, 1e-3).series

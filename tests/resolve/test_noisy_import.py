@@ -30,15 +30,6 @@ def test_noise_is_not_refused(tmp_path: Path, noise: float, points: int) -> None
         assert solution.warnings == ()
 
 
-def test_the_order_of_the_rows_hardly_matters(tmp_path: Path) -> None:
-    """Neighbours exchanged, as noise does: the same values, for the fit orders by the radius."""
-    columns = disturbed(HERTZ.series(60), "independent", 1e-2, 1)
-    swapped = columns.copy()
-    swapped[:, 10:12] = swapped[:, 11:9:-1]
-    one, two = (analyse(read(tmp_path / "t.csv", each), [50.0])[0] for each in (columns, swapped))
-    assert one.pull_off["load"].P == pytest.approx(two.pull_off["load"].P, rel=1e-4)  # 1e-15 but for the correlation
-
-
 def test_outliers_are_named_by_their_lines(tmp_path: Path) -> None:
     columns = disturbed(HERTZ.series(60), "independent", 1e-2, 0)
     clean = analyse(read(tmp_path / "t.csv", columns), [50.0])[0]

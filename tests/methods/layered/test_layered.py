@@ -188,14 +188,6 @@ def test_nodes_do_not_follow_the_points(points: int) -> None:
         assert (difference <= found.series.errors[name][some] + alone.series.errors[name]).all()
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
-def test_tolerance_is_met_and_costs(tolerance: float) -> None:
-    problem = Problem(PowerLaw(0.01, 1.5), bonded(0.45), Loading("radius", 8.0, 30))
-    fine, found = Layered(1e-12)(problem), Layered(tolerance)(problem)
-    true = np.max(np.abs(columns(found) / columns(fine) - 1))
-    assert true <= float(found.budget.discretisation) <= tolerance
-
-
 def test_a_second_quadrature_that_is_only_a_quarter_better_is_covered() -> None:
     """Errors of 1e-6 and 0.75e-6 differ by a quarter of the larger."""
     solved = LayeredContact(PowerLaw(0.01, 1.5), bonded(0.45)).refined(np.linspace(0.2, 1, 5), 1e-8)[0]

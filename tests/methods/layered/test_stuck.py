@@ -109,16 +109,6 @@ def test_slopes_are_derivatives(specimen, indenter):
     assert dS / (2 * step) == pytest.approx(series.dS[1], rel=1e-5)
 
 
-def test_a_split_layer_is_a_whole_one_and_units_scale():
-    nu = 0.2
-    whole = solved(bonded(nu), 0.5, 2.0)
-    split = solved(Specimen((Layer(Elastic(1.0, nu), 0.3), Layer(Elastic(1.0, nu), 0.7)), Rigid()), 0.5, 2.0)
-    small = solved(bonded(nu, 7e6, 1e-6), 0.5e-6, 2e-6, indenter=Paraboloid(1e-3))
-    for name, unit in {"delta": 1e-6, "P": 7e-6, "S": 7.0, "dS": 7e6}.items():
-        np.testing.assert_allclose(getattr(split, name), getattr(whole, name), rtol=2e-8)
-        np.testing.assert_allclose(getattr(small, name) / unit, getattr(whole, name), rtol=1e-9)
-
-
 def test_an_elastic_indenter_of_the_same_material_meets_no_shear():
     """Two equal half-spaces: Dundurs's constant is zero, sticking changes nothing."""
     material = Elastic(1.0, 0.2)

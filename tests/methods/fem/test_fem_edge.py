@@ -10,7 +10,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution
 from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.mesh import homogenised_half_space, layout_for
+from jkrcli.methods.fem.mesh import Strip, homogenised_half_space, layout_for
 from jkrcli.methods.fem.model import _in_step
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse
@@ -24,6 +24,20 @@ FLAT = replace(UNIT, indenter=RoundedFlat(0.5, 20.0), specimen=Specimen((Layer(E
 
 def exactly(problem: Problem, a: np.ndarray):
     return Layered()(replace(problem, loading=Loading.given("radius", tuple(a)))).series
+
+
+def test_a_strip_is_filled_by_its_triangles():
+    r = np.array([0.0, 0.1, 0.25, 0.5])
+    strip = Strip.below(r, 10.0, np.array([1.0, 2.0]), 0.8)
+    x, z = strip.points.reshape(-1, 2)[strip.cells].transpose(2, 0, 1)
+    areas = 0.5 * ((x[:, 1] - x[:, 0]) * (z[:, 2] - z[:, 0]) - (x[:, 2] - x[:, 0]) * (z[:, 1] - z[:, 0]))
+    assert (areas > 0).all()
+    depth = -strip.points[-1, :, 1]
+    assert areas.sum() == pytest.approx(np.trapezoid(depth, r), rel=1e-14)
+    assert depth == pytest.approx(2 * 0.8 * np.array([0.1, 0.1, 0.15, 0.25]))  # the smaller neighbouring step
+    assert -Strip.below(r, 0.1, np.array([1.0, 2.0]), 0.8).points[-1, :, 1].min() == pytest.approx(
+        0.1
+    )  # no deeper than asked
 
 
 def test_a_calibration_of_fine_thin_layers_stays_small():

@@ -85,7 +85,7 @@ def curve(module: str, folder: Path, text: str) -> dict[str, Array]:
     return {name: np.array([float(row[name]) for row in rows]) for name in ("a_m", "delta_H_m", "P_H_N", "P_N")}
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("method", ["layered", "closed-form", "fem"])
 def test_an_indenter_of_ones_own(method: str, tmp_path: Path) -> None:
     text = CASE.format(method=method, shape="aspheric", keys="k = 1e11", thickness="1 km")

@@ -135,7 +135,8 @@ MADE: dict[str, tuple[str, Callable[[], Result]]] = {
 
 
 SLOW = {name for name in MADE if name.startswith("fit of")} - {"fit of a force curve"}
-SLOW |= {"pull-off by an instrument", "transition map", "adhesion map", "roughness map", "sticking map"}
+SLOW |= {"pull-off by an instrument", "cycle in the limits of what relaxes", "transition map", "adhesion map",
+         "roughness map", "sticking map"}  # fmt: skip
 TIMES = {"cpu_s"}  # no two solves take the same
 INSIDE = {"look": "files", "pull-off": "results", "transform": "results", "work": "results"}
 

@@ -251,7 +251,8 @@ def _fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "drug<B>/notes.txt").write_text("measured on Monday\n")
     words = ("fit", *SPECIMEN, "ctrl", "drug A", "drug<B>", "-o", "out", "--uncertain", "stiffness=10%", "--report")
     said = io.StringIO()
-    with contextlib.chdir(folder), contextlib.redirect_stdout(said):
+    with contextlib.chdir(folder), contextlib.redirect_stdout(said), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("jkrcli.report.plots.DPI", 40)
         assert call(words) == 0
     told = said.getvalue()
     assert "report in out/report{.html,.md}" in " ".join(told.split())

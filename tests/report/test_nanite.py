@@ -147,6 +147,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("why", REFUSED)
 def test_what_does_not_scale_with_the_modulus_is_refused(jkr: Callable, why: str) -> None:
     specimen, indenter, said = REFUSED[why]

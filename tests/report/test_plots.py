@@ -245,6 +245,7 @@ def test_a_map_of_failures_knows_every_outcome() -> None:
     assert set(LOOKS) == set(OUTCOMES)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("begun", [True, False], ids=["program", "library"])
 def test_matplotlib_keeps_its_own_words_but_in_the_program(begun: bool) -> None:
     code = (

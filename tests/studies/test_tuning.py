@@ -53,6 +53,7 @@ def test_a_varied_number_reaches_all_who_hold_it(module: ModuleType, monkeypatch
     assert (module.MADE_UP_NODES, solver.MADE_UP_NODES) == (40, 40)
 
 
+@pytest.mark.slow
 def test_a_number_that_results_depend_on_is_told_with_where(monkeypatch: pytest.MonkeyPatch) -> None:
     cheap = {name: constants_results.RESULTS[name] for name in ("layer by layered", "table", "loads")}
     monkeypatch.setattr(constants, "RESULTS", cheap)

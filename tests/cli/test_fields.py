@@ -35,12 +35,6 @@ def half_space() -> ContactState:
     return contact_state(FEM(), problem(HALF_SPACE), A, DELTA)
 
 
-@cache
-def coating() -> tuple[ContactState, Problem]:
-    film = problem(Specimen((Layer(Elastic(20 * E, 0.4), A / 2),), HalfSpace(Elastic(E, NU))))
-    return contact_state(FEM(), film, A, surface_profile(film, A, W).delta), film
-
-
 def exact(r: np.ndarray, z: np.ndarray) -> dict[str, np.ndarray]:
     """The adhesive half-space's field at depths z > 0: half-space fields of p_hat(k) = (E*/2) cos(kt), superposed with
     the density (2/pi)(delta - t^2/R) on 0 < t < a (elementary, from int e^(-k zeta) J0(kr) dk = 1/rho)."""

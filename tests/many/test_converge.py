@@ -76,23 +76,18 @@ def test_coarser_doubles_every_element_and_knows_its_limit() -> None:
 
 
 CASE = """
-indenter = {{ shape = "sphere", radius = "100 um" }}
-specimen = {{ {specimen} }}
-loading = {{ depth = "{depth}", points = 30 }}
-adhesion.w = {w}
-mesh = {{ element_size = "{size}", layout = "zones", growth = 0.4 }}
+indenter = { shape = "sphere", radius = "100 um" }
+specimen.half_space = { E = "5 MPa", nu = 0.4 }
+loading = { depth = "3 um", points = 30 }
+adhesion.w = 0.05
+mesh = { element_size = "1 um", layout = "zones", growth = 0.4 }
 """
 
 
 @pytest.fixture(name="cases")
 def _cases(tmp_path: Path) -> Path:
     (folder := tmp_path / "cases").mkdir()
-    half = CASE.format(specimen='half_space = { E = "5 MPa", nu = 0.4 }', depth="3 um", w=0.05, size="1 um")
-    for name in ("halfspace", "half-space"):
-        (folder / f"{name}.toml").write_text(half)
-    for name, nu, w in (("thin-layer", 0.4, "0.002"), ("gel", 0.499, '["2 mJ/m^2", "3 mJ/m^2"]')):
-        layer = f'base = "bonded", layers = [{{ thickness = "1 um", E = "5 MPa", nu = {nu} }}]'
-        (folder / f"{name}.toml").write_text(CASE.format(specimen=layer, depth="0.1 um", w=w, size="0.4 um"))
+    (folder / "halfspace.toml").write_text(CASE)
     return folder
 
 

@@ -88,15 +88,10 @@ def test_toml_blocks_are_whole_and_valid_cases() -> None:
             parse_case(block.text.encode(), name_of(page)).model.problem()
 
 
-def test_readme_is_short() -> None:
-    lines = README.read_text(encoding="utf-8").splitlines()
-    assert len(lines) <= 120
-    assert [line for line in lines if len(line) > 120] == []
-
-
-def test_lines_of_the_changes_are_short() -> None:
-    lines = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
-    assert [line for line in lines if len(line) > 120] == []
+def test_readme_and_changes_are_short() -> None:
+    readme, changes = (page.read_text(encoding="utf-8").splitlines() for page in (README, ROOT / "CHANGELOG.md"))
+    assert len(readme) <= 120
+    assert [line for line in readme + changes if len(line) > 120] == []
 
 
 WAYS = ("jkr transform", "jkr import", "jkr fit")  # a case, a finite-element solution, a force curve
@@ -145,17 +140,12 @@ def test_every_option_in_a_line_of_text_is_one_of_its_verb() -> None:
     assert wrong == []
 
 
-def test_every_picture_exists() -> None:
-    pictures = [(page, picture) for page in PAGES for picture in PICTURE.findall(page.read_text(encoding="utf-8"))]
-    assert any(page == README for page, _ in pictures)
-    assert [(page, picture) for page, picture in pictures if not (page.parent / picture).is_file()] == []
-
-
-def test_every_link_to_a_file_leads_somewhere() -> None:
-    links = [(page, link) for page in PAGES for link in LINK.findall(page.read_text(encoding="utf-8"))]
-    assert [
-        (name_of(page), link) for page, link in links if "://" not in link and not (page.parent / link).exists()
-    ] == []
+def test_every_picture_and_every_link_to_a_file_leads_somewhere() -> None:
+    texts = {page: page.read_text(encoding="utf-8") for page in PAGES}
+    assert PICTURE.search(texts[README])
+    links = [(page, link) for page, text in texts.items() for link in PICTURE.findall(text) + LINK.findall(text)]
+    lost = [(name_of(page), link) for page, link in links if "://" not in link and not (page.parent / link).exists()]
+    assert lost == []
 
 
 def test_every_make_target_named_exists() -> None:

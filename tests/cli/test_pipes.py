@@ -6,30 +6,18 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 from conftest import Outcome
+from every_verb import write_inputs
 
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import received
 
-CASE = """
-method = "closed-form"
-indenter = { shape = "paraboloid", radius = "1 mm" }
-specimen.half_space = { E = "1 MPa", nu = 0.3 }
-loading = { radius = "0.1 mm", points = 20 }
-adhesion.w = 0.05
-"""
-
 
 @pytest.fixture(name="measured")
 def _measured(jkr: Callable[..., Outcome], tmp_path: Path) -> Path:
-    Path("s.toml").write_text(CASE)
-    assert jkr("run", "s.toml").code == 0
-    a = np.linspace(2e-5, 9e-5, 40)
-    P = 4e6 / 0.91 * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05e6 / 0.91)
-    np.savetxt("m.csv", np.column_stack([a, P]), delimiter=",", header="a_m,P_N", comments="")
-    for name in ("s.toml", "s.h5", "m.csv"):
+    write_inputs(tmp_path, jkr)
+    for name in ("gel.toml", "gel.h5", "probe.csv"):
         Path(f"{name}.gz").write_bytes(gzip.compress(Path(name).read_bytes()))
     return tmp_path
 
@@ -41,9 +29,9 @@ def shell(folder: Path, line: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.first(1)
 @pytest.mark.parametrize(("line", "plain"), [
-    ("jkr transform <(zcat s.h5.gz) --no-plots --json", "jkr transform s.h5 --no-plots --json"),
-    ("zcat s.toml.gz | jkr check /dev/stdin --json", "jkr check s.toml --json"),
-    ("jkr fit <(zcat s.h5.gz) <(zcat m.csv.gz) --no-plots --json", "jkr fit s.h5 m.csv --no-plots --json"),
+    ("jkr transform <(zcat gel.h5.gz) --no-plots --json", "jkr transform gel.h5 --no-plots --json"),
+    ("zcat gel.toml.gz | jkr check /dev/stdin --json", "jkr check gel.toml --json"),
+    ("jkr fit <(zcat gel.h5.gz) <(zcat probe.csv.gz) --no-plots --json", "jkr fit gel.h5 probe.csv --no-plots --json"),
 ])  # fmt: skip
 def test_what_comes_through_a_pipe_is_what_the_file_gives(measured: Path, line: str, plain: str) -> None:
     piped, whole = shell(measured, line), shell(measured, plain)

@@ -128,16 +128,6 @@ def test_the_command_of_the_adhesion_map(jkr) -> None:
         jkr("study", "adhesion-map", *wrong).refused()
 
 
-@pytest.mark.slow
-def test_the_half_space_has_the_known_forces_and_a_layer_stands_beside_it() -> None:
-    found = jkrcli.study_map("rate", rate={"n": 0.6}, stiffness=["rigid"], speed=[1e-3, 1.0]).columns
-    force = found["minus_P_over_pi_w0_R"]
-    assert force[:2] == pytest.approx([1.515478, 2.348038], rel=1e-5)
-    assert found["h_over_R"].tolist() == [math.inf, math.inf, 0.3, 0.3]
-    assert force[2] > force[0]
-    assert found["dissipated_over_w0_pi_a2"][2] == pytest.approx(1, rel=0.05)  # slow, rigid: w0 times the area
-
-
 def test_both_logarithmic_panels_hold_their_lines() -> None:
     """Limits of a linear axis were kept: energies that span a decade were drawn above a panel of negative energies."""
     columns = {"V_over_v0": [1e-3, 1.0, 1e2], "h_over_R": [math.inf] * 3, "k_over_Estar_R": [math.inf] * 3,

@@ -24,7 +24,9 @@ def harm_hdf5(path: Path, chance: random.Random) -> None:
 
     def change(file: h5py.File) -> None:
         for _ in range(chance.choice((1, 1, 2, 3))):
-            with contextlib.suppress(ValueError, TypeError, RuntimeError, OSError, KeyError, AttributeError):
+            with contextlib.suppress(
+                ValueError, TypeError, RuntimeError, OSError, LookupError, ArithmeticError, AttributeError
+            ):
                 chance.choice(CHANGES)(_some_group(file, chance), chance)  # not of a name that is there already
 
     if chance.random() < 0.5:

@@ -113,14 +113,11 @@ def test_rows_in_no_order_and_single_branches_are_no_cycles() -> None:
     assert orient(Curve("c", a=noisy + 1, P=noisy)).flags == ()
 
 
-def test_loading_alone_has_a_w_of_approach() -> None:
+def test_loading_alone_and_an_edge_that_rests_throughout() -> None:
     made = lens(np.random.default_rng(1), "a,P", True, WORDS)
     found = fitted(made.curve, segment="approach")
     holds(found, {name: made.truth[name] for name in ("E_star", "w_approach")})
     assert "w" not in {item.name for item in found.estimates}
-
-
-def test_an_edge_that_rests_throughout_tells_the_least_w() -> None:
     made = lens(np.random.default_rng(3), "a,delta,P", True, WORDS)
     found = fitted(made.curve.rows(np.arange(100)))
     item = found.estimate("w")

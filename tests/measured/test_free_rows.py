@@ -122,14 +122,6 @@ def test_derivatives_of_terms_are_differences(term: Term) -> None:
             assert off <= (0.02 if term.law in LAWS else 1e-6) * np.abs(difference).max() + 1e-30
 
 
-def test_terms_of_a_direction_that_is_not_fitted_are_no_unknowns() -> None:
-    """A level of the retraction was told beside the approach alone, with no error."""
-    found = fit(BODY, with_tether(0.1, 0.5)[0], usual(segment="approach"))
-    assert not found.held
-    item = found.estimate("w_approach")
-    assert item.value == pytest.approx(W / 2, abs=4 * item.error)
-
-
 @pytest.mark.parametrize("by", [1e-6, -1e-6])
 def test_an_average_keeps_limits_and_signs(by: float) -> None:
     """An upper limit of w was made a proof of adhesion, or w negative."""
@@ -144,11 +136,16 @@ def test_an_average_keeps_limits_and_signs(by: float) -> None:
     assert item.high >= item.value
 
 
-def test_terms_of_loads_scale_with_them() -> None:
+def test_terms_of_loads_and_of_directions() -> None:
     x = np.linspace(-1e-6, 2e-7, 100)
     place = Place(np.arange(100), x, x, (x < 0) * 1, (x >= 0) * 1, 0.0, 1e-6, np.inf)
     held = FreeRows(place, tuple(term for term in TERMS if term.law != RELAXED), np.zeros(0, dtype=int))
     assert held.scaled(3.0, np.inf).taken == pytest.approx(3 * held.taken, rel=1e-12)
+    # A level of the retraction was told beside the approach alone, with no error.
+    found = fit(BODY, with_tether(0.1, 0.5)[0], usual(segment="approach"))
+    assert not found.held
+    item = found.estimate("w_approach")
+    assert item.value == pytest.approx(W / 2, abs=4 * item.error)
 
 
 @pytest.mark.parametrize(("levels", "rests"), [(0.05, True), (0.008, False)])

@@ -26,7 +26,7 @@ def table(tmp_path: Path) -> Path:
     return write_table(tmp_path / "probe.csv", "t_s,delta_nm,P_nN", *rounded)
 
 
-def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> None:
+def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path, tmp_path: Path) -> None:
     done = jkr("look", str(table), "--stiffness", "0.05 N/m").ok
     assert done.out.startswith("adhesion force 2.37 nN, largest load 9.43 nN: ")
     assert done.out.splitlines()[1].startswith("  2100 rows of displacement, load, time; approach 100")
@@ -34,6 +34,13 @@ def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> 
     assert "no jump into contact" in done.out
     assert "by one jump at -" in done.out
     assert {path.name for path in table.parent.iterdir()} == {"probe.csv", "probe-look.png", "probe-look.svg"}
+    a = np.concatenate([np.linspace(3e-4, 7e-4, 30), np.linspace(7e-4, 3e-4, 30)])
+    names = "contact radius (um),displacement (um),load (mN)"
+    file = write_table(tmp_path / "lens.csv", names, 1e6 * a, 1e6 * a**2 / 1e-2, 1e3 * 2e9 * a**3)
+    printed = jkr("look", str(file), "--no-plots").out
+    assert "loading-unloading table" in printed
+    assert "contact radius 300 um to 700 um" in printed
+    assert "base line of" not in printed
 
 
 def test_a_rough_w_is_that_of_the_adhesion_force(jkr: Callable[..., Outcome], table: Path) -> None:
@@ -162,13 +169,3 @@ def test_no_row_and_no_file_is_dropped_silently(jkr: Callable[..., Outcome], tab
     assert "400 rows of displacement, load; retract 400; " in jkr("look", str(path), "--no-plots").out
     path.write_text("\n".join(["delta_um,P_nN", rows[1], *rows]) + "\n")
     assert "401 rows of displacement, load; retract 400, 1 of neither" in jkr("look", str(path), "--no-plots").out
-
-
-def test_a_table_of_contact_radii_is_called_one(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
-    a = np.concatenate([np.linspace(3e-4, 7e-4, 30), np.linspace(7e-4, 3e-4, 30)])
-    names = "contact radius (um),displacement (um),load (mN)"
-    file = write_table(tmp_path / "lens.csv", names, 1e6 * a, 1e6 * a**2 / 1e-2, 1e3 * 2e9 * a**3)
-    printed = jkr("look", str(file), "--no-plots").out
-    assert "loading-unloading table" in printed
-    assert "contact radius 300 um to 700 um" in printed
-    assert "base line of" not in printed

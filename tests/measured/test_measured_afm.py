@@ -62,7 +62,7 @@ def columns_read(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return loaded
 
 
-def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, columns_read: list[str]) -> None:
+def test_curves_of_a_map_are_read_one_by_one(tmp_path: Path, columns_read: list[str]) -> None:
     path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(12)))
     curves = measured.each(path, Reading(zero={"delta": -5e-6}))
     first = next(curves)
@@ -70,12 +70,12 @@ def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, columns_read: l
     names = [first.name, *(item.name for item in curves if isinstance(item, Curve))]
     assert names == [str(i) for i in range(12)]  # in the order of their numbers, not of their texts
     np.testing.assert_allclose(first.delta, 5e-6 - HEIGHT - FORCE / K, rtol=1e-14)
-
-
-def test_no_more_is_read_than_is_asked_for(tmp_path: Path, columns_read: list[str]) -> None:
     # Others are not read, and what is wrong with them is not said; their names are known.
     lame = CONTENT | {"force": np.append(FORCE[:4], np.nan), "height (piezo)": HEIGHT}
-    path = written(tmp_path / "map.h5", data(0, lame, spring_constant=K), *(data(i, spring_constant=K) for i in (1, 2)))
+    columns_read.clear()
+    path = written(
+        tmp_path / "lame.h5", data(0, lame, spring_constant=K), *(data(i, spring_constant=K) for i in (1, 2))
+    )
     assert [type(one) for one in measured.each(path, Reading(where={"curve": "2"}))] == [Curve]
     assert {name.split("/")[1] for name in columns_read} == {"2"}
     with pytest.raises(InputError, match=r'holds no curve "20".*0, 1, 2'):

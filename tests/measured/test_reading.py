@@ -85,14 +85,22 @@ def test_segments_are_named_where_they_begin(tmp_path: Path) -> None:
     assert curve.segment.tolist() == ["approach"] * 2 + ["hold"] * 2 + ["retract"] * 2
 
 
-def test_a_displacement_of_no_telling_name_beside_a_deflection_is_questioned(tmp_path: Path) -> None:
-    """A piezo's way, named by hand, was taken for the depth of the tip without a word: E* half of what it is."""
+def test_which_position_a_displacement_is(tmp_path: Path) -> None:
+    # A piezo's way, named by hand, was taken for the depth of the tip without a word: E* half of what it is.
     head = "Federkonstante: 0,3 N/m\n"
     for name, asked in (("Verfahrung", True), ("Displacement", True), ("Indentation", False), ("Piezoweg", False)):
         path = written(tmp_path, head + table((f"{name} (m)", Z), ("Deflection (m)", LOAD / 0.3)))
         curve = one(path, Reading(columns={"delta": name}))
         assert (AS_DEPTH in curve.flags) == asked, name
         np.testing.assert_allclose(curve.delta, Z - LOAD / 0.3 if name == "Piezoweg" else Z, atol=1e-18)
+    columns = (("Load (nN)", LOAD * 1e9), ("Indentation (nm)", Z * 1e9 - 5), ("Piezo (nm)", Z * 1e9))
+    curve = one(written(tmp_path, table(*columns)))
+    np.testing.assert_allclose(curve.delta, Z - 5e-9, rtol=1e-12)
+    assert 'not column 3 "Piezo (nm)": the stiffness of the instrument is not known' in curve.flags[0]
+    curve = one(written(tmp_path, table(*columns, head="k (N/m)\t0.019\n\n")))
+    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.019, rtol=1e-12, atol=1e-20)
+    assert 'z was taken, not column 2 "Indentation (nm)": its stiffness is known' in curve.flags[1]
+    assert curve.flags[2].startswith("stiffness 0.019 N/m from the header of the file")
 
 
 @pytest.mark.parametrize("mark", [",", "\t"])
@@ -140,17 +148,6 @@ def test_the_sign_of_a_z(tmp_path: Path) -> None:
     for sign in (1, -1):
         curve = one(written(tmp_path, table(("Z (nm)", sign * z * 1e9), ("Force (nN)", load * 1e9))))
         np.testing.assert_allclose(curve.delta, z, rtol=1e-12)
-
-
-def test_piezo_or_tip_is_chosen_by_what_is_known_of_the_device(tmp_path: Path) -> None:
-    columns = (("Load (nN)", LOAD * 1e9), ("Indentation (nm)", Z * 1e9 - 5), ("Piezo (nm)", Z * 1e9))
-    curve = one(written(tmp_path, table(*columns)))
-    np.testing.assert_allclose(curve.delta, Z - 5e-9, rtol=1e-12)
-    assert 'not column 3 "Piezo (nm)": the stiffness of the instrument is not known' in curve.flags[0]
-    curve = one(written(tmp_path, table(*columns, head="k (N/m)\t0.019\n\n")))
-    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.019, rtol=1e-12, atol=1e-20)
-    assert 'z was taken, not column 2 "Indentation (nm)": its stiffness is known' in curve.flags[1]
-    assert curve.flags[2].startswith("stiffness 0.019 N/m from the header of the file")
 
 
 def test_names_and_units_of_comment_heads_and_units_within_names(tmp_path: Path) -> None:
@@ -221,6 +218,13 @@ def test_unit_and_factor_overrule_the_header(tmp_path: Path) -> None:
     np.testing.assert_allclose(curve.P, 2e3 * LOAD, rtol=1e-12)
     np.testing.assert_allclose(curve.delta, Z / 2, rtol=1e-12)
     assert curve.flags == ('column 2 "P_nN" read in uN as specified, its header says nN',)
+    z, P = np.linspace(0, 1.8e-6, 50), np.linspace(0, 60e-9, 50) ** 1.0
+    head = "# springConstant: 0.3\n"
+    wrong = written(tmp_path, head + table(("piezo (nm)", z * 1e6), ("force (nN)", P * 1e9)))
+    with pytest.raises(InputError, match=r"bend the instrument \(0.3 N/m\) by 200 nm while it moves by 1.8 nm.*--unit"):
+        one(wrong)
+    curve = one(wrong, Reading(units={"delta": "um"}))
+    np.testing.assert_allclose(curve.device, z, atol=1e-15)
 
 
 @pytest.mark.parametrize("names", [("piezo", "deflection"), ("1", "2"), ("delta", "P")])
@@ -389,16 +393,6 @@ def test_heads_of_further_intervals_are_no_rows(tmp_path: Path) -> None:
     assert not any("without a number" in flag for flag in curve.flags)
     with pytest.raises(InputError, match="line 58 must hold 5 numbers"):  # no intervals that are counted
         one(written(tmp_path, intervals((1, 1, 1))))
-
-
-def test_micrometres_labelled_nanometres_bend_the_device_by_more_than_it_moves(tmp_path: Path) -> None:
-    z, P = np.linspace(0, 1.8e-6, 50), np.linspace(0, 60e-9, 50) ** 1.0
-    head = "# springConstant: 0.3\n"
-    wrong = written(tmp_path, head + table(("piezo (nm)", z * 1e6), ("force (nN)", P * 1e9)))
-    with pytest.raises(InputError, match=r"bend the instrument \(0.3 N/m\) by 200 nm while it moves by 1.8 nm.*--unit"):
-        one(wrong)
-    curve = one(wrong, Reading(units={"delta": "um"}))
-    np.testing.assert_allclose(curve.device, z, atol=1e-15)
 
 
 @pytest.mark.parametrize("head", [

@@ -82,12 +82,21 @@ def test_base_line_noise_and_adhesion_are_those_that_were_made(seed: int) -> Non
     assert approach.touch == pytest.approx(0.0, abs=2e-7)
 
 
-def test_a_jump_into_contact_is_told_with_its_place() -> None:
+def test_jumps_and_what_lets_go_slowly() -> None:
     found = examined(w_approach=W).direction("approach")
     assert len(found.jumps) == 1
     assert found.jumps[0].position == pytest.approx(0.0, abs=1e-8)
     assert found.touch == pytest.approx(0.0, abs=3 * found.touch_err)
     assert isinstance(found.adhesion, float)
+    # A pull-off smeared over many rows, as by tethers or drag: contact for sure begins where tension is largest.
+    curve = curve_of(replace(DEVICE, pause=0))
+    slow = np.convolve(np.pad(curve.P, 150, mode="edge"), np.ones(301) / 301, "valid")
+    side = segment_force_curve(replace(curve, P=slow)).direction("retract")
+    assert not side.jumps
+    first, last = side.border
+    inwards = slow[side.segment.rows][::-1]
+    assert last == np.argmin(inwards - side.base(curve.device[side.segment.rows][::-1]))
+    assert last - first > 100
 
 
 def test_a_change_of_units_changes_nothing() -> None:
@@ -205,18 +214,6 @@ def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
     assert found.flags == plain.flags
     sides = [one.direction("retract") for one in (found, plain)]
     assert sides[0].adhesion == pytest.approx(sides[1].adhesion)
-
-
-def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
-    """A pull-off smeared over many rows, as by tethers or drag: contact for sure begins where tension is largest."""
-    curve = curve_of(replace(DEVICE, pause=0))
-    slow = np.convolve(np.pad(curve.P, 150, mode="edge"), np.ones(301) / 301, "valid")
-    side = segment_force_curve(replace(curve, P=slow)).direction("retract")
-    assert not side.jumps
-    first, last = side.border
-    inwards = slow[side.segment.rows][::-1]
-    assert last == np.argmin(inwards - side.base(curve.device[side.segment.rows][::-1]))
-    assert last - first > 100
 
 
 def test_suction_right_after_the_turn_is_no_wrong_sign() -> None:

@@ -224,6 +224,12 @@ def test_the_error_of_the_rate_holds_the_truth_nineteen_times_in_twenty() -> Non
     t = np.arange(4000) * 0.1
     found, error = rate(t, 2e-6 * t + rng.normal(0, 1e-7, t.size), 11)
     assert 0.93 < (np.abs(found - 2e-6) <= error).mean() < 0.97  # 360 independent windows: 0.95 within two sigmas
+    held = body("half-space")
+    curve = synthetic("half-space", slice(10, 50))
+    P = curve.P.copy()
+    P[6] = 1.0  # no adhesion: rows 0 to 5 are too few for a window of 7
+    found = work_along(held, Curve("c", a=curve.a, P=P, t=np.arange(40.0)), window=7)
+    assert found.timed.tolist() == [False] * 7 + [True] * 33
 
 
 def test_rate_dependent_adhesion_is_read_back() -> None:
@@ -242,12 +248,3 @@ def test_rate_dependent_adhesion_is_read_back() -> None:
     np.testing.assert_allclose(found.speed, v, rtol=1e-4)  # cubics over 11 rows of e^(-t/8)
     backwards = Curve("c", delta=delta[::-1], P=P[::-1], t=t)
     assert (work_along(held, backwards).speed > 0).all()
-
-
-def test_there_is_no_speed_across_a_gap() -> None:
-    held = body("half-space")
-    curve = synthetic("half-space", slice(10, 50))
-    P = curve.P.copy()
-    P[6] = 1.0  # no adhesion: rows 0 to 5 are too few for a window of 7
-    found = work_along(held, Curve("c", a=curve.a, P=P, t=np.arange(40.0)), window=7)
-    assert found.timed.tolist() == [False] * 7 + [True] * 33

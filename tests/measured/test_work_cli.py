@@ -61,15 +61,6 @@ def test_a_table_comes_back_with_w_and_speed(jkr: Run, measured: Path, use: str)
     assert not Path("m-work.png").exists()
 
 
-def test_of_named_segments_the_asked_one_is_evaluated(jkr: Run, measured: Path) -> None:
-    header, *rows = measured.read_text().splitlines()
-    told = [f"{row},{'approach' if i < 10 else 'retract'}" for i, row in enumerate(rows)]
-    measured.write_text("\n".join([header + ",segment", *told]) + "\n")
-    done = jkr("work", "gel.h5", measured, "--segment", "retract", "--no-plots").ok
-    assert "30 of 30 rows" in done.out
-    assert set(table("m-work.csv")["segment"]) == {"retract"}
-
-
 def test_where_the_noise_is_not_known_and_rows_without_w(jkr: Run, measured: Path) -> None:
     done = jkr("work", "gel.h5", measured, "--no-plots")
     assert "no error of w: the noise is not known, give --noise" in done.out
@@ -87,11 +78,17 @@ def test_where_the_noise_is_not_known_and_rows_without_w(jkr: Run, measured: Pat
     assert "nan" not in Path("m-work.csv").read_text()
 
 
-def test_moduli_and_loads_twice_as_large_mean_twice_w(jkr: Run, measured: Path) -> None:
+def test_rows_of_a_segment_and_their_factors(jkr: Run, measured: Path) -> None:
     words = ("--factor", "P=2", "--modulus-factor", "2", "--no-plots", "--json")
     (summary,) = jkr("work", "gel.h5", measured, *words).told["results"]
     assert summary["modulus_factor"] == 2
     np.testing.assert_allclose(summary["curves"][0]["w"]["all"]["quartiles_J_per_m2"], 2 * W, rtol=5e-14)  # 2e-15
+    header, *rows = measured.read_text().splitlines()
+    told = [f"{row},{'approach' if i < 10 else 'retract'}" for i, row in enumerate(rows)]
+    measured.write_text("\n".join([header + ",segment", *told]) + "\n")
+    done = jkr("work", "gel.h5", measured, "--segment", "retract", "--no-plots").ok
+    assert "30 of 30 rows" in done.out
+    assert set(table("m-work.csv")["segment"]) == {"retract"}
 
 
 def test_bad_curves_and_bad_files_among_many(jkr: Run, measured: Path) -> None:

@@ -280,36 +280,6 @@ def second_contact(rng: Rng) -> Dirty:
     return recorded(rng, at, way, P, reasons=("several contacts", "step", "level", "tether", "second contact"))
 
 
-def header_words(rng: Rng) -> Dirty:
-    """Loads and heights under the words that other programs use, with the height growing away from the specimen."""
-    at = Drawn.of(rng)
-    way = path(at)
-    dirty = recorded(rng, at, way, way.P)
-    z, P = dirty.columns["Z Piezo (nm)"] * 1e-9, dirty.columns["Deflection (nm)"] * 1e-9 * at.k
-    height, load, factors = [
-        ("Height (um)", "vDeflection (nN)", (-1e6, 1e9)), ("Raw Height Sensor [nm]", "Force [pN]", (-1e9, 1e12)),
-        ("height (measured) / um", "Vertical deflection / nN", (-1e6, 1e9)), ("ZSnsr (m)", "Force (N)", (-1.0, 1.0)),
-    ][int(rng.integers(4))]  # fmt: skip
-    dirty.columns = {height: factors[0] * z, load: factors[1] * P}
-    return replace(dirty, reasons=("--flip", "sign"))
-
-
-def zero_columns(rng: Rng) -> Dirty:
-    """Columns that an instrument writes and never fills."""
-    dirty = plain(rng)
-    zeros = np.zeros(dirty.at.rows * 2)
-    dirty.columns = {**dirty.columns, "Contact Area (um^2)": zeros, "Stiffness (N/m)": zeros}
-    return dirty
-
-
-def phase_column(rng: Rng) -> Dirty:
-    dirty = plain(rng)
-    dirty.columns["Phase (deg)"] = np.round(
-        rng.uniform(20, 80) + rng.normal(size=2 * dirty.at.rows), int(rng.integers(3))
-    )
-    return dirty
-
-
 def sparse(rng: Rng) -> Dirty:
     """60 to 200 rows a direction: jumps between two of them."""
     at = replace(Drawn.of(rng), rows=int(rng.integers(60, 200)))
@@ -324,16 +294,6 @@ def noisy(rng: Rng) -> Dirty:
     return recorded(rng, at, way, way.P, reasons=("noisy", "vague"))
 
 
-def dwell(rng: Rng) -> Dirty:
-    """Friction of the piezo's lever and a dwell at the largest load."""
-    at = Drawn.of(rng)
-    way = path(at)
-    P = way.P + at.force * rng.uniform(0.02, 0.2) * np.where(np.arange(way.z.size) < way.into, 1, -1)
-    count = way.into // int(rng.integers(4, 12))
-    z, P = (np.concatenate([v[: way.into], np.full(count, v[way.into - 1]), v[way.into :]]) for v in (way.z, P))
-    return recorded(rng, at, way, P, z)
-
-
 KINDS: dict[str, Callable[[Rng], Dirty]] = {
     "tether": tether,
     "attraction": attraction,
@@ -343,10 +303,6 @@ KINDS: dict[str, Callable[[Rng], Dirty]] = {
     "ringing": ringing,
     "coarse converter": converter,
     "second contact": second_contact,
-    "other header words": header_words,
-    "columns of zeros": zero_columns,
-    "phase column": phase_column,
     "sparse": sparse,
     "large noise": noisy,
-    "dwell and friction": dwell,
 }

@@ -18,8 +18,49 @@ from dirty_records import (
     branches,
     levelled,
     path,
+    plain,
     recorded,
 )
+
+
+def header_words(rng: Rng) -> Dirty:
+    """Loads and heights under the words that other programs use, with the height growing away from the specimen."""
+    at = Drawn.of(rng)
+    way = path(at)
+    dirty = recorded(rng, at, way, way.P)
+    z, P = dirty.columns["Z Piezo (nm)"] * 1e-9, dirty.columns["Deflection (nm)"] * 1e-9 * at.k
+    height, load, factors = [
+        ("Height (um)", "vDeflection (nN)", (-1e6, 1e9)), ("Raw Height Sensor [nm]", "Force [pN]", (-1e9, 1e12)),
+        ("height (measured) / um", "Vertical deflection / nN", (-1e6, 1e9)), ("ZSnsr (m)", "Force (N)", (-1.0, 1.0)),
+    ][int(rng.integers(4))]  # fmt: skip
+    dirty.columns = {height: factors[0] * z, load: factors[1] * P}
+    return replace(dirty, reasons=("--flip", "sign"))
+
+
+def zero_columns(rng: Rng) -> Dirty:
+    """Columns that an instrument writes and never fills."""
+    dirty = plain(rng)
+    zeros = np.zeros(dirty.at.rows * 2)
+    dirty.columns = {**dirty.columns, "Contact Area (um^2)": zeros, "Stiffness (N/m)": zeros}
+    return dirty
+
+
+def phase_column(rng: Rng) -> Dirty:
+    dirty = plain(rng)
+    dirty.columns["Phase (deg)"] = np.round(
+        rng.uniform(20, 80) + rng.normal(size=2 * dirty.at.rows), int(rng.integers(3))
+    )
+    return dirty
+
+
+def dwell(rng: Rng) -> Dirty:
+    """Friction of the piezo's lever and a dwell at the largest load."""
+    at = Drawn.of(rng)
+    way = path(at)
+    P = way.P + at.force * rng.uniform(0.02, 0.2) * np.where(np.arange(way.z.size) < way.into, 1, -1)
+    count = way.into // int(rng.integers(4, 12))
+    z, P = (np.concatenate([v[: way.into], np.full(count, v[way.into - 1]), v[way.into :]]) for v in (way.z, P))
+    return recorded(rng, at, way, P, z)
 
 
 def tethers(rng: Rng) -> Dirty:
@@ -146,6 +187,10 @@ OWN: dict[str, Callable[[Rng], Dirty]] = {
     "approach alone": approach_alone,
     "retraction alone": retraction_alone,
     "load control": load_control,
+    "other header words": header_words,
+    "columns of zeros": zero_columns,
+    "phase column": phase_column,
+    "dwell and friction": dwell,
 }
 ORDER = (
     "tether",

@@ -1,4 +1,4 @@
-"""What is no fault of a record raises no flag, and what is one raises its own: by records of 24 kinds of dirt."""
+"""What is no fault of a record raises no flag, and what is one raises its own: by records with dirt."""
 
 import math
 from pathlib import Path
@@ -26,10 +26,8 @@ def flags(kind: str, tmp_path: Path) -> list[set[str]]:
 
 
 @pytest.mark.parametrize(
-    "kind",
-    ["tether", "attraction", "van der Waals tail", "ringing", "coarse converter", "other header words",
-     "columns of zeros", "phase column", "sparse", "dwell and friction"],
-)  # fmt: skip
+    "kind", ["tether", "attraction", "van der Waals tail", "ringing", "coarse converter", "sparse"]
+)
 def test_dirt_that_can_be_read_raises_no_flag(tmp_path: Path, kind: str) -> None:
     assert not any(flags(kind, tmp_path))
 

@@ -122,7 +122,8 @@ def test_tables_as_wide_as_a_scan_are_read(tmp_path: Path, mark: str) -> None:
 SIGNS = {
     "Height (nm)": (-1, True), "Tip-Sample Separation (nm)": (-1, False), "Weg (nm)": (1, True),
     "Eindringtiefe (nm)": (1, False), "Z sensor (nm)": (1, True), "piezo (nm)": (1, True), "z_nm": (1, True),
-    "Extension [nm]": (1, True), "Height (measured) [nm]": (-1, True),
+    "Extension [nm]": (1, True), "Height (measured) [nm]": (-1, True), "Raw Height Sensor [nm]": (-1, True),
+    "ZSnsr (nm)": (-1, True), "height (measured) / nm": (-1, True),
 }  # fmt: skip
 
 
@@ -237,7 +238,7 @@ def test_units_are_told_of_columns_by_name_number_or_quantity(tmp_path: Path, na
 
 SPELT = ("Weg in mm;Kraft in N", "Weg mm;Kraft N", "Weg (Millimeter);Kraft (Newton)", "Déplacement [mm];Effort [N]",
          "Weg (mm);Kraft [newtons]", "Depth (mm);Load (N)", "Pos Z [mm];Force [N]", "h (mm);P (N)", "Pd (mm);Fn (N)",
-         "MEMS displ.[mm];MEMS force[N]")  # fmt: skip
+         "MEMS displ.[mm];MEMS force[N]", "Weg (mm);vDeflection (N)", "Weg (mm);Vertical deflection / N")  # fmt: skip
 
 
 @pytest.mark.parametrize("head", SPELT)
@@ -260,6 +261,8 @@ def test_columns_that_are_no_measurement_are_passed_over(tmp_path: Path) -> None
     assert sum("zeros alone" in flag for flag in curve.flags) == 2
     curve = one(written(tmp_path, table(("h (nm)", 0 * Z + 50), ("delta (nm)", Z * 1e9), ("P (nN)", LOAD * 1e9))))
     np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    phases = np.array([20.0, 21.0, 20.0, 22.0, 21.0, 20.0])
+    assert one(written(tmp_path, table(("Weg (m)", Z), ("Kraft (N)", LOAD), ("Phase (deg)", phases)))).segment is None
 
 
 def test_rows_that_are_no_measurement_are_left_out_and_said(tmp_path: Path) -> None:

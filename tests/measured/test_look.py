@@ -1,17 +1,31 @@
 """``jkr look``: any measured file drawn and told, before any body is thought of."""
 
+import base64
 import json
 import math
 import re
+import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CASES, Outcome, write_table
+from conftest import CASES, Outcome, shown_at, write_table
 from force_curves import Instrument, record
+from raw_records import export
 
+from jkrcli.base.errors import InputError
+from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Pyramid, RoundedCone, Sphere
+from jkrcli.measured import files as measured
+from jkrcli.measured.archive import UNUSABLE
+from jkrcli.measured.curve_page import page
+from jkrcli.measured.functions import look
+from jkrcli.measured.instruments import constant_errors, constants
+from jkrcli.measured.rigid import Sensitivity, mean
+from jkrcli.measured.segmentation import segment_force_curve
 
 E_STAR, R, W, K = 20e3, 5e-6, 1e-4, 0.05
 FORCE = 1.5 * np.pi * W * R
@@ -169,3 +183,204 @@ def test_no_row_and_no_file_is_dropped_silently(jkr: Callable[..., Outcome], tab
     assert "400 rows of displacement, load; retract 400; " in jkr("look", str(path), "--no-plots").out
     path.write_text("\n".join(["delta_um,P_nN", rows[1], *rows]) + "\n")
     assert "401 rows of displacement, load; retract 400, 1 of neither" in jkr("look", str(path), "--no-plots").out
+
+
+# ---------------------------------------------------------------------- calibration
+S, STIFF = 45.2e-9, 0.3
+SPECIMEN = ("--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
+
+
+def glass(path: Path, seed: int, drag: float = 0.0, bend: float = 0.0) -> Path:
+    """Volts over the position of the piezo on glass; relative: ``drag`` between approach and retraction, ``bend`` by
+    which the slope grows along the contact."""
+    rng = np.random.default_rng(seed)
+    z = np.linspace(-500e-9, 150e-9, 600)
+    bent = np.concatenate([np.maximum(z, 0) * (1 + drag), (np.where(z > -10e-9, z, 0) * (1 - drag))[::-1]])
+    bent *= 1 + bend * bent / (2 * z[-1])
+    volts = bent / S + 0.002 * rng.normal(size=bent.size) + 0.3
+    rows = "".join(f"{x * 1e9:.4f},{v:.6f}\n" for x, v in zip(np.concatenate([z, z[::-1]]), volts, strict=True))
+    path.write_text(f"# spring constant: {STIFF} N/m\npiezo (nm),deflection (V)\n{rows}")
+    return path
+
+
+def gel(path: Path, head: str) -> Path:
+    return export(path, record(2e5, 5e-6, 2e-4, 1e-3, Instrument(STIFF, 200, 1.5e-6, 40e-9, 1e-10), 1), head)
+
+
+def test_the_slope_on_glass_is_the_sensitivity_whatever_was_assumed(tmp_path: Path) -> None:
+    path = glass(tmp_path / "glass.csv", 1)
+    for known in ({}, {"sensitivity": "40 nm/V"}, {"sensitivity": 60e-9, "stiffness": 1.0}):
+        found = look(path, rigid=True, **known).rigid
+        assert found.value == pytest.approx(S, rel=2e-3)
+        assert abs(found.value / S - 1) < 4 * found.error / found.factor
+        assert found.straight
+
+
+def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path: Path) -> None:
+    found = look(glass(tmp_path / "glass.csv", 1, 0.01), rigid=True).rigid
+    assert found.error / found.factor == pytest.approx(0.01, rel=0.1)
+    assert look(glass(tmp_path / "glass.csv", 1, 0.03), rigid=True).rigid.straight is False
+    assert look(glass(tmp_path / "glass.csv", 1, bend=0.2), rigid=True).rigid.straight is False
+
+
+def test_files_on_glass_tell_one_sensitivity_and_a_gel_is_no_glass(jkr: Callable, tmp_path: Path) -> None:
+    (tmp_path / "glass").mkdir()
+    for seed in range(4):
+        glass(tmp_path / f"glass/{seed}.csv", seed)
+    done = jkr("look", "glass", "--rigid", "--no-plots")
+    assert done.out.startswith('rigid specimen: --sensitivity "45.')
+    told = jkr("look", "glass", "--rigid", "--no-plots", "--json").told["files"][0]["rigid"]
+    assert told["value"] == pytest.approx(S, rel=1e-3)
+    done = jkr("look", gel(tmp_path / "gel.csv", f"# springConstant: {STIFF}"), "--rigid", "--no-plots")
+    assert "the contact is curved: the specimen is not rigid" in done.out
+    assert "--factor P=" in done.out  # of loads, not of volts
+
+
+def test_files_by_different_assumed_sensitivities_have_one_mean_and_its_scatter() -> None:
+    """Whichever is the first: the mean is of sensitivities, not of the factors to what each file assumed."""
+    found = [Sensitivity(factor, 0.001 * factor, factor * assumed, True)
+             for factor, assumed in ((1.1, 40e-9), (0.75, 60e-9), (46e-9, 1.0))]  # fmt: skip
+    for order in (found, found[::-1]):
+        one = mean(order)
+        assert one.value == pytest.approx(45e-9)
+        assert one.error / one.factor == pytest.approx(1 / 45)
+    with pytest.raises(InputError, match="3 of 4 force curves hold volts"):
+        mean([*found, Sensitivity(1.0, 0.01, None, True)])
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["# springConstant: 0.3 ± 0.03 N/m", "# k: 0.30 +- 0.03 N/m", "# k: 0.30 +/- 10 % N/m",
+     "# spring constant: 0.3 N/m\n# spring constant error: 10 %",
+     "# spring constant: 0.3 N/m\n# Spring constant uncertainty: 30 mN/m"],
+)  # fmt: skip
+def test_an_error_in_the_header_is_read(head: str) -> None:
+    lines = head.splitlines()
+    assert constants(lines) == {"stiffness": pytest.approx(STIFF)}
+    assert constant_errors(lines) == {"stiffness": pytest.approx(0.1)}
+
+
+def test_an_error_in_the_header_is_a_part_of_the_calibration(jkr: Callable, tmp_path: Path) -> None:
+    path = gel(tmp_path / "gel.csv", "# springConstant: 0.3 ± 0.03 N/m")
+    for more, share in (((), 0.196), (("--uncertain", "stiffness=2%"), 0.0392)):  # 1.96 times 10 %: E* goes with k
+        told = jkr("fit", path, *SPECIMEN, "--no-plots", "--json", *more).told["curves"][0]["estimates"]["E_star"]
+        assert told["calibration"] == pytest.approx(share * told["value"], rel=0.02)
+
+
+# ---------------------------------------------------------------------- the page to click through curves
+RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
+
+
+def curves_of(text: str) -> list[dict[str, Any]]:
+    return json.loads(re.search(r'<script id="curves" type="application/json">(.*?)</script>', text, re.S)[1])
+
+
+def column(packed: list) -> np.ndarray:
+    least, step, text = packed
+    return least + step * np.frombuffer(base64.b64decode(text), "<u2")
+
+
+@pytest.fixture(name="files")
+def _files(jkr: Callable) -> list[str]:
+    """Two records and one whose load never leaves its base line."""
+    for name in ("one.txt", "two.txt"):
+        shutil.copy(RAW, name)
+    z = np.concatenate([way := np.linspace(0, 1, 300), way[::-1]])
+    write_table("none.csv", "delta_um,P_nN", z, 1e-3 * np.random.default_rng(1).standard_normal(z.size))
+    return ["one.txt", "two.txt", "none.csv"]
+
+
+def test_look_leaves_a_page_of_all_curves(jkr: Callable, files: list[str]) -> None:
+    done = jkr("look", *files)
+    assert (done.code, "curves-look.html" in done.out) == (0, True), done.err
+    text = Path("curves-look.html").read_text(encoding="utf-8")
+    one, _, none = curves_of(text)
+    assert is_ours(Path("curves-look.html"))
+    assert "://" not in re.sub(r'<script id="curves".*?</script>', "", text, flags=re.S)  # nothing is fetched
+    assert (one["name"], one["status"], none["status"]) == ("one", "no remark", "no contact")
+    (curve,) = measured.read(Path("one.txt"))
+    load = np.concatenate([column(line["y"]) for line in one["lines"]])
+    assert [load.min(), load.max()] == pytest.approx([curve.P.min(), curve.P.max()], abs=2e-5 * np.ptp(curve.P))
+    told = jkr("look", "one.txt", "--json", "--no-plots").told["files"][0]
+    assert (told["format"], told["version"]) == ("jkr-look", 1)
+    found = told["curves"][0]
+    for direction, (place, _), (x0, y0, x1, y1) in zip(
+        ("approach", "retract"), one["contact"], one["base"], strict=True
+    ):
+        assert place == pytest.approx(found[direction]["touch_m"], rel=1e-12)
+        assert (y1 - y0) / (x1 - x0) == pytest.approx(found[direction]["base_line"]["tilt_N_per_m"], rel=1e-6)
+    assert any("adhesion force" in line for line in one["words"])
+
+
+def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: list[str]) -> None:
+    assert jkr("fit", "--radius", "5 um", "--nu", "0.5", "one.txt", "none.csv", "-o", "out").ok
+    (found,) = Path("out").glob("*-curves.html")
+    fitted, failed = curves_of(found.read_text(encoding="utf-8"))
+    assert (fitted["status"], failed["status"]) == ("fitted", UNUSABLE)
+    assert {line["kind"] for line in fitted["lines"]} == {"measured", "fitted"}
+    estimates = json.loads(next(Path("out").glob("fit.json")).read_text())["curves"][0]["estimates"]
+    assert fitted["contact"] == [[estimates["delta0"]["value"], estimates["P0"]["value"]]]
+    assert failed["lines"]
+    assert failed["words"]
+
+
+def test_one_curve_and_no_plots_leave_no_page(jkr: Callable, files: list[str]) -> None:
+    assert jkr("look", "one.txt").code == 0
+    assert jkr("look", *files, "--no-plots").code == 0
+    assert not list(Path().glob("*.html"))
+    Path("curves-look.html").write_text("of someone else")
+    done = jkr("look", *files)
+    assert (done.code, "curves-look.html" in done.err) == (2, True)
+    assert Path("curves-look.html").read_text() == "of someone else"
+
+
+class Many(list):
+    """One curve that says to be of 4,000, which is thinned as all of them are."""
+
+    def __len__(self) -> int:
+        return 4000
+
+
+def test_four_thousand_curves_make_a_small_page() -> None:
+    record = segment_force_curve(measured.read(RAW)[0])
+    text = page(Many([record]), "many <curves>")
+    assert "many &lt;curves&gt;" in text
+    (one,), (alone,) = curves_of(text), curves_of(page([record], ""))
+    size, wide = (len(json.dumps(curve, ensure_ascii=False, separators=(",", ":"))) for curve in (one, alone))
+    assert (4000 * size < 10e6, wide > 1.5 * size) == (True, True)
+    assert sum(column(line["y"]).size for line in one["lines"]) > 150
+
+
+@pytest.mark.slow
+def test_four_thousand_curves_in_a_browser(tmp_path: Path, browser: Any) -> None:
+    text = page([segment_force_curve(measured.read(RAW)[0])] * 4000, "many")
+    (tmp_path / "page.html").write_text(text, encoding="utf-8")
+    shown_at(browser, 1280)
+    began = time.monotonic()
+    browser.get((tmp_path / "page.html").as_uri())
+    assert browser.find_element("id", "place").text == "1 of 4000"
+    body = browser.find_element("tag name", "body")
+    for key, place in (("n", 2), ("\ue014", 3), ("p", 2), ("\ue010", 4000), ("\ue012", 3999), ("\ue011", 1)):
+        body.send_keys(key)  # arrows, End and Home by their codes
+        assert browser.find_element("id", "place").text == f"{place} of 4000"
+    browser.find_element("id", "next").click()
+    assert browser.find_element("id", "place").text == "2 of 4000"
+    assert time.monotonic() - began < 60  # no hang; a second or two on an idle machine
+    colours = browser.execute_script(
+        "const c = document.getElementById('picture');"
+        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data, found = new Set();"
+        "for (let i = 0; i < d.length; i += 4) if (d[i + 3] === 255) found.add(`${d[i]},${d[i + 1]},${d[i + 2]}`);"
+        "return [...found]"
+    )
+    assert {"0,114,178", "213,94,0"} <= set(colours)  # approach and retraction are drawn
+    assert "contact point" in browser.find_element("id", "legend").text
+    browser.find_element("id", "all").click()
+    left = "return document.querySelectorAll('#thumbs canvas:not([data-drawn])').length"
+    assert browser.execute_script(left) > 3000  # far below
+    browser.execute_script("dispatchEvent(new Event('beforeprint'))")
+    assert browser.execute_script(left) == 0
+    thumbs = browser.find_elements("css selector", "#thumbs button")
+    assert (len(thumbs), len(browser.find_elements("css selector", "#table tr"))) == (4000, 4001)
+    thumbs[7].click()
+    assert browser.find_element("id", "place").text == "8 of 4000"
+    assert browser.get_log("browser") == []

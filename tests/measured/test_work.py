@@ -1,24 +1,35 @@
 """The work of adhesion along measured data: exact on synthetic curves, one root or none, errors, the edge's speed."""
 
+import csv
 import functools
+import json
+import math
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
+import described_body
 import numpy as np
 import pytest
+from conftest import Outcome, write_table
 from fit_data import adhesive
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stated_errors import in_units
 from widths import assert_neither_doubled_nor_halved, mean_squares
 
-from jkrcli.adhesion.curve import Nonadhesive, transform
+import jkrcli
+from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, Nonadhesive, transform
+from jkrcli.adhesion.device_path import cycle
 from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.indenters import FlatPunch, Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case import store
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, work_along
 from jkrcli.methods.layered.solver import Layered
+from jkrcli.resolve.analysis import analyse
 from jkrcli.series import RawSeries
 
 R, H = 1e-3, 50e-6
@@ -248,3 +259,201 @@ def test_rate_dependent_adhesion_is_read_back() -> None:
     np.testing.assert_allclose(found.speed, v, rtol=1e-4)  # cubics over 11 rows of e^(-t/8)
     backwards = Curve("c", delta=delta[::-1], P=P[::-1], t=t)
     assert (work_along(held, backwards).speed > 0).all()
+
+
+# ---------------------------------------------------------------------- ``jkr work`` from files to files
+CASE = """
+indenter = { shape = "sphere", radius = "1 mm" }
+specimen.layers = [{ thickness = "50 um", E = "1 MPa", nu = 0.499 }]
+loading = { radius = "0.2 mm", points = 40 }
+"""
+GEL_W = 0.05
+Run = Callable[..., Outcome]
+
+
+@pytest.fixture(name="measured")
+def _measured(jkr: Run) -> Path:
+    """A series and the table of a retraction on it, in the folder of the test."""
+    Path("gel.toml").write_text(CASE)
+    assert jkr("run", "gel.toml", "--method", "layered").code == 0
+    series = store.read_solution("gel.h5").series
+    curve = transform(series, slopes(series), GEL_W)
+    t = np.arange(len(series)) * 0.5
+    table = np.stack([t, curve.a * 1e6, curve.delta * 1e6, curve.P * 1e3], axis=1)[::-1]
+    table[:, 0] = t
+    path = Path("m.csv")
+    return write_table(path, "t_s,a_um,delta_um,P_mN", *table.T)
+
+
+def table(path: str) -> dict[str, list[str]]:
+    rows = list(csv.DictReader(Path(path).read_text().splitlines()))
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("use", ["delta,P", "a,P", "a,delta"])
+def test_a_table_comes_back_with_w_and_speed(jkr: Run, measured: Path, use: str) -> None:
+    done = jkr("work", "gel.h5", measured, "--use", use, "--noise", "P=1 nN", "--noise", "a=1 nm", "--no-plots")
+    assert (done.code, done.out[:13]) == (0, "w = 50 mJ/m^2")
+    assert done.out.splitlines()[0].endswith(", 40 of 40 rows: m.csv")
+    found = table("m-work.csv")
+    assert list(found)[:6] == ["curve", "segment", "state", "a_m", "w_J_per_m2", "w_err_J_per_m2"]
+    np.testing.assert_allclose(np.array(found["w_J_per_m2"], float), GEL_W, rtol=5e-12)  # 3e-13
+    np.testing.assert_allclose(np.array(found["speed_m_per_s"], float), -1e-5, rtol=1e-12)  # 5 um in 0.5 s
+    summary = json.loads(Path("m-work.json").read_text())
+    assert summary["curves"][0]["from"] == use.split(",")
+    assert summary["curves"][0]["w"]["advancing"] is None
+    assert summary["curves"][0]["w"]["receding"]["rows"] == 40
+    assert summary["curves"][0]["w"]["all"]["err_by_noise_J_per_m2"] > 0
+    assert summary["errors"]["smoothing"] < 1e-2
+    assert not Path("m-work.png").exists()
+
+
+def test_where_the_noise_is_not_known_and_rows_without_w(jkr: Run, measured: Path) -> None:
+    done = jkr("work", "gel.h5", measured, "--no-plots")
+    assert "no error of w: the noise is not known, give --noise" in done.out
+    assert set(table("m-work.csv")["w_err_J_per_m2"]) == {""}
+    spread = json.loads(Path("m-work.json").read_text())["curves"][0]["w"]["all"]
+    assert spread["err_J_per_m2"] is None
+    assert spread["err_by_slopes_J_per_m2"] > 0
+    rows = measured.read_text().splitlines()
+    rows[20] = "9.5,400,0,0"  # beyond the series
+    measured.write_text("\n".join(rows) + "\n")
+    assert jkr("work", "gel.h5", measured, "--no-plots").code == 0
+    found = table("m-work.csv")
+    assert found["state"][19] == "above the solution"
+    assert (found["w_J_per_m2"][19], found["speed_m_per_s"][19], found["a_m"][19]) == ("", "", "0.0004")
+    assert "nan" not in Path("m-work.csv").read_text()
+
+
+def test_rows_of_a_segment_and_their_factors(jkr: Run, measured: Path) -> None:
+    words = ("--factor", "P=2", "--modulus-factor", "2", "--no-plots", "--json")
+    (summary,) = jkr("work", "gel.h5", measured, *words).told["results"]
+    assert summary["modulus_factor"] == 2
+    np.testing.assert_allclose(summary["curves"][0]["w"]["all"]["quartiles_J_per_m2"], 2 * GEL_W, rtol=5e-14)  # 2e-15
+    header, *rows = measured.read_text().splitlines()
+    told = [f"{row},{'approach' if i < 10 else 'retract'}" for i, row in enumerate(rows)]
+    measured.write_text("\n".join([header + ",segment", *told]) + "\n")
+    done = jkr("work", "gel.h5", measured, "--segment", "retract", "--no-plots").ok
+    assert "30 of 30 rows" in done.out
+    assert set(table("m-work.csv")["segment"]) == {"retract"}
+
+
+def test_bad_curves_and_bad_files_among_many(jkr: Run, measured: Path) -> None:
+    rows = measured.read_text().splitlines()
+    lines = ["curve," + rows[0], *("good," + row for row in rows[1:]), *(f"bad,{i},900,1,1" for i in range(4))]
+    Path("map.csv").write_text("\n".join(lines) + "\n")
+    done = jkr("work", "gel.h5", "map.csv", "--no-plots").ok
+    (skipped,) = json.loads(Path("map-work.json").read_text())["skipped"]
+    assert skipped.startswith(
+        'map.csv: curve "bad": none of its 4 rows gives a work of adhesion: 4 at contact radii above'
+    )
+    assert f"jkr: warning: skipped: {skipped}\n" in done.err
+    assert set(table("map-work.csv")["curve"]) == {"good"}
+    Path("lame.csv").write_text("\n".join([lines[0], *lines[-4:]]) + "\n")
+    jkr("work", "gel.h5", "lame.csv", "--no-plots").refused(skipped.replace("map.csv", "lame.csv"))
+
+
+MISTAKES = {
+    ("--window", "4"): "--window: must be an odd number of rows, at least 5, got 4",
+    ("--noise", "w=1"): 'must be KEY=VALUE with a key of a, delta, P, got "w=1"',
+    ("--zero", "a=1"): 'must be KEY=VALUE with a key of delta, P, got "a=1"',
+    ("--stiffness", "0"): 'must be > 0 or "rigid", got 0',
+    ("m.csv",): "m-work.csv: would be written twice",
+}
+
+
+@pytest.mark.parametrize("flags", MISTAKES, ids=" ".join)
+def test_mistakes_of_the_command_are_told_in_one_line(jkr: Run, measured: Path, flags: tuple[str, ...]) -> None:
+    jkr("work", "gel.h5", measured, *flags).refused(MISTAKES[flags])
+    assert not list(Path().glob("m-work*"))
+
+
+RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
+
+
+def test_a_raw_record_is_zeroed_by_its_fit(jkr: Run) -> None:
+    """Read as it stands, the record says 102 J/m^2; w is 1 mJ/m^2 on its way out and 0.2 mJ/m^2 on its way in."""
+    Path("gel.toml").write_text(
+        described_body.CASE.format(shape="sphere").replace("1 um", "2 um").replace("100 kPa", "150 kPa")
+    )
+    assert jkr("run", "gel.toml").code == 0
+    for segment, w, other in (("retract", 1e-3, "advancing"), ("approach", 0.2e-3, "receding")):
+        (found,) = jkr("work", "gel.h5", str(RAW), "--segment", segment, "--json", "--no-plots", "-o", segment).told[
+            "results"
+        ]
+        assert found["curves"][0]["w"]["all"]["median_J_per_m2"] == pytest.approx(w, rel=0.05)
+        assert found["curves"][0]["w"][other] is None
+        rows = table(f"{segment}/raw-force-curve-work.csv")
+        off, half = (np.array(rows[name], float) for name in ("w_J_per_m2", "w_err_J_per_m2"))
+        z = 1.96 * (off - np.median(off)) / half  # the noise of the base line is that of the rows
+        assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
+
+
+# ---------------------------------------------------------------------- a sharp-edged flat punch
+PUNCH = ("--shape", "flat", "--radius", "1 mm", "--E", "1 MPa")
+
+
+def works(jkr: Callable, *options: str, load: str = "50 mN") -> dict:
+    return jkr("pull-off", *PUNCH, "--load", load, *options, "--json").told["results"][0]
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("device", ["load", "1e4 N/m", "rigid"])
+def test_work_of_a_pull_off_force_is_the_same_by_any_device(jkr: Callable, device: str) -> None:
+    """Whatever holds a full end measures the load at which G = w at its rim."""
+    options = () if device == "load" else ("--stiffness", device)
+    layer = works(jkr, "--nu", "0.49", "--thickness", "100 um", *options)
+    assert layer["pull_off"]["a_m"] == 1e-3
+    assert layer["w_J_per_m2"] == pytest.approx(1.692e-3, rel=1e-3)
+    half_space = works(jkr, "--nu", "0.5", *options)
+    assert half_space["w_J_per_m2"] == pytest.approx(0.05**2 / (8 * math.pi * 1e6 / 0.75 * 1e-9), rel=1e-9)
+
+
+def test_an_uncertain_radius_of_a_punch_takes_its_edge_along(jkr: Callable) -> None:
+    """w = P^2/(8 pi E* R^3): 3 times the error of R, 2 times that of the load."""
+    found = works(jkr, "--nu", "0.5", "--uncertain", "R=1%", "--uncertain", "load=1%")
+    w, parts = found["w_J_per_m2"], found["w_err_by_input_J_per_m2"]
+    assert parts["R"] / w == pytest.approx(3 * 1.96 * 0.01, rel=5e-3)
+    assert parts["load"] / w == pytest.approx(2 * 1.96 * 0.01, rel=5e-3)
+
+
+@pytest.mark.parametrize("names", [("a_m", "P_N"), ("delta_m", "P_N"), ("a_m", "delta_m")])
+def test_work_along_a_punch_leaves_the_pinned_edge_out(jkr: Callable, names: tuple[str, ...]) -> None:
+    """The receding edge has G = w; while it is pinned at the rim G <= w, which only bounds w from below."""
+    specimen = jkrcli.Specimen((jkrcli.Layer(jkrcli.Elastic(1e6, 0.5), 1e-3),))
+    solution = jkrcli.solve(
+        jkrcli.Problem(FlatPunch(5e-3), specimen, jkrcli.Loading("radius", 5e-3, 100, "log")), "layered"
+    )
+    curve = analyse(solution, [0.05])[0].curve
+    rows = cycle(curve, curve, DISPLACEMENT_CONTROL).path.rows(50)
+    pressed = rows["delta_m"] > 0.5 * np.max(rows["delta_m"])  # as far under compression as pulled: left out
+    rows = {name: column[~pressed] for name, column in rows.items()}
+    jkrcli.save(solution, "punch.h5")
+    stretches = {"whole": np.full(rows["a_m"].size, True), "pinned": rows["a_m"] == 5e-3}
+    for file, chosen in stretches.items():
+        header = ",".join(name.replace("_m", " (m)").replace("_N", " (N)") for name in names)
+        np.savetxt(f"{file}.csv", np.column_stack([rows[name][chosen] for name in names]), "%.17g", ",", header=header,
+                   comments="")  # fmt: skip
+    found = jkr("work", "punch.h5", "whole.csv", "--no-plots", "--json").told["results"][0]["curves"][0]
+    assert found["rows"]["pinned at the rim"] >= np.count_nonzero(stretches["pinned"])
+    assert found["w_least_J_per_m2"] == pytest.approx(0.05, rel=1e-6)
+    assert found["w"]["all"]["quartiles_J_per_m2"] == pytest.approx([0.05, 0.05], rel=1e-6)
+    jkr("work", "punch.h5", "pinned.csv", "--no-plots").refused("pinned at the rim: G <= w, at least 50 mJ/m^2")
+    assert not Path("pinned-work.csv").exists()
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("stiffness", ["1 kN/m", "load", "rigid"])
+def test_w_from_pull_off_from_a_layer_is_the_one_that_makes_it(jkr: Callable, stiffness: str) -> None:
+    layer = ["--thickness", "0.5 mm", "--stiffness", stiffness]
+    found = jkr("pull-off", *PUNCH, "--nu", "0.5", *layer, "--w", "0.05", "--json").told["results"][0]
+    force = -found["controls"][0]["pull_off"]["P_N"]
+    assert works(jkr, "--nu", "0.5", *layer, load=f"{force!r} N")["w_J_per_m2"] == pytest.approx(0.05, rel=1e-7)
+
+
+def test_records_are_not_fitted(jkr: Callable) -> None:
+    Path("record.csv").write_text("delta (um),P (mN)\n" + "".join(f"{i},{i * 0.1}\n" for i in range(1, 30)))
+    err = jkr("fit", "record.csv", "--shape", "flat", "--radius", "1 mm", "--nu", "0.5").err
+    assert "records of a flat punch are not fitted" in err
+    assert "jkr pull-off --load" in err

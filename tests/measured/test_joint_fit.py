@@ -1,5 +1,6 @@
 """Records by tips of two radii on one specimen, raw ones and tables, made by formulae of their own: what they share."""
 
+import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,9 +17,11 @@ from raw_records import read
 import jkrcli as python
 from jkrcli.base.errors import InputError
 from jkrcli.measured.curve import Curve
+from jkrcli.measured.files import read as read_file
 from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.measured.joint import JointFit, joint_fit, shared_of, with_radii
 from jkrcli.measured.procedure import fit, further
+from jkrcli.measured.result import Fit
 from jkrcli.measured.settings import settings_of
 
 E_STAR, W, RADII, K = 2e5, 1e-3, (2e-6, 10e-6), 0.3
@@ -165,3 +168,72 @@ def test_which_further_measurement_is_told(body: FittedBody) -> None:
     told = further(film, fit(film, Curve("film", delta=delta, P=P), settings_of(film, bound=[("range", "..1 nm")])))
     assert sum(item.words.startswith("thickness") for item in told) == 2
     assert all(0 < item.E_star <= told[0].E_star and 0 < item.w <= told[0].w for item in told)
+
+
+# ---------------------------------------------------------------------- the shipped raw record by every way
+RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
+TRUTH = {"E_star": 200e3, "w": 1e-3, "w_approach": 0.2e-3}
+SPHERE = described_body.CASE.format(shape="sphere")
+
+
+@pytest.fixture(scope="module", name="tip")
+def _tip() -> FittedBody:
+    return body_of(python.parse_case(SPHERE))
+
+
+@pytest.fixture(scope="module", name="record")
+def _record() -> Curve:
+    return read_file(RAW)[0]
+
+
+Widths = tuple[float, float, float]
+
+
+def holds(found: Fit, narrow: Widths) -> None:
+    """Each interval holds the truth, and is narrower than so much of it: 1.1 to 1.4 times what it had."""
+    for (name, value), width in zip(TRUTH.items(), narrow, strict=True):
+        item = found.estimate(name)
+        assert item.low <= value <= item.high, name
+        assert item.high - item.low < width * value, name
+
+
+@pytest.mark.parametrize("options", [{"confidence": "profile"}, {"confidence": "bootstrap", "samples": 60}])
+def test_every_confidence(tip: FittedBody, record: Curve, options: dict[str, object]) -> None:
+    """The model is all but linear within the noise: three ways to one interval."""
+    found, plain = (fit(tip, record, settings_of(tip, **words)) for words in (options, {}))
+    holds(found, (0.008, 0.0065, 0.06))
+    for name in TRUTH:
+        wide, usual = ((item.high or 0) - (item.low or 0) for item in (found.estimate(name), plain.estimate(name)))
+        assert wide == pytest.approx(usual, rel=0.02 if options.get("confidence") == "profile" else 0.35)
+    assert (found.samples is None) == (options.get("confidence") != "bootstrap")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "narrow"),
+    [
+        ({"free": ["E:base"]}, (0.0065, 0.055, 0.28)),
+        ({"free": ["range"]}, (0.0155, 0.1, 0.45)),
+        ({"free": ["stress"]}, (0.036, 0.22, 0.5)),
+        ({"branch": "compressive"}, (0.036, 0.1, 0.43)),
+        ({"free": ["E:base"], "confidence": "profile"}, (0.0065, 0.055, 0.28)),
+    ],
+)
+def test_every_unknown(tip: FittedBody, record: Curve, options: dict[str, object], narrow: Widths) -> None:
+    holds(fit(tip, record, settings_of(tip, **options)), narrow)
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("contact", ["estimate", "as-is"])
+def test_python_and_the_command_agree_to_the_last_digit(jkr: Callable, contact: str) -> None:
+    Path("gel.toml").write_text(SPHERE)
+    done = jkr("fit", "gel.toml", str(RAW), "--contact", contact, "--json", "--no-plots")
+    for words in ({"contact": contact}, {"reading": python.Reading(contact=contact)}):
+        if contact == "as-is":  # as it stands it is no curve of this tip
+            with pytest.raises(python.InputError) as error:
+                python.fit("gel.toml", RAW, **words)
+            assert str(error.value) in done.err
+            continue
+        (told,) = json.loads(done.out)["curves"]
+        for item in python.fit("gel.toml", RAW, **words).estimates:
+            assert told["estimates"][item.name]["value"] == item.value

@@ -3,6 +3,7 @@
 
 import csv
 import math
+import pickle
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -21,12 +22,17 @@ from jkrcli.base.errors import InputError, SolveError
 from jkrcli.bodies.problem import Modes
 from jkrcli.measured.curve import Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
+from jkrcli.measured.procedure import fit
+from jkrcli.measured.report import alternatives_table, verdict_words
+from jkrcli.measured.result import Fit
+from jkrcli.measured.settings import settings_of
 from jkrcli.viscoelastic import adhesive_fit, fits, lockstep_march, timed_record
 from jkrcli.viscoelastic.adhesive_fit import ElasticLimits
 from jkrcli.viscoelastic.law_posterior import Nearby
 from jkrcli.viscoelastic.lockstep_march import March, Marched, Trial, passing
 from jkrcli.viscoelastic.relaxation_fit import relaxation_fit
 from jkrcli.viscoelastic.relaxing_adhesion import creep
+from jkrcli.viscoelastic.relaxing_alternative import RELAXING
 from jkrcli.viscoelastic.timed_record import RelaxationFit, relaxation_at, relaxation_settings
 from jkrcli.viscoelastic.whole_record import Cycle
 
@@ -357,3 +363,77 @@ def test_a_record_that_finds_no_history_does_not_cost_the_others(
     done = jkr("fit", "gel.toml", "a.csv", "b.csv", "--relaxation", "sls", "--free", "w", "--json")
     assert (len(done.told["fits"]), "no history" in done.err) == (1, True)
     assert jkr("fit", "gel.toml", "a.csv", "--relaxation", "sls", "--free", "w", "--force").code == 1
+
+
+# ---------------------------------------------------------------------- relaxation among the alternatives
+R, E_STAR = 5e-6, 100e3
+W_R, STRESS_R, STIFFNESS, TIME = 0.002, 0.1, 1.0, 1.0  # over R and E*
+WAY = ((0.0, -0.03), (0.5, 0.02), (1.7, -0.1))
+
+
+@cache
+def made_of(ratio: float) -> Made:
+    found: Made = cycle(W_R, STRESS_R, solid(ratio, TIME), WAY, STIFFNESS)
+    return found
+
+
+def curve_of(ratio: float, noise: float = 0.01, time: bool = True) -> Curve:
+    """A record with free rows as long as its contact on both sides, an offset, and noise over the pull-off force."""
+    whole = made_of(ratio)
+    lasting = whole.lost - whole.begun
+    t = whole.begun + lasting * (np.arange(-600, 1200) + 0.5) / 600
+    ends, places = np.array(WAY).T
+    slopes = np.diff(places) / np.diff(ends)
+    z = np.interp(t, ends, places) + np.minimum(t - ends[0], 0) * slopes[0] + np.maximum(t - ends[-1], 0) * slopes[-1]
+    size = noise * -float(whole.P.min())
+    P = sampled(whole, t) + size * (5 + np.random.default_rng(1).standard_normal(t.size))
+    delta = (z - P / STIFFNESS) * R
+    P, k = P * E_STAR * R**2, STIFFNESS * E_STAR * R
+    return Curve("made_of", t=t - t[0] if time else None, delta=delta, P=P, stiffness=k)
+
+
+@cache
+def elastic() -> FittedBody:
+    specimen = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(0.75 * E_STAR, 0.5)))
+    problem = jkr.Problem(jkr.Paraboloid(R), specimen, jkr.Loading("depth", 0.05 * R))
+    return replace(body_of(jkr.solve(problem)), moduli_known=False)
+
+
+def fitted(one: Curve, **how: object) -> Fit:
+    return fit(elastic(), one, settings_of(elastic(), **how))  # type: ignore[arg-type]
+
+
+def test_a_relaxing_record_that_adheres_is_named_first() -> None:
+    """By one modulus E* or w is off by more than its statistical error; the cause is named with what it would give."""
+    plain = fitted(curve_of(0.4))
+    assert plain.verdict.alternatives.named[0].name == RELAXING
+    off = {name: abs(plain.value(name) / true - 1) for name, true in (("E_star", E_STAR), ("w", W_R * E_STAR * R))}
+    assert max(off.values()) > 0.05
+    sentence = next(line for line in plain.warnings if line.startswith(RELAXING))
+    assert "--relaxation sls --free w" in sentence
+    for name, true in (("E_star", E_STAR), ("w", W_R * E_STAR * R)):
+        low, high = plain.estimate(name).whole
+        assert low < true < high
+    assert RELAXING in "\n".join(alternatives_table(plain))
+
+
+@pytest.mark.slow
+def test_the_model_of_the_answer_is_the_viscoelastic_one() -> None:
+    auto = fitted(curve_of(0.4), model="auto")
+    assert auto.verdict.tied[0].name == RELAXING
+    assert auto.value("E_star") == pytest.approx(E_STAR, rel=0.03)
+    assert auto.value("E:base") == pytest.approx(0.75 * auto.value("E_star"))
+    assert auto.value("w") == pytest.approx(W_R * E_STAR * R, rel=0.03)
+    assert auto.value("ratio") == pytest.approx(0.4, abs=0.05)
+    assert f"by {RELAXING}" in "\n".join(verdict_words(auto))
+    assert pickle.loads(pickle.dumps(auto)).verdict.tied == auto.verdict.tied  # from other processes
+    # what it leaves is noise, but where a jump lies between two rows
+    size = 0.01 * -float(made_of(0.4).P.min()) * E_STAR * R**2
+    assert float(np.median(np.abs(auto.residuals))) * auto.scales["P"] == pytest.approx(0.6745 * size, rel=0.1)
+
+
+def test_records_to_which_relaxation_is_no_alternative() -> None:
+    auto = fitted(curve_of(1.0), model="auto")
+    assert RELAXING not in {one.name for one in (*auto.verdict.alternatives.scores, *auto.verdict.fitted)}
+    plain = fitted(curve_of(0.4, time=False))
+    assert RELAXING not in {one.name for one in plain.verdict.alternatives.scores}

@@ -187,20 +187,3 @@ def test_fits_any_window_and_paper(opened: Any, media: str, width: int) -> None:
     assert opened.execute_script("return document.documentElement.scrollWidth") <= width
     for name in ("load-plot", "radius-plot"):
         assert opened.find_element("id", name).rect["width"] > min(250, 0.3 * width)
-
-
-def test_choosing_a_control_marks_its_branches(opened: Any) -> None:
-    def stable_loads() -> float:
-        script = (
-            "return document.getElementById('load-plot').data.filter((t) => t.name === 'stable')"
-            ".flatMap((t) => t.x).reduce((low, x) => Math.min(low, x), Infinity)"
-        )
-        return float(opened.execute_script(script))
-
-    under_load = stable_loads()
-    opened.find_element("css selector", "input[value=displacement]").send_keys(" ")
-    settled(opened)
-    assert stable_loads() < under_load  # the grip of the displacement holds contact further back
-    assert "displacement control" in opened.find_element("id", "headline").text
-    press(opened, "stiffness", RIGHT, 1)
-    assert "machine" in opened.find_element("id", "headline").text  # moving its slider means the machine

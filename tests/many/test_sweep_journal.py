@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet
 import pytest
-from sweep_files import AXIS, BAD, HALF_SPACE, SHARED, TWO_LAYERS, rows, samples
+from sweep_files import AXIS, HALF_SPACE, SHARED, TWO_LAYERS, rows, samples
 
 from jkrcli.base.errors import JkrError
 from jkrcli.case import store
@@ -16,30 +16,6 @@ from jkrcli.many.sweep import opened
 from jkrcli.many.sweep_plan import at_unit_modulus
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
-
-
-@pytest.mark.slow
-def test_restart_goes_on_where_it_was_cut(jkr, tmp_path: Path, solves: list) -> None:
-    """The journal cut anywhere, in the middle of a line too: only what is missing is solved, the table is the same."""
-    (tmp_path / "s.toml").write_text(HALF_SPACE + BAD)
-    jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
-    journal, table = tmp_path / "r" / "journal.jsonl", tmp_path / "r" / "table.csv"
-    whole, wanted = journal.read_bytes(), table.read_bytes()
-    lines = whole.splitlines(keepends=True)
-    for size in (0, len(lines[0]), len(lines[0]) + 7, sum(map(len, lines[:20])), len(whole) - 1, len(whole)):
-        journal.write_bytes(whole[:size])
-        table.unlink()
-        kept = whole[:size].count(b"\n")
-        kept_ok = sum(line.split(b'"')[3] == b"ok" for line in lines[1:kept])
-        solves.clear()
-        assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
-        assert len(solves) == sum(b'"ok"' in line for line in lines) - kept_ok
-        assert table.read_bytes() == wanted
-        assert len({_identity(line) for line in journal.read_bytes().splitlines()[1:]}) == len(lines) - 1
-
-
-def _identity(line: bytes) -> str:
-    return json.loads(line)[0]
 
 
 def test_a_longer_sweep_solves_what_is_new(jkr, tmp_path: Path, solves: list) -> None:
@@ -113,6 +89,12 @@ def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, s
         outcome = jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
         assert (outcome.code, len(solves), table.read_bytes()) == (0, 1, wanted)
         assert "jkr: r/journal.jsonl: 1 damaged lines (3): their cases are solved again\n" in outcome.err
+    whole = b"".join(lines)
+    for size, missing in ((len(lines[0]) + 7, 3), (len(whole) - 9, 1), (len(whole), 0)):  # cut in the middle of a line
+        journal.write_bytes(whole[:size])
+        solves.clear()
+        assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
+        assert (len(solves), table.read_bytes()) == (missing, wanted)
 
 
 def test_two_sweeps_into_one_folder_are_refused(jkr, tmp_path: Path) -> None:

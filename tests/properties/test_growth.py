@@ -2,22 +2,18 @@
 
 import re
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.adhesion.slopes import smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.base.process import SILENCE
 from jkrcli.case.models import parse_case
 from jkrcli.cli import MOST_WORDS
 from jkrcli.cli.inputs import TABLE_PER_ROW
-from jkrcli.many.sweep import forecast
-from jkrcli.many.sweep_plan import Wanted, load_plan, solve_group
 from jkrcli.measured import files as measured
 from jkrcli.measured import instruments
 from jkrcli.measured.afm_formats import estimate_rows
@@ -158,25 +154,6 @@ def test_tables_of_sweeps_too_large_to_write_are_refused(jkr, radii: int, cases:
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("x.toml").write_text(SWEEP.format(",".join(f"{1e-5 + i * 1e-9:.6e}" for i in range(radii)), cases))
     jkr("sweep", "x.toml").refused(said)
-
-
-def test_the_curve_of_a_case_is_read_off_at_all_radii_together(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A sweep of 1e6 radii: a quarter of a millisecond each in every case, and in no forecast."""
-    calls = []
-    at = AdhesiveCurve.at
-    monkeypatch.setattr(AdhesiveCurve, "at", lambda self, places: calls.append(np.size(places)) or at(self, places))
-    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
-    Path("x.toml").write_text(SWEEP.format(",".join(f"{1e-5 + i * 1e-6:.6e}" for i in range(100)), 2))
-    plan = load_plan(Path("x.toml"))
-    groups, _ = plan.groups(range(2))
-    row = solve_group(plan.recipe, None, groups[0])[0]
-    assert row.status == "ok"
-    assert max(calls) == 91  # those within the series
-    assert len(calls) < 30
-    assert row.reason.count("lies outside the solution") == 9
-    wanted = Wanted(plan.recipe.wanted.names)
-    fewer = replace(plan, recipe=replace(plan.recipe, wanted=wanted))
-    assert forecast(plan, groups) - forecast(fewer, groups) == pytest.approx(600 * (6e-4 + 2 * 5e-6), rel=0.2)
 
 
 def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:

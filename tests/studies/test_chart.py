@@ -1,9 +1,7 @@
 """Speed against accuracy: the reference, the measurements, the front, and the study run by make."""
 
-import json
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +11,9 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.case.models import load_case, method_of
 from jkrcli.many.studies import process_cost
 from jkrcli.methods.layered.solver import Layered
-from studies.chart_points import SETTINGS, beside_front, front, read_peers, settings_of
+from studies.chart_points import beside_front, front, read_peers
 from studies.chart_reference import reference_of
 
 LAYER = Problem(
@@ -69,35 +66,6 @@ def test_front_holds_what_nothing_beats() -> None:
     assert front(points) == [0, 1, 3]
     assert beside_front((2.9, 1e-3), points)
     assert not beside_front((3.1, 1e-3), points)  # 1e-3 can be had in 2.0, quicker by more than a half
-
-
-def test_every_setting_is_a_valid_case_and_fits_its_method() -> None:
-    model = load_case(CASES / "thin-layer.toml").model
-    settings = settings_of(model, ())
-    assert {setting.method for setting in settings} >= {"closed-form", "layered", "fem"}
-    for setting in settings:
-        assert setting.of(model).method == setting.method
-        method_of(setting.of(model), setting.method)
-    assert [s.words for s in settings if s.words.startswith("the case")] == ["the case's own mesh"]
-    assert all(setting.method == "layered" for setting in settings_of(model, ("layered",)))
-    assert len({(setting.method, setting.words) for setting in SETTINGS}) == len(SETTINGS)
-
-
-def stored(tmp_path: Path, **changes: object) -> Path:
-    run = {"peer": "Slow", "version": "1", "body": "thin-layer", "settings": "coarse", "unknowns": 9, "cpu_s": 60.0,
-           "wall_s": 70.0, "memory_mib": 100.0, "after_imports_cpu_s": None,
-           "errors": {"load": 1e-3, "curve": None, "pull_off": 0.02}}  # fmt: skip
-    data = {"format": "jkr-peers", "version": 1, "yardstick_cpu_s": [2.0, 2.5], "runs": [run]} | changes
-    path = tmp_path / "peers.json"
-    path.write_text(json.dumps(data))
-    return path
-
-
-def test_peers_are_scaled_by_the_yardstick(tmp_path: Path) -> None:
-    """On a machine twice as fast as then (yardstick 1 instead of 2 s) the peer would need half of its time."""
-    (peer,) = read_peers(stored(tmp_path), 1.0)
-    assert peer.whole.cpu_s == 30.0
-    assert peer.after_imports_cpu_s is None
 
 
 def test_the_stored_peers_can_be_read() -> None:

@@ -27,23 +27,31 @@ adhesion.w = "{w}"
 SOFT = 'specimen.half_space = { E = "1.5 MPa", nu = 0.49 }'
 
 
+@pytest.fixture(name="few")
+def _few(tuned) -> None:
+    tuned("jkrcli.many.inverse.FIND_SCAN", 8)
+
+
 @pytest.fixture(name="half_space")
 def _half_space(tmp_path: Path) -> Path:
     (path := tmp_path / "half.toml").write_text(HALF_SPACE)
     return path
 
 
+@pytest.mark.usefixtures("few")
 def test_jkr_is_turned_around(half_space: Path) -> None:
     """On a half-space F = 1.5 pi w R, whatever its modulus."""
     found = python.find_value(half_space, "adhesion.w", "5 uN")
     assert [root.value for root in found.roots] == pytest.approx([5e-6 / (1.5 * math.pi * 20e-6)], rel=1e-8)
 
 
+@pytest.mark.usefixtures("few")
 def test_no_modulus_of_a_half_space_changes_the_force(half_space: Path) -> None:
     with pytest.raises(InputError, match=r"no specimen.half_space.E gives a pull-off force of 5 uN.*2\.827 uN to 2\.8"):
         python.find_value(half_space, "specimen.half_space.E", 5e-6)
 
 
+@pytest.mark.usefixtures("few")
 def test_all_solutions_are_named(tmp_path: Path) -> None:
     """A stiff skin lowers the pull-off force where it is about as thick as the contact is wide."""
     path = tmp_path / "skin.toml"

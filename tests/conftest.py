@@ -148,6 +148,16 @@ def _jkr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     return run
 
 
+@pytest.fixture(name="series")
+def _series(jkr: Callable[..., Outcome], tmp_path: Path) -> Path:
+    """A solved case, s.toml, beside its file."""
+    from series_files import CASE
+
+    (tmp_path / "s.toml").write_text(CASE)
+    assert jkr("run", "s.toml").code == 0
+    return tmp_path / "s.h5"
+
+
 @pytest.fixture(name="browser", scope="module")
 def _browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """A headless Chromium with its log, that saves into the folder ``downloads``; skipped where there is none."""

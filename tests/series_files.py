@@ -9,6 +9,15 @@ import numpy as np
 from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 
+CASE = """
+title = "plain"
+method = "closed-form"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.3 }
+loading = { radius = "0.1 mm", points = 20 }
+adhesion = { w = "50 mJ/m^2" }
+"""
+
 
 def edit(path: Path, change: Callable[[h5py.File], object]) -> None:
     """Change the file and seal it again, as another program that follows the format would: texts have a length."""

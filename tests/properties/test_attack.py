@@ -11,21 +11,13 @@ from unittest.mock import Mock
 import h5py
 import pytest
 import sweep_files
-from series_files import edit, lengthened
+from series_files import CASE, edit, lengthened
 from stopwatch import takes_less_than
 
 from jkrcli.base.files import write_csv
 from jkrcli.case.models import parse_case, plain_toml
 from jkrcli.many.sweep_plan import load_plan
 
-CASE = """
-title = "{title}"
-method = "closed-form"
-indenter = {{ shape = "paraboloid", radius = "1 mm" }}
-specimen.half_space = {{ E = "1 MPa", nu = 0.3 }}
-loading = {{ radius = "0.1 mm", points = 20 }}
-adhesion = {{ w = "50 mJ/m^2" }}
-"""
 SWEEP = (
     sweep_files.HALF_SPACE
     + """[[axes]]
@@ -35,13 +27,6 @@ to = 0.4
 count = 400
 """
 )
-
-
-@pytest.fixture(name="series")
-def _series(jkr, tmp_path: Path) -> Path:
-    (tmp_path / "s.toml").write_text(CASE.format(title="plain"))
-    assert jkr("run", "s.toml").code == 0
-    return tmp_path / "s.h5"
 
 
 WORKS = [(*words, "--w", w) for w in ("1e300", "1.1e30", "1e-31") for words in (
@@ -186,7 +171,7 @@ def test_many_works_of_adhesion_are_refused_before_they_begin(jkr, series: Path)
 def test_a_huge_profile_is_refused_before_it_is_read(jkr, series: Path) -> None:
     with Path("big.csv").open("wb") as file:
         file.truncate(900 << 20)
-    text = CASE.format(title="").replace('shape = "paraboloid", radius = "1 mm"', 'shape = "table", file = "big.csv"')
+    text = CASE.replace('shape = "paraboloid", radius = "1 mm"', 'shape = "table", file = "big.csv"')
     Path("big.toml").write_text(text)
     jkr("check", "big.toml").refused("big.toml: indenter: big.csv: profile file is larger than 4 MiB")
     assert "big.csv: table is larger than 256 MiB" in jkr("look", "big.csv").err
@@ -227,7 +212,7 @@ def test_a_library_that_finds_no_room_is_out_of_memory_and_one_that_is_not_there
 
 def test_a_mesh_goes_into_a_folder_whose_name_is_no_text(jkr, series: Path) -> None:
     folder = os.fsdecode(b"x\xff")
-    (series.parent / "f.toml").write_text(CASE.format(title="").replace("closed-form", "fem"))
+    (series.parent / "f.toml").write_text(CASE.replace("closed-form", "fem"))
     assert jkr("mesh", "f.toml", "-o", folder).code == 0
     assert Path(folder, "f-mesh.msh").read_bytes().startswith(b"$MeshFormat\n")
 

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import tracemalloc
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -19,8 +18,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.units import parse
 from jkrcli.bodies.indenters import TableProfile
 from jkrcli.case import store
-from jkrcli.case.models import load_case, parse_case
-from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.case.models import parse_case
 from jkrcli.methods.layered.solver import Layered
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -110,14 +108,6 @@ def test_a_profile_is_looked_for_beside_the_case_and_its_place_is_shown(jkr: Cal
     assert jkr("check", "deep/x.toml").code == 0
 
 
-@pytest.fixture(name="path")
-def _path(tmp_path: Path) -> Path:
-    case = load_case(CASES / "halfspace.toml")
-    problem = case.model.problem()
-    store.write_solution(tmp_path / "x.h5", replace(ClosedForm()(problem), record=store.record_of(case)))
-    return tmp_path / "x.h5"
-
-
 def _list_of_facts(file: h5py.File) -> None:
     file["facts"].attrs["nodes"] = np.arange(3)
 
@@ -133,10 +123,10 @@ SERIES = {
 
 
 @pytest.mark.parametrize("change", SERIES, ids=lambda change: change.__name__.strip("_"))
-def test_found_in_series_files(change: Callable[[h5py.File], None], path: Path) -> None:
-    edit(path, change)
-    with pytest.raises(InputError, check=lambda error: error.lines == (f"{path}: {SERIES[change]}",)):
-        store.read_solution(path)
+def test_found_in_series_files(change: Callable[[h5py.File], None], series: Path) -> None:
+    edit(series, change)
+    with pytest.raises(InputError, check=lambda error: error.lines == (f"{series}: {SERIES[change]}",)):
+        store.read_solution(series)
 
 
 @pytest.mark.parametrize(
@@ -148,15 +138,15 @@ def test_found_in_series_files(change: Callable[[h5py.File], None], path: Path) 
         (np.ones(2), np.array([[1, np.nan]]), "contact/pressure: row 1 must be a finite number, got nan"),
     ],
 )
-def test_found_in_pressures(r: np.ndarray | None, pressure: np.ndarray | None, line: str, path: Path) -> None:
+def test_found_in_pressures(r: np.ndarray | None, pressure: np.ndarray | None, line: str, series: Path) -> None:
     def change(file: h5py.File) -> None:
         for name, values in (("r", r), ("pressure", pressure)):
             if values is not None:
                 file[f"contact/{name}"] = values
 
-    edit(path, change)
-    with pytest.raises(InputError, check=lambda error: error.lines == (f"{path}: {line}",)):
-        store.read_solution(path, with_pressure=True)
+    edit(series, change)
+    with pytest.raises(InputError, check=lambda error: error.lines == (f"{series}: {line}",)):
+        store.read_solution(series, with_pressure=True)
 
 
 ROWS = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 9))
@@ -185,20 +175,20 @@ def test_found_in_tables_and_sweeps(jkr: Callable, name: str) -> None:
     jkr(*words).refused(said)
 
 
-def test_arithmetic_that_overflows_is_told_in_one_line(jkr: Callable, path: Path) -> None:
+def test_arithmetic_that_overflows_is_told_in_one_line(jkr: Callable, series: Path) -> None:
     def change(file: h5py.File) -> None:
         file["series/S"][5] = 1e59
         file["series/dS_da"][6] = 1e-59
         file["series/P"][7] = 1e59
 
-    edit(path, change)
-    done = jkr("transform", path, "--w", "0.05", "--no-plots")
+    edit(series, change)
+    done = jkr("transform", series, "--w", "0.05", "--no-plots")
     assert done.code in (1, 2)
     assert done.err.count("\n") == 1
 
 
-def test_output_in_a_poor_encoding(tmp_path: Path, path: Path) -> None:
-    shutil.copy(path, tmp_path / "δ.h5")
+def test_output_in_a_poor_encoding(tmp_path: Path, series: Path) -> None:
+    shutil.copy(series, tmp_path / "δ.h5")
     words = [sys.executable, "-m", "jkrcli", "show", "δ.h5"]
     environment = os.environ | {"PYTHONIOENCODING": "latin-1"}
     done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
@@ -217,10 +207,10 @@ def test_a_long_stretch_of_equal_elements_does_not_overflow() -> None:
 
 @pytest.mark.first(2)
 @pytest.mark.parametrize("lost", ["P", "dS_da", "a", "delta", "S"])
-def test_series_that_state_errors_of_some_columns_only_are_transformed(jkr: Callable, path: Path, lost: str) -> None:
+def test_series_that_state_errors_of_some_columns_only_are_transformed(jkr: Callable, series: Path, lost: str) -> None:
     """A stated error that was missing ended transform in a KeyError."""
-    edit(path, lambda file: file["errors"].__delitem__(lost))
-    assert jkr("transform", path, "--w", "0.05", "--no-plots").code == 0
+    edit(series, lambda file: file["errors"].__delitem__(lost))
+    assert jkr("transform", series, "--w", "0.05", "--no-plots").code == 0
 
 
 @pytest.mark.slow
@@ -247,9 +237,9 @@ def test_a_range_beyond_the_sphere_is_refused_in_its_own_words(jkr: Callable, st
     assert done.err.startswith("jkr: error: adhesion of finite range: it reaches out to ")
 
 
-def test_curves_of_finite_range_without_dimensions(jkr: Callable, path: Path) -> None:
+def test_curves_of_finite_range_without_dimensions(jkr: Callable, series: Path) -> None:
     words = ("--w", "0.05", "--stress", "100 MPa", "--dimensionless", "half-space", "--no-plots", "-o", ".")
-    assert jkr("transform", path, *words).code == 0
+    assert jkr("transform", series, *words).code == 0
     (table,) = Path().glob("*.csv")
     assert ",a_bar,delta_bar,P_bar,delta_H_bar,P_H_bar" in table.read_text(encoding="utf-8").splitlines()[0]
 

@@ -29,20 +29,6 @@ from jkrcli.report import archive
 Run = Callable[..., Outcome]
 SECONDS = 10.0  # of CPU time for any one file
 TABLE = b"delta_m,P_N\n" + b"".join(b"%de-9,%de-9\n" % (i, i * i) for i in range(1, 30))
-CASE = """
-method = "closed-form"
-indenter = { shape = "paraboloid", radius = "1 mm" }
-specimen.half_space = { E = "1 MPa", nu = 0.3 }
-loading = { radius = "0.1 mm", points = 20 }
-adhesion.w = 0.05
-"""
-
-
-@pytest.fixture(name="series")
-def _series(jkr: Run) -> Path:
-    Path("s.toml").write_text(CASE)
-    assert jkr("run", "s.toml").code == 0
-    return Path("s.h5")
 
 
 @pytest.fixture(name="afm")

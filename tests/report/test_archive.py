@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import write_table
 from fit_data import adhesive
-from series_files import one_byte_changed
+from series_files import CASE, one_byte_changed
 from sweep_files import HALF_SPACE
 
 from jkrcli.base import hdf5
@@ -24,14 +24,6 @@ from jkrcli.cli import call
 from jkrcli.many import sweep_plan as plan
 from jkrcli.report import archive
 
-CASE = """
-title = "plain"
-method = "closed-form"
-indenter = { shape = "paraboloid", radius = "1 mm" }
-specimen.half_space = { E = "1 MPa", nu = 0.3 }
-loading = { radius = "0.1 mm", points = 20 }
-adhesion = { w = "50 mJ/m^2" }
-"""
 SWEEP = (
     HALF_SPACE
     + """[samples]

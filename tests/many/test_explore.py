@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import CASES
+from every_verb import write_inputs
 from scipy.interpolate import CubicHermiteSpline
 
 from jkrcli.adhesion.curve import AdhesiveCurve
@@ -18,7 +18,6 @@ from jkrcli.base.errors import installs
 from jkrcli.base.files import is_ours
 from jkrcli.base.numerics import DRAWN
 from jkrcli.case import store
-from jkrcli.cli import call
 from jkrcli.many.explorer import payload
 from jkrcli.measured.curve import Curve
 from jkrcli.resolve.analysis import adhesive, analyse, nonadhesive
@@ -29,16 +28,9 @@ ROUND_OFF = 1e-13  # logs, splines and exponentials of both sides, a few roundin
 BETWEEN = {"auto": 1e-7, "integral": 1e-7, "loocv": 1e-5}
 
 
-@pytest.fixture(name="solved", scope="module")
-def _solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("solved")
-    assert call(["run", str(CASES / "gel.toml"), "-o", str(folder / "gel.h5")]) == 0
-    return folder / "gel.h5"
-
-
 @pytest.fixture(name="gel")
-def _gel(solved: Path, tmp_path: Path) -> Path:
-    shutil.copy(solved, tmp_path)
+def _gel(jkr: Callable, tmp_path: Path) -> Path:
+    write_inputs(tmp_path, jkr)
     return tmp_path / "gel.h5"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import CASES
+from every_verb import write_inputs
 
 from jkrcli import load_case, solve, transform
 from jkrcli.adhesion.curve import AdhesiveCurve
@@ -20,8 +21,8 @@ from jkrcli.resolve.resolve import resolve_with
 
 
 @pytest.fixture(name="gel")
-def _gel(jkr: Callable) -> Path:
-    assert jkr("run", CASES / "gel.toml", "-o", "gel.h5").code == 0
+def _gel(jkr: Callable, tmp_path: Path) -> Path:
+    write_inputs(tmp_path, jkr)
     return Path("gel.h5")
 
 

@@ -4,7 +4,6 @@ import doctest
 import runpy
 import subprocess
 import sys
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -63,12 +62,6 @@ def test_deprecated_doubles_of_fit_warn_where_they_are_called_and_do_the_same(na
         found = tried(getattr(jkr_python, name), theirs)
     assert caught[0].filename == __file__
     assert found == tried(jkr_python.fit, ours)
-
-
-def test_the_version_is_stated_once_and_repeated_right() -> None:
-    root = PACKAGE.parent
-    assert tomllib.loads((root / "pyproject.toml").read_text())["project"]["dynamic"] == ["version"]
-    assert f"\nversion: {jkr_python.__version__}\n" in (root / "CITATION.cff").read_text()
 
 
 def test_a_problem_is_solved_as_its_case_is(tmp_path: Path) -> None:

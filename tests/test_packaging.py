@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from jkrcli import __version__
+
 ROOT = Path(__file__).parent.parent
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -155,6 +157,7 @@ def test_a_release_has_one_version_date_and_author() -> None:
     heading = re.search(r"^## (.+) \((.+)\)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
     assert heading is not None
     assert heading.groups() == (version[1], date[1])
+    assert (version[1], PROJECT["project"]["dynamic"]) == (__version__, ["version"])
     author = "The jkr contributors"
     assert f"- name: {author}\n" in PAPER
     assert f'- name: "{author}"\n' in citation

@@ -21,11 +21,8 @@ def files(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_no_verb_at_all_is_answered_with_the_help(jkr) -> None:
+def test_no_verb_at_all_is_answered_with_the_help_and_version_with_it(jkr) -> None:
     assert (jkr().code, jkr().out) == (0, jkr("--help").out)
-
-
-def test_version(jkr) -> None:
     assert jkr("--version").out == f"jkr, version {__version__}\n"
 
 

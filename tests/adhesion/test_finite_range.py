@@ -96,8 +96,7 @@ def test_surfaces_on_the_ridge_come_together_without_contact() -> None:
 
 
 def test_contact_on_the_ridge_is_lost_next_to_where_radii_of_attraction_leap() -> None:
-    """At the edge of a pull-off where c falls as the contact grows the gap opens no more: delta, P and c are stationary
-    together. The curve began at the nearest row beyond a leap, past this point."""
+    """Where c falls as the contact grows the gap opens no more: delta, P and c are stationary together."""
     curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, 3.6)
     point = curve.pull_off(DISPLACEMENT)
     assert isinstance(point, CriticalPoint), point
@@ -255,8 +254,7 @@ def test_attraction_up_to_the_end_of_a_profile_is_refused_in_words() -> None:
 @pytest.mark.first(1)
 @pytest.mark.parametrize("length", [2e-8, 2e-9])
 def test_a_flat_end_has_its_kinks_where_contact_or_attraction_reach_its_edge(length: float) -> None:
-    """There delta was 9 % off, minima stood that do not exist, and pull-off was 1.7 % off with 0.3 % stated: against
-    states on panels half as wide, and in the least of a polynomial through such."""
+    """Against states on panels half as wide, and in the least of a polynomial through such."""
     edge = 4e-6
     body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 8e-6),), jkr.Rigid())
     solution = jkr.solve(jkr.Problem(jkr.RoundedFlat(edge, 1e-6), body, jkr.Loading("radius", 8e-6, 60)), "layered")
@@ -283,8 +281,7 @@ def test_a_flat_end_has_its_kinks_where_contact_or_attraction_reach_its_edge(len
 
 
 def test_pull_off_where_the_attracted_radius_falls_as_the_contact_grows() -> None:
-    """Flat ends with rounded edges whose attraction reaches beyond them: c falls with a. One was refused under every
-    control, the first point of the other passed for a minimum of P: against the least of states on other panels."""
+    """Flat ends whose attraction reaches beyond their rounded edges: against the least of states on other panels."""
     bodies = (
         (jkr.RoundedFlat(1e-6, 0.6e-6), jkr.Elastic(1e6, 0.45), 1e-6, True, 1.4e-6, (40354.7, 621.4465e-9)),
         (jkr.RoundedFlat(1.12031242e-3, 0.010270514374), jkr.Elastic(11708.980728416, 0.49823320984), 1.34594297868e-4,
@@ -317,8 +314,7 @@ WITHOUT = [(0.1, 10.0, 0.499, math.inf), (0.03, 3.0, 0.5, 0.5), (0.3, 1.0, 0.0, 
 def test_pull_off_without_contact_is_that_of_a_constant_tension(
     mu: float, q: float, nu: float, stiffness: float
 ) -> None:
-    """Tabor numbers mu, q = w R^2/(E* h^3): read between rows that do not see the layer P was up to 3 % off, with 4e-9
-    stated. Against an explicit formula; first touch, too."""
+    """Tabor numbers mu, q = w R^2/(E* h^3); against an explicit formula; first touch, too."""
     R, w = 100.0, q / 100.0**2
     length = (R * w**2 / mu**3) ** (1 / 3)
     exact = Uncontacted(nu, R, w / length, length)
@@ -332,8 +328,7 @@ def test_pull_off_without_contact_is_that_of_a_constant_tension(
 
 
 def test_a_jump_to_no_contact_is_pull_off_although_the_surfaces_then_part_smoothly() -> None:
-    """A cone in a soft device: it jumps from a = 154 nm to a = 0, where a weak attraction is left that goes to zero;
-    that was no pull-off, and had no energies."""
+    """A cone in a soft device jumps from a = 154 nm to a = 0, where a weak attraction is left that goes to zero."""
     body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 1e-6),), jkr.Rigid())
     cone = jkr.PowerLaw(1 / math.tan(math.radians(75)), 1.0)
     law, k = Range.of(0.0085802509, length=3.8301361e-7), 0.40626957
@@ -348,8 +343,7 @@ def test_a_jump_to_no_contact_is_pull_off_although_the_surfaces_then_part_smooth
 
 
 def test_what_a_table_leaves_open_is_part_of_the_error() -> None:
-    """Of a sphere at 20 points: 1.4 to 12 times the true error where contact is lost. Where errors of F that
-    cancel in the loads were added, it was 2 to 22 times."""
+    """Of a sphere at 20 points: 1.4 to 12 times the true error where contact is lost."""
     body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 8e-6),), jkr.Rigid())
     sphere, r = jkr.Sphere(2e-5), np.linspace(0, 1.8e-5, 20)
     table = jkr.TableProfile(tuple(r.tolist()), tuple(sphere.f(r).tolist()))

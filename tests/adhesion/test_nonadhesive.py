@@ -46,8 +46,7 @@ def test_no_adhesion_is_the_limit_of_little() -> None:
 
 
 def test_solved_radii_of_large_errors_leave_the_ends_of_the_series() -> None:
-    """Every row gave way to solved radii whose error is stated as 100 % or more: what lies beyond them was extrapolated
-    over decades, until exp overflowed. Those half as far and farther stay now, and both ends."""
+    """What lies beyond the solved radii would be extrapolated over decades, until exp overflows."""
     series = Series(RADII, *hertz(RADII, E_STAR, R), 2 * E_STAR * RADII, 2 * E_STAR * np.ones(60))
     body = Nonadhesive(series, slopes(series))
     few = np.arange(35, 58)
@@ -67,7 +66,6 @@ def test_the_explorer_begins_at_a_third_of_the_series() -> None:
     assert AdhesiveCurve(body, 37.4).pull_off(0.0).a == pytest.approx(body.a[20], rel=1e-3)
 
 
-# ---------------------------------------------------------------------- between the rows
 GEL = Specimen((Layer(Elastic(15e3, 0.499), 0.36e-3),), Rigid(True))
 
 

@@ -133,8 +133,7 @@ def test_correlation_length_of_residuals() -> None:
 
 
 def test_few_points_count_as_many_as_the_columns_that_scatter() -> None:
-    """Student's quantile for 25 values in two columns is 2.06, for the 13 in one, or of a radius alone, 2.16: every
-    series used to be given that."""
+    """Student's quantile for 25 values in two columns is 2.06, for the 13 in one, or of a radius alone, 2.16."""
     exact, raw = half_space(15), noisy(half_space(15), 1e-2, 0)
     in_all = smoothed(raw)[1].quantile
     of_radius = smoothed(RawSeries(raw.a, exact.delta, exact.P))[1].quantile

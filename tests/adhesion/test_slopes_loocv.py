@@ -144,7 +144,6 @@ def test_smoothing_the_slope_of_s_further_takes_a_third_of_its_error_on_a_thin_l
     assert held >= 0.95 * 450
 
 
-# ---------------------------------------------------------------------- the spline itself
 def uneven(n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     generator = np.random.default_rng(seed)
     x = np.cumsum(0.3 + generator.random(n))

@@ -99,7 +99,6 @@ def test_all_layers_of_a_stack_are_squeezed() -> None:
     assert squeezed / 1e6 == pytest.approx(2e-6 / math.log(3), rel=1e-9)
 
 
-# ---------------------------------------------------------------------- sharp tips, pressures at which bodies flow
 CONE = PowerLaw(1 / math.tan(math.radians(70)), 1.0)
 W = 0.05
 

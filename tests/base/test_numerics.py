@@ -140,7 +140,6 @@ def test_a_cubic_with_rising_slopes_rises_whatever_the_slopes_were(steps: list[t
     assert (np.diff(between) >= -1e-9 * (y[-1] - y[0])).all()
 
 
-# ---------------------------------------------------------------------- distributions
 DOF = [1.0, 2.0, 3.5, 10.0, 57.0, 300.0, 2000.3, 1e5]
 LOST = 1e-9  # theory: of a difference of gamma functions' logs of 1e5, 1e6 epsilon
 
@@ -172,7 +171,6 @@ def test_quantiles(dof: float, level: float) -> None:
     assert math.sqrt(f_quantile(1, dof, level)) == pytest.approx(stdtrit(dof, (1 + level) / 2), rel=1e-6)
 
 
-# ---------------------------------------------------------------------- the median
 @few
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=40))
 def test_the_median_is_that_of_numpy(values: list[float]) -> None:

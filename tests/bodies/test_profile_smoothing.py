@@ -126,8 +126,7 @@ def test_a_worn_end_is_found_along_with_its_corner() -> None:
 
 
 def test_a_corner_is_sought_with_all_that_may_be_smooth_beside_it() -> None:
-    """The strength of smoothing without the corner was kept: a worn end of 120 nm was put at 58 nm, the force 6.6
-    stated errors off."""
+    """With the strength of smoothing without it a worn end of 120 nm was put at 58 nm."""
     r = np.linspace(0, 300e-9, 100)
     f = heights(r, 120e-9) + 0.1e-9 * np.random.default_rng(16).standard_normal(100)
     tip = smoothed(r, f, noise=0.1e-9)
@@ -147,7 +146,6 @@ def test_the_smooth_profile_is_convex_and_has_the_corner_of_the_worn_end() -> No
     assert tip.r_max == r[-1]
 
 
-# ---------------------------------------------------------------------- worn tips where corners are not told for sure
 SMALL_FLAT, SMALL_R, SMALL_E = 10e-9, 30e-9, 70e6
 
 
@@ -225,7 +223,6 @@ def test_a_change_of_units_changes_nothing() -> None:
     np.testing.assert_allclose(large.resolution(unit * x)[0], unit * tip.resolution(x)[0], rtol=1e-4)
 
 
-# ---------------------------------------------------------------------- files
 CASE = """[indenter]\nshape = "table"\nfile = "tip.csv"\n{}[specimen.half_space]\nE = "10 MPa"\nnu = 0.45
 [loading]\nradius = 1e-7\n"""
 HEADERS = {

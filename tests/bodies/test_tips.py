@@ -31,7 +31,6 @@ from jkrcli import check as check_case
 from jkrcli.case.store import write_solution
 
 
-# ---------------------------------------------------------------------- pyramids
 def _love(n: int, h: float) -> np.ndarray:
     """Displacement of E* = 1 by a unit pressure on a square of side ``h`` (Love 1929), over the offsets of 2n cells."""
     x = np.arange(2 * n)
@@ -118,7 +117,6 @@ def test_what_a_cone_leaves_open_of_a_pyramid_is_a_part_of_its_own() -> None:
     assert "contact area" not in str(pull_off(solve(cone), w=0.01))
 
 
-# ---------------------------------------------------------------------- blunt cones
 def cap_load(tip: RoundedCone, a: float) -> float:
     """P_H of E* = 1 by Sneddon's integral 2 int_0^a f' r^2/sqrt(a^2 - r^2) dr, r = a sin(t)."""
     breaks = [math.asin(tip.b / a)] if tip.b < a else []

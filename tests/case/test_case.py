@@ -148,7 +148,6 @@ def test_one_of_a_thing_has_no_plural() -> None:
     assert counted(2, "radius", "radii") == "2 radii"
 
 
-# ---------------------------------------------------------------------- lists of one value
 BODY = """
 indenter = { shape = "paraboloid", radius = 1.0 }
 specimen.half_space = { E = 1.0, nu = 0.3 }

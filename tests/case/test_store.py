@@ -239,7 +239,6 @@ def test_a_changed_letter_of_the_case_is_found(path: Path) -> None:
         store.read_solution(path)
 
 
-# ---------------------------------------------------------------------- the level of errors
 def test_errors_without_a_level_are_half_widths_at_90_percent(path: Path) -> None:
     touches = Series(np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), errors={"P": np.ones(2)}, a0=0.5)
     solution = in_increments(touches=touches)
@@ -255,7 +254,6 @@ def test_errors_without_a_level_are_half_widths_at_90_percent(path: Path) -> Non
     np.testing.assert_array_equal(store.read_solution(path).series.errors["P"], found.series.errors["P"])
 
 
-# ---------------------------------------------------------------------- format 1
 def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable, tmp_path: Path) -> None:
     shutil.copy(FORMAT_1, tmp_path / "old.h5")
     found = store.read_solution("old.h5")

@@ -62,7 +62,6 @@ def difference(series: Series, other: Series, names: tuple[str, ...] = COLUMNS) 
     return max(float(np.abs(getattr(series, name) / getattr(other, name) - 1).max()) for name in names)
 
 
-# ---------------------------------------------------------------------------------------------- accuracy and cost
 @pytest.mark.parametrize("name", ["soft coating", "nu = 0.499"])
 def test_a_ten_thousandth_at_two_thousand_unknowns(name: str) -> None:
     specimen, a = WIDE[name]
@@ -118,7 +117,6 @@ def test_loadings_end_where_they_should(loading: Loading) -> None:
         assert_allclose(column, loading.values, rtol=1e-7)
 
 
-# ---------------------------------------------------------------------------------------------- moduli that vary
 def test_graded_and_transversely_isotropic_layers_below_the_contact() -> None:
     top = Layer(Elastic(1.0, 0.3), 0.5)
     graded = Specimen((top, Layer(Graded(Linear(1.0, 5.0, 1.0), 0.4), 1.0)), Rigid())
@@ -137,7 +135,6 @@ def test_a_load_beyond_the_side_is_refused() -> None:
         Hybrid(1e-3)(problem)
 
 
-# ---------------------------------------------------------------------- coated tips on cylinders
 CORE, SKIN, GEL = Elastic(3e6, 0.4), Elastic(3e5, 0.4), Elastic(1e6, 0.45)
 NARROW = Specimen((Layer(GEL, 3e-3),), Rigid(), radius=8e-3, side="free")
 COLUMNS = ("delta", "P", "S", "dS")
@@ -173,7 +170,6 @@ def test_without_sides_and_for_profiles_it_is_refused() -> None:
     assert "use method layered" in str(Hybrid().refusal(without_side_walls(solution.problem)))
 
 
-# ---------------------------------------------------------------------- against node-based contact
 GRADED = Specimen((Layer(Graded(Exponential(3.0, 1.0, 1.0), 0.4), 1.0),), Rigid(), 1.3, "clamped")
 ROLLER = Specimen((Layer(Elastic(1.0, 0.3), 1.0),), Rigid(False), 30.0, "roller")
 

@@ -33,7 +33,6 @@ def exact_loads(problem: Problem, delta: Array) -> Array:
     return Layered()(replace(problem, loading=Loading.given("depth", tuple(delta.tolist())))).series.P
 
 
-# ---------------------------------------------------------------------- Sec. 4.2
 def test_thin_layer_load_at_default_mesh() -> None:
     problem = load_case(CASES / "thin-layer.toml").model.problem()
     series = replace(PLAIN, width=30e-6)(problem).series
@@ -45,7 +44,6 @@ def layer(nu: float) -> Specimen:
     return Specimen((Layer(Elastic(1.0, nu), H),), Rigid())
 
 
-# ---------------------------------------------------------------------- near nu = 1/2
 def test_first_order_elements_lock_and_say_so() -> None:
     """Why second order is the default: nu = 0.499 makes the load of first-order elements too large."""
     problem = Problem(Paraboloid(1000.0), layer(0.499), Loading("radius", 5.0, 50))
@@ -88,7 +86,6 @@ def test_reduced_integration_is_for_linear_quadrilaterals() -> None:
         FEM(integration="reduced")
 
 
-# ---------------------------------------------------------------------- finite cylinders
 CYLINDER = """
 [indenter]
 shape = "paraboloid"

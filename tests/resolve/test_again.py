@@ -43,7 +43,6 @@ def test_what_takes_long_or_has_no_method_is_refused() -> None:
         resolve_with(ON_GEL, RADII, specimen=narrow)
 
 
-# ---------------------------------------------------------------------- the method behind a solution
 FILM = jkr.Specimen((jkr.Layer(jkr.Elastic(E=1e6, nu=0.3), thickness=5e-6),), jkr.Rigid(bonded=True))
 SLIDING = jkr.Problem(jkr.Paraboloid(R=10e-6), FILM, jkr.Loading("radius", 3e-6, 20))
 

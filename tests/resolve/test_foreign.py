@@ -120,7 +120,6 @@ def test_names_and_units_of_header_cells(title: str, parts: tuple[str, str]) -> 
     assert split_name(title) == parts
 
 
-# ---------------------------------------------------------------------- contact area
 def test_area_of_the_sphere_is_eq_a2_and_its_inverse_eq_a3() -> None:
     a = np.array([1e-6, 0.1, 0.5, 0.999])
     area = 2 * np.pi * (1 - np.sqrt(1 - a**2))
@@ -198,7 +197,6 @@ def test_radius_and_area_are_inverse(fraction: float, indenter) -> None:
     np.testing.assert_allclose(radius_from_area(surface_area(a, indenter), indenter), a, rtol=1e-14)
 
 
-# ---------------------------------------------------------------------- what is wrong
 HEAD = "a_um,delta_um,P_mN\n"
 GOOD = [(1, 1, 1), (2, 4, 8), (3, 9, 27), (4, 16, 64), (5, 25, 125), (6, 36, 216)]
 

@@ -26,7 +26,6 @@ def judged(series: MeshedSeries, folder: Path) -> dict[str, tuple[float, float]]
     return found
 
 
-# ---------------------------------------------------------------------- which nodes
 @pytest.mark.parametrize("kind", MESHES)
 def test_elements_of_any_mesh_are_told_by_the_radii(kind: str) -> None:
     right = []
@@ -68,7 +67,6 @@ def test_what_integral_errs_by_is_in_the_error_of_a_rule_that_is_judged_by_it(tm
     assert errors[0] >= abs(found[0] - found[1]) + errors[1]
 
 
-# ---------------------------------------------------------------------- three series that went wrong
 def zones(ahead: float, sizes: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Radii of nodes [m] in two zones, and the rows (3, n) of Hertz with R = 1 mm, E* = 1 MPa at 100 even depths."""
     nodes = 1e-6 * np.concatenate([sizes[0] * np.arange(1, 31), 30 * sizes[0] + sizes[1] * np.arange(1, 50)])
@@ -99,7 +97,6 @@ def test_two_zones_are_no_mesh_of_their_common_divisor(sizes: tuple[float, float
     assert "2 um to 4.667 um" in solution.facts["radii"] or sizes != (2.0, 14 / 3)
 
 
-# ---------------------------------------------------------------------- nodes that are given
 def test_nodes_may_be_given(tmp_path: Path) -> None:
     nodes, rows = zones(0.2, (2.0, 14 / 3))
     np.savetxt(tmp_path / "t.csv", rows[:, 2::7].T, delimiter=",", header="a_m,delta_m,P_N", comments="", fmt="%.9g")
@@ -133,7 +130,6 @@ def test_nodes_that_are_none_are_refused(text: str, message: str, tmp_path: Path
         read_series(tmp_path / "t.csv", HALF_SPACE, SeriesReading(nodes=file))
 
 
-# ---------------------------------------------------------------------- what is stated
 @pytest.mark.parametrize("each", [1, pytest.param(10, marks=pytest.mark.slow)])
 def test_a_part_of_the_study_of_meshes(each: int, tmp_path: Path) -> None:
     found = [judged(series, tmp_path) for series in drawn(each, 2)]

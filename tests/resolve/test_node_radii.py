@@ -99,7 +99,6 @@ def test_a_modulus_does_not_move_the_edge_and_a_radius_of_the_tip_little() -> No
     assert other.elements == pytest.approx(plain.elements, abs=0.05)
 
 
-# ---------------------------------------------------------------------- what is stated
 @pytest.mark.parametrize(("ahead", "node"), [(0.3, "outermost"), (0.0, "next")])
 def test_bands_of_the_pull_off_force_hold(ahead: float, node: str, tmp_path: Path) -> None:
     given = node_series(LAYER, 60, 200, ahead, node)
@@ -196,8 +195,7 @@ def test_an_error_that_radii_share_is_what_other_radii_make_of_the_fit() -> None
 
 
 def test_zones_raise_no_error_under_control_of_the_displacement(tmp_path: Path) -> None:
-    """A shift in proportion to the elements jumps where they do; the fit does not follow the jump. 12 to 74 % were
-    stated."""
+    """A shift in proportion to the elements jumps where they do; the fit does not follow the jump."""
     raw, R, E_star = zones(150)
     np.savetxt(tmp_path / "t.csv", np.transpose([raw.a, raw.delta, raw.P]), header="a_m,delta_m,P_N", delimiter=",")
     problem = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(0.75 * E_star, 0.5))), Loading("depth", 1e-6, 10))
@@ -211,7 +209,6 @@ def test_zones_raise_no_error_under_control_of_the_displacement(tmp_path: Path) 
         assert abs(point.P + true) < half["P"] < 0.03 * true
 
 
-# ---------------------------------------------------------------------- loads
 @pytest.mark.parametrize(
     ("factor", "cause"),
     [(1.3, "--factor P="), (0.5, "half of the body"), (1 / 180, "--factor P=180"), (1000, "a unit")],
@@ -254,7 +251,6 @@ def test_the_comparison_may_be_left_out(tmp_path: Path) -> None:
     assert solution.warnings == ()
 
 
-# ---------------------------------------------------------------------- tables of another program
 @pytest.mark.parametrize("nodes", [50, 100, 200])
 def test_bands_of_calculix_tables_hold(nodes: int) -> None:
     """Closed forms; at 200 nodes displacements at equal radii are 0.28 % too small, for no known reason,
@@ -269,7 +265,6 @@ def test_bands_of_calculix_tables_hold(nodes: int) -> None:
         assert abs(point.P + true) < half["P"] < 0.014 * true
 
 
-# ---------------------------------------------------------------------- warnings
 def test_coarse_radii_are_no_drift_and_drifts_of_the_load_are_told(tmp_path: Path) -> None:
     for name, elements, increments, ahead, node in (
         ("bonded 0.3", 12, 53, 0.23, "outermost"),

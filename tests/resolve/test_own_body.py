@@ -67,8 +67,7 @@ def test_bodies_without_an_exact_solution_have_none() -> None:
 
 @pytest.mark.slow
 def test_few_noisy_rows_of_a_coating_keep_its_bending(tmp_path: Path) -> None:
-    """15 rows of 3 % noise do not show it: smoothed to power laws the pull-off force was 13 % off in the median, and 77
-    of 100 bands held it."""
+    """Smoothed to power laws the pull-off force was 13 % off in the median, and 77 of 100 bands held it."""
     found = cell(COATING, 15, "independent", 3e-2, range(300000, 300012))
     assert found.median < 0.06  # measured 0.03 over 100 seeds
     assert found.held >= 0.75

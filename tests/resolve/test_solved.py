@@ -70,8 +70,7 @@ NEAR_ITS_RIM = Problem(
 
 @pytest.mark.parametrize("share", [0.75, 0.92])
 def test_the_place_of_pull_off_is_known_less_well_near_the_rim_of_a_sphere(share: float) -> None:
-    """The profile is singular there, which polynomials through seven radii find at a rate that slows down: delta under
-    load lay up to 3 times beyond what was stated."""
+    """The profile is singular there, which polynomials through seven radii find at a rate that slows down."""
     series = Layered()(NEAR_ITS_RIM).series
     rate = np.gradient(series.P, series.a) / np.gradient(
         series.S * np.sqrt(4 * math.pi * series.a / series.dS), series.a
@@ -142,8 +141,7 @@ def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: str
 
 
 def test_rows_stay_beside_solved_radii_whatever_a_table_leaves_open() -> None:
-    """A parabola that goes on as a cone, by 21 points: all rows beyond the kink gave way, and contact seemed to be lost
-    at 1.7 times the radius under five times the load."""
+    """A parabola that goes on as a cone, by 21 points: all rows beyond the kink gave way."""
     r = np.linspace(0, 2e-5, 21)
     f = np.where(r < 1.05e-5, r**2 / 2e-4, 5e-7 + 0.13 * (r - 1e-5))
     table = TableProfile(tuple(r.tolist()), tuple(f.tolist()))
@@ -165,7 +163,6 @@ def test_what_the_profile_leaves_of_the_depth_is_no_spring_in_series(indenter: I
     assert abs(point.delta - delta) <= stated["delta"] < 1e-8 * abs(delta)
 
 
-# ---------------------------------------------------------------------- below the first row
 E, NU = 5e6, 0.45
 E_STAR = E / (1 - NU**2)
 CASE = """

@@ -97,7 +97,6 @@ def test_condensation_agrees_with_full_solves_and_the_base_carries_the_load(elem
     assert np.linalg.eigvalsh(surface.C).min() > 0
 
 
-# ---------------------------------------------------------------------- sparse factors
 UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
 GEL = Problem(Paraboloid(100.0), Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid()), Loading("radius", 1.0))
 QUICK = {"estimate_error": False, "edge_correction": False, "spacing": 0.1, "growth": 0.3}

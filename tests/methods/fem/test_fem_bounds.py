@@ -102,7 +102,6 @@ def test_pull_off_on_a_clamped_cylinder(nu: float) -> None:
         assert abs(point.delta - delta) <= stated["delta"]
 
 
-# ---------------------------------------------------------------------- where they were once found wrong
 R, E, NU = 1e-4, 5e9, 0.4
 DEFAULT = Problem(Paraboloid(R), Specimen((), HalfSpace(Elastic(E, NU))), Loading("radius", 1.73e-5))
 

@@ -50,7 +50,6 @@ def test_the_point_force_obeys_hookes_law_and_sinks_as_it_should(material):
     assert found[1] == pytest.approx(s_rz, rel=1e-5, abs=1e-8)
 
 
-# ---------------------------------------------------------------------- layered
 @pytest.mark.parametrize("material", MATERIALS)
 def test_the_way_through_a_layer_is_a_matrix_exponential(material):
     medium = LayerMedium.transverse(material)
@@ -96,7 +95,6 @@ def test_the_moduli_scale_loads_and_not_depths():
     assert_moduli_scale_loads_and_not_depths(Specimen((Layer(FIBRES, 1.0),), HalfSpace(REAL)))
 
 
-# ---------------------------------------------------------------------- cases
 def case(keys):
     return (
         "[indenter]\nshape = 'paraboloid'\nradius = '100 um'\n[specimen]\nbase = 'bonded'\n[[specimen.layers]]\n"

@@ -45,7 +45,6 @@ def solved(specimen, radii, method=None):
     return (method or Layered())(Problem(PARABOLOID, specimen, Loading.given("radius", tuple(radii)))).series
 
 
-# ---------------------------------------------------------------------- spectrum
 def surface_displacement(material, k, bonded):
     """u_z at the surface under the unit pressure J_0(kr), the layer being 1 thick: the equations of elasticity for
     u_r = U J_1, u_z = W J_0, s_rz = T J_1, s_zz = N J_0, z downwards, from the base upwards."""
@@ -100,7 +99,6 @@ def test_the_tail_is_the_spectrum_for_large_k(material):
     assert np.all(np.abs(rest) < 2e-5)
 
 
-# ---------------------------------------------------------------------- contact
 def test_hybrid_below_an_isotropic_layer_is_the_exact_method():
     specimen = Specimen((Layer(Elastic(2.0, 0.3), 0.5), Layer(TABLES, 1.0)), HalfSpace(Elastic(4.0, 0.3)))
     found, exact = (solved(specimen, (0.5, 1.0), method) for method in (method_class("hybrid")(), Layered()))
@@ -128,7 +126,6 @@ def test_the_moduli_scale_loads_and_not_depths():
     assert_moduli_scale_loads_and_not_depths(Specimen((Layer(ONE, 1.0),), HalfSpace(Elastic(1.0, 0.3))))
 
 
-# ---------------------------------------------------------------------- strain energy at every depth
 def test_stiffness_at_a_depth_is_that_of_the_homogeneous_material():
     z = np.array([0.0, 0.2, 0.9])
     C = ALL.stiffness_at(z)
@@ -157,7 +154,6 @@ def test_a_law_is_needed_and_must_reach_the_bottom():
         Layer(GradedTransverselyIsotropic(1.0, 1.0, 0.2, 0.3, Linear(1.0, 2.0, 0.5)), 1.0)
 
 
-# ---------------------------------------------------------------------- cases
 FIVE = """E_p = { law = "linear", top = "1 MPa", bottom = "5 MPa" }
 E_z = "3 MPa"
 nu_p = 0.2

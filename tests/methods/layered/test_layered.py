@@ -100,9 +100,6 @@ def test_half_space(indenter: object) -> None:
     assert_allclose(series.S0, 2 * material.E_star * indenter.a0, rtol=1e-13)  # type: ignore[attr-defined]
 
 
-# -- loading --------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("indenter", [PowerLaw(0.05, 1.0), RoundedFlat(0.5, 30.0)])
 @pytest.mark.parametrize(
     "specimen", [bonded(0.5), Specimen((Layer(Elastic(1e3, 0.3), 1.0),), HalfSpace(Elastic(1.0, 0.5)))]
@@ -172,9 +169,6 @@ def test_a_contact_within_the_flat_end_or_a_load_beyond_the_profile_is_refused()
         Layered()(Problem(table, bonded(0.4), load))
 
 
-# -- the method -----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("points", [100, 1600])
 def test_nodes_do_not_follow_the_points(points: int) -> None:
     problem = Problem(Paraboloid(1000.0), bonded(0.4), Loading("radius", 16.0, points))
@@ -242,9 +236,6 @@ test_estimate_bounds_the_error = settings(max_examples=25, deadline=None, suppre
 def test_estimate_bounds_the_error_where_differences_cross_zero(log_a: float) -> None:
     """Found by drawing: the load of the third of 100 radii, 1e-10 of itself off, was 1.7 times its estimate off."""
     estimate_bounds_the_error(Specimen((Layer(Elastic(1.0, -0.5), 1.0),), Rigid()), log_a, 100, 4.0)
-
-
-# -- refinement -----------------------------------------------------------------------------------------------------
 
 
 def test_rounding_is_no_error_where_the_check_fails(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,14 +80,16 @@ def test_contact_pressure_is_hertzian():
     np.testing.assert_allclose(table.p[-1][inside], hertzian, rtol=0.02)  # nodal averages on elements of 0.04 r
 
 
-@pytest.mark.parametrize("points_by", ["radius", "depth"])
-def test_increments_follow_the_loading(points_by):
-    loading = Loading("load", 0.05, 8, points_by)
-    problem = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), loading)
+@pytest.mark.parametrize(
+    ("to", "end", "by"), [("load", 0.05, "radius"), ("load", 0.05, "depth"), ("depth", 0.025, "load")]
+)
+def test_increments_follow_the_loading(to, end, by):
+    problem = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading(to, end, 8, by))
     raw = FEM(contact="incremental", **QUICK)(problem).raw
-    assert raw.P[-1] == pytest.approx(0.05, rel=1e-3)  # interpolated in the table of events
-    steps = np.diff(raw.delta if points_by == "depth" else np.sqrt(raw.delta))  # delta = a^2/R
-    assert steps == pytest.approx(steps[-1], rel=1e-9 if points_by == "depth" else 0.02)
+    last = (raw.P if to == "load" else raw.delta)[-1]
+    assert last == pytest.approx(end, rel=1e-3)  # interpolated in the table of events
+    steps = np.diff({"radius": np.sqrt(raw.delta), "depth": raw.delta, "load": raw.P}[by])  # delta = a^2/R
+    assert steps == pytest.approx(steps[-1], rel=0.02 if by == "radius" else 1e-8)
 
 
 def test_given_loads_are_met_exactly():

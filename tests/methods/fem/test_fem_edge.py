@@ -122,15 +122,3 @@ def test_auto_smooths_what_a_fit_can_and_keeps_the_slopes_at_a_flat_end():
 def test_without_an_error_estimate_there_are_no_slopes():
     assert FEM(estimate_error=False, spacing=0.2)(UNIT).series.S is None
     assert FEM(edge_correction=False, spacing=0.2)(UNIT).series.S is None
-
-
-def test_increments_are_even_in_load():
-    asked = replace(COATING, loading=Loading("depth", 0.05, 25, "load"))
-    other = replace(COATING, loading=Loading("depth", 0.05, 25, "depth"))
-    by_load, by_depth = (FEM(spacing=0.1, growth=0.3, contact="incremental", estimate_error=False)(one).raw
-                         for one in (asked, other))  # fmt: skip
-    np.testing.assert_allclose(np.diff(by_load.P), by_load.P[0], rtol=1e-8)
-    assert by_load.delta[-1] == pytest.approx(0.05, rel=1e-12)
-    assert by_load.P[-1] == pytest.approx(by_depth.P[-1], rel=1e-9)
-    between = np.exp(np.interp(np.log(by_load.delta[3:]), np.log(by_depth.delta), np.log(by_depth.P)))
-    np.testing.assert_allclose(by_load.P[3:], between, rtol=2e-3)

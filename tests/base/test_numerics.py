@@ -177,7 +177,4 @@ def test_the_median_is_that_of_numpy(values: list[float]) -> None:
     x = np.array(values)
     assert median(x) == pytest.approx(float(np.median(x)), rel=1e-15, abs=0)
     assert x.tolist() == values
-
-
-def test_none_has_no_median() -> None:
     assert math.isnan(median(np.zeros(0)))

@@ -62,13 +62,20 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
         assert group["data/P"].attrs["unit"].decode() == "N"
 
 
-def test_a_table_of_transform_gives_its_own_modulus_and_work_back(jkr, folder: Path) -> None:
+def test_a_table_of_transform_and_one_bad_curve_among_many(jkr, folder: Path) -> None:
     assert jkr("transform", "sphere.toml", "--w", "50 mJ/m^2", "--no-plots").code == 0
     estimates = jkr("fit", "sphere.toml", "sphere-w0.05.csv", "--json", "--no-plots").told["curves"][0]["estimates"]
     assert estimates["E_star"]["value"] == pytest.approx(2e6, rel=1e-8)
     assert estimates["w"]["value"] == pytest.approx(0.05, rel=1e-8)
     done = jkr("work", "sphere.h5", "sphere-w0.05.csv", "--no-plots")
     assert "w = 50 mJ/m^2 (half of the rows: 50 mJ/m^2 to 50 mJ/m^2)" in done.out
+    write(folder / "few.csv", sphere(5))
+    outcome = jkr("fit", "sphere.toml", "probe.csv", "few.csv", "--no-plots", "--force").ok
+    assert "jkr: warning: skipped: few.csv: 5 rows to fit, at least 8 are needed\n" in outcome.err
+    rows = list(csv.DictReader((folder / "sphere-fit.csv").open()))
+    assert [row["status"] for row in rows] == ["fitted", "unusable"]
+    assert rows[1]["reason"] == "5 rows to fit, at least 8 are needed"
+    jkr("fit", "sphere.toml", "few.csv", "--force").refused("few.csv: 5 rows to fit, at least 8 are needed")
 
 
 @pytest.mark.parametrize(
@@ -92,16 +99,6 @@ def test_a_table_of_transform_gives_its_own_modulus_and_work_back(jkr, folder: P
 def test_wrong_words_are_refused_in_one_line(jkr, folder: Path, words: tuple[str, ...], line: str) -> None:
     jkr("fit", "sphere.toml", "probe.csv", *words).refused(line)
     assert bool(list(folder.glob("sphere-fit*"))) == line.startswith("probe.csv: ")  # told in its table all the same
-
-
-def test_one_bad_curve_among_many_is_told_and_skipped(jkr, folder: Path) -> None:
-    write(folder / "few.csv", sphere(5))
-    outcome = jkr("fit", "sphere.toml", "probe.csv", "few.csv", "--no-plots").ok
-    assert "jkr: warning: skipped: few.csv: 5 rows to fit, at least 8 are needed\n" in outcome.err
-    rows = list(csv.DictReader((folder / "sphere-fit.csv").open()))
-    assert [row["status"] for row in rows] == ["fitted", "unusable"]
-    assert rows[1]["reason"] == "5 rows to fit, at least 8 are needed"
-    jkr("fit", "sphere.toml", "few.csv", "--force").refused("few.csv: 5 rows to fit, at least 8 are needed")
 
 
 def test_a_rounded_cone_is_followed_beyond_its_end(jkr) -> None:

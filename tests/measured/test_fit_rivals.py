@@ -158,13 +158,16 @@ def test_derivatives_of_a_drifting_curve(name: str) -> None:
     assert second == pytest.approx((above[1] - below[1]) / (2 * step), rel=1e-3, abs=1e-3)
 
 
-def test_parts_of_what_follows_are_those_of_the_moduli() -> None:
-    """E* used to get its part times the factor of the case's moduli."""
+def test_parts_of_what_follows_and_words_of_large_changes() -> None:
+    # E* used to get its part times the factor of the case's moduli.
     found = fit(half_space(), sphere(200, 0.01, 3), usual())  # whose moduli are twice those of the data
     factor, E_star = found.estimate("modulus"), found.estimate("E_star")
     assert factor.value == pytest.approx(0.5, rel=0.02)
     for name, part in factor.model.items():
         assert E_star.model[name] / E_star.value == pytest.approx(part / factor.value, rel=1e-12)
+    assert AddedTerm("w", 0.3, {}).words == "a change of w along the curve by +30%"
+    assert AddedTerm("w", -53.5, {}).words == "a change of w along the curve by more than -70%"
+    assert AddedTerm("modulus", 9.0, {}).words == "a change of E* along the curve by more than +120%"
 
 
 def test_a_range_counts_up_to_the_longest_that_is_likely() -> None:
@@ -185,12 +188,6 @@ def test_rungs_are_near_the_fits_with_their_range() -> None:
     there = fit(sphere_of_more(), curve, settings)
     move = found.value("w") - there.value("w")
     assert found.estimate("w").model[RANGE] == pytest.approx(move, rel=0.05)  # 0.01 measured
-
-
-def test_a_change_that_the_first_order_does_not_know_is_no_number() -> None:
-    assert AddedTerm("w", 0.3, {}).words == "a change of w along the curve by +30%"
-    assert AddedTerm("w", -53.5, {}).words == "a change of w along the curve by more than -70%"
-    assert AddedTerm("modulus", 9.0, {}).words == "a change of E* along the curve by more than +120%"
 
 
 # ---------------------------------------------------------------------- the compressive part alone (Borodich, Galanov)

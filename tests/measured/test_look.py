@@ -207,20 +207,17 @@ def gel(path: Path, head: str) -> Path:
     return export(path, record(2e5, 5e-6, 2e-4, 1e-3, Instrument(STIFF, 200, 1.5e-6, 40e-9, 1e-10), 1), head)
 
 
-def test_the_slope_on_glass_is_the_sensitivity_whatever_was_assumed(tmp_path: Path) -> None:
+def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path: Path) -> None:
+    found = look(glass(tmp_path / "glass.csv", 1, 0.01), rigid=True).rigid
+    assert found.error / found.factor == pytest.approx(0.01, rel=0.1)
+    assert look(glass(tmp_path / "glass.csv", 1, 0.03), rigid=True).rigid.straight is False
+    assert look(glass(tmp_path / "glass.csv", 1, bend=0.2), rigid=True).rigid.straight is False
     path = glass(tmp_path / "glass.csv", 1)
     for known in ({}, {"sensitivity": "40 nm/V"}, {"sensitivity": 60e-9, "stiffness": 1.0}):
         found = look(path, rigid=True, **known).rigid
         assert found.value == pytest.approx(S, rel=2e-3)
         assert abs(found.value / S - 1) < 4 * found.error / found.factor
         assert found.straight
-
-
-def test_drag_is_part_of_the_error_and_directions_that_differ_are_said(tmp_path: Path) -> None:
-    found = look(glass(tmp_path / "glass.csv", 1, 0.01), rigid=True).rigid
-    assert found.error / found.factor == pytest.approx(0.01, rel=0.1)
-    assert look(glass(tmp_path / "glass.csv", 1, 0.03), rigid=True).rigid.straight is False
-    assert look(glass(tmp_path / "glass.csv", 1, bend=0.2), rigid=True).rigid.straight is False
 
 
 def test_files_on_glass_tell_one_sensitivity_and_a_gel_is_no_glass(jkr: Callable, tmp_path: Path) -> None:
@@ -312,7 +309,7 @@ def test_look_leaves_a_page_of_all_curves(jkr: Callable, files: list[str]) -> No
     assert any("adhesion force" in line for line in one["words"])
 
 
-def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: list[str]) -> None:
+def test_which_fits_and_looks_leave_a_page(jkr: Callable, files: list[str]) -> None:
     assert jkr("fit", "--radius", "5 um", "--nu", "0.5", "one.txt", "none.csv", "-o", "out").ok
     (found,) = Path("out").glob("*-curves.html")
     fitted, failed = curves_of(found.read_text(encoding="utf-8"))
@@ -322,12 +319,9 @@ def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: l
     assert fitted["contact"] == [[estimates["delta0"]["value"], estimates["P0"]["value"]]]
     assert failed["lines"]
     assert failed["words"]
-
-
-def test_one_curve_and_no_plots_leave_no_page(jkr: Callable, files: list[str]) -> None:
     assert jkr("look", "one.txt").code == 0
     assert jkr("look", *files, "--no-plots").code == 0
-    assert not list(Path().glob("*.html"))
+    assert not list(Path().glob("*look.html"))
     Path("curves-look.html").write_text("of someone else")
     done = jkr("look", *files)
     assert (done.code, "curves-look.html" in done.err) == (2, True)

@@ -305,11 +305,8 @@ def test_what_is_wrong_with_one_curve_costs_no_other(tmp_path: Path) -> None:
     first, second = measured.each(path)
     assert isinstance(first, Curve)
     assert 'curve "1"' in str(second) or '"1" is a link' in str(second)
-
-
-def test_one_bad_curve_of_a_map_is_told_and_the_others_follow(tmp_path: Path) -> None:
     lame = CONTENT | {"force": np.append(FORCE[:4], np.nan)}
-    path = written(tmp_path / "map.h5", data(0, spring_constant=K), data(1, lame, spring_constant=K), data(2))
+    path = written(tmp_path / "lame.h5", data(0, spring_constant=K), data(1, lame, spring_constant=K), data(2))
     found = list(measured.each(path))
     assert [str(item) for item in found[1:]] == [
         f'{path}: curve "1": row 5 of its force is not finite',

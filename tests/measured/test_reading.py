@@ -481,17 +481,14 @@ def test_numbered_and_repeated_columns_are_curves(tmp_path: Path, name: str) -> 
     assert f"curves beside each other, put one under the other: {', '.join(names)}" in curves[0].flags
 
 
-def test_curves_of_two_directions_each(tmp_path: Path) -> None:
-    """The second pair of directions used to be dropped without a word."""
+def test_curves_and_halves_of_two_directions(tmp_path: Path) -> None:
+    # The second pair of directions used to be dropped without a word.
     head = ";".join([HEADS["German"]] * 2)
     curves = read_text(tmp_path, sheet(head, *pairs(), *(2 * column for column in pairs())))
     assert [curve.name for curve in curves] == ["1", "2"]
     for i, curve in enumerate(curves):
         np.testing.assert_allclose(curve.P, PULL * (i + 1), rtol=1e-12)
         assert list(curve.segments()) == ["approach", "retract"]
-
-
-def test_half_a_retraction_is_questioned_and_the_remedy_works(tmp_path: Path) -> None:
     text = sheet("Weg hin (mm);Kraft hin (N);Weg zurück (mm)", *pairs()[:3])
     with pytest.raises(
         InputError, match=r'only the approach has a column "Kraft \[N\]": --column delta=1 --column P=2'

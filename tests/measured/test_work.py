@@ -82,8 +82,8 @@ def test_between_the_points_of_the_series_w_errs_by_its_interpolation_alone(name
     np.testing.assert_allclose(work_along(body(name), curve, use).w, W, rtol=near)
 
 
-def test_pull_off_of_the_classical_theory() -> None:
-    """P = -1.5 pi w R at a^3 = 9 pi w R^2/(8 E*) (Johnson, Kendall and Roberts 1971) means w, wherever it is looked."""
+def test_pull_off_of_the_classical_theory_in_any_units() -> None:
+    # P = -1.5 pi w R at a^3 = 9 pi w R^2/(8 E*) (Johnson, Kendall and Roberts 1971) means w, wherever it is looked.
     E_star = 1e6 / (1 - 0.4**2)
     a = (9 * np.pi * W * R**2 / (8 * E_star)) ** (1 / 3)
     delta, _ = adhesive(np.array([a]), E_star, W, R)
@@ -93,6 +93,15 @@ def test_pull_off_of_the_classical_theory() -> None:
         # (delta, P): round-off of P_H - P - S (delta_H - delta), of three terms that nearly cancel
         np.testing.assert_allclose(found.w, W, rtol=1e-13)  # 3e-15 measured
         np.testing.assert_allclose(found.a, a, rtol=1e-13)
+    length, force = 3.7e3, 2.9e-5
+    held = body("coating")
+    d, scaled = held.slopes, in_units(held.series, length, force)
+    c = synthetic("coating")
+    curve = Curve("c", a=c.a * length, delta=c.delta * length, P=c.P * force)
+    for use in PAIRS:
+        found = work_along(Nonadhesive(scaled, slopes(scaled)), curve, use)
+        np.testing.assert_allclose(found.w, W * force / length, rtol=5e-12)  # 3e-13 measured
+    assert d.method == "exact"
 
 
 @settings(deadline=None, max_examples=40)
@@ -110,18 +119,6 @@ def test_displacement_and_load_have_one_adhesive_radius(name: str, part: list[fl
     # The lag may be 1e-3 of delta_H, which itself stands on 1e-16 of the loads' cancelling terms.
     np.testing.assert_allclose(found.a, a, rtol=1e-10)  # 3e-13 measured
     np.testing.assert_allclose(found.w, w, rtol=1e-8)  # 2e-10
-
-
-def test_units_do_not_matter() -> None:
-    length, force = 3.7e3, 2.9e-5
-    held = body("coating")
-    d, scaled = held.slopes, in_units(held.series, length, force)
-    c = synthetic("coating")
-    curve = Curve("c", a=c.a * length, delta=c.delta * length, P=c.P * force)
-    for use in PAIRS:
-        found = work_along(Nonadhesive(scaled, slopes(scaled)), curve, use)
-        np.testing.assert_allclose(found.w, W * force / length, rtol=5e-12)  # 3e-13 measured
-    assert d.method == "exact"
 
 
 # ---------------------------------------------------------------------- rows without a work of adhesion
@@ -410,12 +407,16 @@ def test_work_of_a_pull_off_force_is_the_same_by_any_device(jkr: Callable, devic
     assert half_space["w_J_per_m2"] == pytest.approx(0.05**2 / (8 * math.pi * 1e6 / 0.75 * 1e-9), rel=1e-9)
 
 
-def test_an_uncertain_radius_of_a_punch_takes_its_edge_along(jkr: Callable) -> None:
-    """w = P^2/(8 pi E* R^3): 3 times the error of R, 2 times that of the load."""
+def test_uncertain_radii_and_records_of_a_punch(jkr: Callable) -> None:
+    # w = P^2/(8 pi E* R^3): 3 times the error of R, 2 times that of the load.
     found = works(jkr, "--nu", "0.5", "--uncertain", "R=1%", "--uncertain", "load=1%")
     w, parts = found["w_J_per_m2"], found["w_err_by_input_J_per_m2"]
     assert parts["R"] / w == pytest.approx(3 * 1.96 * 0.01, rel=5e-3)
     assert parts["load"] / w == pytest.approx(2 * 1.96 * 0.01, rel=5e-3)
+    Path("record.csv").write_text("delta (um),P (mN)\n" + "".join(f"{i},{i * 0.1}\n" for i in range(1, 30)))
+    err = jkr("fit", "record.csv", "--shape", "flat", "--radius", "1 mm", "--nu", "0.5").err
+    assert "records of a flat punch are not fitted" in err
+    assert "jkr pull-off --load" in err
 
 
 @pytest.mark.parametrize("names", [("a_m", "P_N"), ("delta_m", "P_N"), ("a_m", "delta_m")])
@@ -450,10 +451,3 @@ def test_w_from_pull_off_from_a_layer_is_the_one_that_makes_it(jkr: Callable, st
     found = jkr("pull-off", *PUNCH, "--nu", "0.5", *layer, "--w", "0.05", "--json").told["results"][0]
     force = -found["controls"][0]["pull_off"]["P_N"]
     assert works(jkr, "--nu", "0.5", *layer, load=f"{force!r} N")["w_J_per_m2"] == pytest.approx(0.05, rel=1e-7)
-
-
-def test_records_are_not_fitted(jkr: Callable) -> None:
-    Path("record.csv").write_text("delta (um),P (mN)\n" + "".join(f"{i},{i * 0.1}\n" for i in range(1, 30)))
-    err = jkr("fit", "record.csv", "--shape", "flat", "--radius", "1 mm", "--nu", "0.5").err
-    assert "records of a flat punch are not fitted" in err
-    assert "jkr pull-off --load" in err

@@ -172,12 +172,6 @@ def test_what_is_refused(jkr: Callable, series: Path, words: tuple[str, ...], li
     assert not (series.parent / "gel-cycle.csv").exists()
 
 
-def test_a_power_law_has_no_limits(jkr: Callable, tmp_path: Path) -> None:
-    power = '{ law = "power", time = 1.0, exponent = 0.2 }'
-    (tmp_path / "power.toml").write_text(CASE.replace('{ law = "sls", ratio = 0.25, time = 1.0 }', power))
-    jkr("cycle", "power.toml", "--w-approach", "1 mJ/m^2", "-q").refused("a power law has neither an")
-
-
 WRONG = [
     ("sls", "sld", 'law must be one of sls, kelvin-voigt, power, prony, got sld, did you mean "sls"?'),
     ("0.25", "1.5", "specimen.relaxation.ratio: must be >= 0 and <= 1, got 1.5"),
@@ -205,7 +199,7 @@ def test_wrong_cases(old: str, new: str, line: str) -> None:
     assert line in str(error.value)
 
 
-def test_every_law_comes_back_from_its_file(tmp_path: Path) -> None:
+def test_laws_and_their_files_and_limits(tmp_path: Path, jkr: Callable) -> None:
     half = jkr_.Specimen((), jkr_.HalfSpace(jkr_.Elastic(1.0, 0.0)))
     for law in (jkr_.StandardSolid(0.5, 2.0), jkr_.PowerRelaxation(1.0, 0.2), jkr_.Prony((0.2, 0.3), (1.0, 2.0))):
         specimen = jkr_.Specimen(half.layers, half.base, relaxation=law)
@@ -214,6 +208,9 @@ def test_every_law_comes_back_from_its_file(tmp_path: Path) -> None:
         jkr_.save(solved, tmp_path / "gel.h5", force=True)
         assert jkr_.read(tmp_path / "gel.h5").problem.specimen.relaxation == law
         assert "the specimen relaxes: " in jkr_.transform(solved, 0.01).warnings[0]
+    power = '{ law = "power", time = 1.0, exponent = 0.2 }'
+    (tmp_path / "power.toml").write_text(CASE.replace('{ law = "sls", ratio = 0.25, time = 1.0 }', power))
+    jkr("cycle", "power.toml", "--w-approach", "1 mJ/m^2", "-q").refused("a power law has neither an")
 
 
 def test_what_is_said_of_a_specimen_that_relaxes(jkr: Callable, series: Path) -> None:

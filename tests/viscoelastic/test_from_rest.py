@@ -127,8 +127,8 @@ def test_the_relaxing_gel(relaxing_gel: Solution, rest: Rest | None, expected: f
     assert force(found[AT_MOST]) >= force(found[FROM_REST]) * (1 - 1e-9)
 
 
-def test_a_series_that_ends_before_the_rest_is_solved_on_or_said(relaxing_gel: Solution) -> None:
-    """Relaxed at a depth of 300 um the contact is larger than that of 300 um without adhesion."""
+def test_a_series_that_ends_before_the_rest_and_the_error_at_its_radius(relaxing_gel: Solution) -> None:
+    # Relaxed at a depth of 300 um the contact is larger than that of 300 um without adhesion.
     further = lost(relaxing_gel, 0.02, Rest(depth=3e-4))[FROM_REST]
     assert further.solved_to > relaxing_gel.series.a[-1]
     assert force(further) * 1e6 == pytest.approx(545.4, abs=0.06)
@@ -137,9 +137,6 @@ def test_a_series_that_ends_before_the_rest_is_solved_on_or_said(relaxing_gel: S
     assert "increase [loading] radius" in point.reason
     point, _ = lost(relaxing_gel, 0.02, Rest(depth=-1e-4))[FROM_REST].lost[LOAD_CONTROL]
     assert "no contact rests at delta = -100 um" in point.reason
-
-
-def test_the_error_at_the_radius_of_rest_is_stated() -> None:
     law = jkr.StandardSolid(0.1, 1.0)
     coarse, fine = (jkr.solve(gel(1.0, 1.0, law), jkr.Layered(tolerance=t)) for t in (1e-4, 1e-11))
     ours, right = (lost(one, 0.002)[FROM_REST] for one in (coarse, fine))

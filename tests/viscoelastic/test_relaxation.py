@@ -91,7 +91,7 @@ def test_a_held_depth_shows_the_law(law: Relaxation) -> None:
     np.testing.assert_allclose(a, math.sqrt(0.5), rtol=1e-10)
 
 
-def test_a_held_load_creeps_as_the_law_says() -> None:
+def test_a_held_load_creeps_and_a_step_is_remembered() -> None:
     t, held = np.array([0.01, 0.1, 1.0, 5.0]), (np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.3, 0.3]))
     _, delta, P = path(SOLID, *held, stiffness=0.0).states(t)
     np.testing.assert_allclose(depths().loads(delta), 0.3 * (4 - 3 * np.exp(-t / 4)), rtol=1e-10)
@@ -99,10 +99,7 @@ def test_a_held_load_creeps_as_the_law_says() -> None:
     _, delta, _ = path(POWER, *held, stiffness=0.0).states(t)
     creep = t**0.3 / math.gamma(0.7) / math.gamma(1.3)
     np.testing.assert_allclose(depths().loads(delta), 0.3 * creep, rtol=1e-7)
-
-
-def test_a_step_is_remembered_through_its_radii() -> None:
-    """After a step and a long wait the way back is that of a relaxed body: at every moment Hertz at the depth."""
+    # After a step and a long wait the way back is that of a relaxed body: at every moment Hertz at the depth.
     t, x = np.array([0.0, 0.0, 50.0, 50.001]), np.array([0.0, 0.5, 0.5, 0.0])
     rows = np.array([50.0002, 50.0005])
     a, _, P = path(SOLID, t, x).states(rows)

@@ -39,7 +39,7 @@ FLAG_OF = {"E" if name == "modulus" else name: name for name in FLAGS[1:]}  # by
 KEYS = re.compile(rf"\b(?:indenter|specimen)(?:\.half_space|\.layers\[0\])?\.({'|'.join(FLAG_OF)})\b")
 OPTIONS = (
     click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
-                 help=f"{', '.join(SHAPES)} [default: sphere, exact; paraboloid: textbook JKR]."),
+                 help=f"{', '.join(SHAPES)}; paraboloid: of textbook JKR, sphere: exact [default: sphere]."),
     click.option("--radius", help='Its radius, "100 um".'),
     click.option("--half-angle", help='Of a cone, of a pyramid to a face: "35 deg".'),
     click.option("--cap", help="Rounded cone: parabola [default: sphere]."),

@@ -95,7 +95,7 @@ def reader(kind: Any) -> Read:
         int: partial(_whole, Ranged("number")),
         float: Ranged("number").read,
         str: _text,
-        Path: lambda value: Path(_instance((str, os.PathLike), "a path", value)),
+        Path: lambda value: value if isinstance(value, Path) else Path(_instance((str, os.PathLike), "a path", value)),
     }
     if kind in simple:
         return simple[kind]

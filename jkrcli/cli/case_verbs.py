@@ -32,11 +32,7 @@ if TYPE_CHECKING:
 
 @options.verb("case")
 @options.into_file("Solution file [default: <case>.h5 here].")
-@click.option(
-    "--method",
-    type=options.MethodType(["auto", *METHODS]),
-    help="Method, instead of the case's; auto: the simplest that is accurate enough.",
-)
+@click.option("--method", type=options.MethodType(["auto", *METHODS]), help="Replaces the case's; auto: the simplest.")
 @click.option("--tolerance", type=float,
               help="Relative error allowed in the load at given depth, for any method, instead of the case's."
 )  # fmt: skip

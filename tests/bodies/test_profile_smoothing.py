@@ -103,19 +103,27 @@ def test_pull_off_under_a_noisy_tip_is_within_its_error() -> None:
 @pytest.mark.parametrize(
     ("points", "flat", "noise", "median"),
     [
-        (61, FLAT, NOISE, 2e-3), (30, 0.0, NOISE, 2e-3), (121, FLAT, NOISE, 2e-3), (200, FLAT, 0.2e-9, 2.5e-2),
-        (400, FLAT, 0.5e-9, 5e-2), (100, 0.0, 0.5e-9, 1e-2), (400, 0.0, 0.02e-9, 5e-4),
+        (61, FLAT, NOISE, 2.4e-3), (30, 0.0, NOISE, 3.2e-3), (121, FLAT, NOISE, 1.7e-3), (200, FLAT, 0.2e-9, 7e-3),
+        (400, FLAT, 0.5e-9, 1.4e-2), (100, 0.0, 0.5e-9, 1.8e-2), (400, 0.0, 0.02e-9, 5e-4),
     ],
 )  # fmt: skip
 def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: float, noise: float, median: float) -> None:
     """The median of the stated errors is judged: a draw whose worn end shows less than others states, rightly, several
     times as much; none may state that it knows next to nothing."""
     off, stated = misses(range(1000, 1060), points, flat, noise)
-    assert np.count_nonzero(np.abs(off) <= 1) >= 51  # 57 of 60 expected
-    assert 0.2 < np.mean((1.96 * off) ** 2) < 1.6  # measured 0.3 to 0.8: the worse of two radii counts
+    assert np.count_nonzero(np.abs(off) <= 1) >= 54  # 57 of 60 expected
+    assert 0.1 < np.mean((1.96 * off) ** 2) < 1.6  # 0.3 to 0.6 of worn ends, 0.2 where none is but may be
     assert np.max(np.abs(off)) < 2
     assert np.median(stated) < median
-    assert np.max(stated) < 0.15
+    assert np.max(stated) < 0.12
+
+
+def test_a_corner_without_a_jump_leaves_nothing_open() -> None:
+    """What a fit holds at its bounds, a jump of none above all, was left to either sign: 31 % were stated here, 93 % of
+    the force of a worn end, both known to a fiftieth of that."""
+    off, stated = misses(range(1000, 1001), 100, 0.0, 0.5e-9)
+    assert abs(off[0]) < 1
+    assert stated[0] < 0.1
 
 
 def test_a_worn_end_is_found_along_with_its_corner() -> None:

@@ -170,11 +170,10 @@ class _Fit:
         places = np.linspace(self.x[2], self.x[-3], min(SMOOTHING_PLACES, self.x.size))
         apart = float(places[1] - places[0])
         places = places[np.all(np.abs(places[:, None] - np.array([-1.0, *self.corners])) > apart, axis=1)]
-        ends = (False,) if 0.0 in self.corners else (False, True)
-        found = [self._best_corner(places, apart, flat, SMOOTHING_COARSE) for flat in ends]
-        # Beside what is stiff a corner is seen from further away
-        found += [] if 0.0 in self.corners else [self._best_corner(places, apart, True, SMOOTHING_STIFF)]
-        found += [] if 0.0 in self.corners else [self.tried(0.0, False)]
+        found = [self._best_corner(places, apart, False, SMOOTHING_COARSE)]
+        if 0.0 not in self.corners:  # beside what is stiff a corner is seen from further away
+            found += [self._best_corner(places, apart, True, each) for each in (SMOOTHING_COARSE, SMOOTHING_STIFF)]
+            found += [self.tried(0.0, False)]
         return [replace(fit, strengths=SMOOTHING_STRENGTHS) for fit in found]
 
     def _best_corner(self, places: Array, apart: float, flat: bool, strengths: tuple[float, float, int]) -> _Fit:
@@ -313,19 +312,20 @@ class _Fit:
 
     @property
     def modes(self) -> tuple[tuple[Array, Array], ...]:
-        """One standard error of each mode of the posterior: of the coefficients, and of the places of the corners."""
-        moved = [place for place in self.corners if place > 0]
-        jumps = {place: self.values[1 + i] for i, place in enumerate(self.corners)}
-        steps = [np.where(self.x > place, -jumps[place], 0.0) for place in moved]
-        design = np.column_stack([self.columns, *steps])
-        rough = np.pad(self.penalty, ((0, 0), (0, len(moved))))
+        """One standard error of each mode of the posterior: of the coefficients that are not at their bounds, which Cp
+        counts, and of the places of the corners."""
+        jumps = {place: self.values[1 + i] for i, place in enumerate(self.corners) if place > 0}
+        steps = [np.where(self.x > place, -jump, 0.0) for place, jump in jumps.items()]
+        on = np.append(True, self.values[1:] > 0)
+        design = np.column_stack([on * self.columns, *steps])
+        rough = np.pad(on * self.penalty, ((0, 0), (0, len(jumps))))
         inverse = np.linalg.pinv(design.T @ design + self.best[1] * rough.T @ rough)
         sizes, vectors = np.linalg.eigh((inverse + inverse.T) / 2)
         count = self.columns.shape[1]
         modes = []
         for size, vector in zip(sizes, vectors.T, strict=True):
             knots, pieces = self.knots, self.pieces_of(vector[1:count])
-            for place, shift in zip(moved, vector[count:], strict=True):
+            for place, shift in zip(jumps, vector[count:], strict=True):
                 width = min(max(np.sqrt(inverse[count, count]), 1e-3), place / 2, (1 - place) / 2)
                 # The pieces with a rise by `height` over `width` on either side of a `place`.
                 height = -jumps[place] * shift

@@ -1,13 +1,21 @@
 """Inputs to the three readers that an hour of fuzzing by coverage (Atheris) found to go different ways, the smallest of
 each: read, or refused in printable lines."""
 
+import json
+import math
 from pathlib import Path
+from typing import Any
 
+import h5py
+import numpy as np
 import pytest
+from series_files import edit
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.problem import Problem
+from jkrcli.case import store
 from jkrcli.case.models import Case, load_case, parse_case, plain_toml
+from jkrcli.case.store import solve
 from jkrcli.measured import files as measured
 from jkrcli.resolve import foreign
 
@@ -65,3 +73,52 @@ def test_tables(path: Path, problem: Problem) -> None:
             measured.read(path)
     except InputError as error:
         judged(error)
+
+
+def value(told: Any) -> Any:
+    """What JSON cannot hold: arrays, and numbers that are none."""
+    if isinstance(told, dict) and "array" in told:
+        return np.array([float(x) for x in told["array"]]).reshape(told["shape"])
+    return float(told["float"]) if isinstance(told, dict) else told
+
+
+def change(file: h5py.File, what: str, name: str, *how: Any) -> None:
+    """One change of a series file: of a member, an attribute or a number in a column."""
+    match what:
+        case "delete":
+            del file[name]
+        case "group":
+            del file[name]
+            file.create_group(name)
+        case "set":
+            del file[name]
+            file[name] = value(how[0])
+        case "move":
+            file.move(name, how[0])
+        case "attribute":
+            file[name].attrs[how[0]] = value(how[1])
+        case "without":
+            del file[name].attrs[how[0]]
+        case "cell":
+            file[name][how[0]] = value(how[1])
+
+
+@pytest.mark.parametrize("path", of("series"), ids=lambda path: path.stem)
+def test_series(path: Path, tmp_path: Path) -> None:
+    target = tmp_path / "x.h5"
+    store.write_solution(target, solve(parse_case(BODY, "body"))[1])
+
+    def changes(file: h5py.File) -> None:
+        for told in json.loads(path.read_text(encoding="utf-8")):
+            try:
+                change(file, *told)
+            except (KeyError, ValueError, TypeError, OSError, RuntimeError, OverflowError, IndexError):
+                continue  # of a part that an earlier one took away
+
+    edit(target, changes)
+    try:
+        found = store.read_solution(target, with_pressure=True)
+    except InputError as error:
+        judged(error)
+        return
+    assert all(math.isfinite(x) for x in (*found.series.a, *found.series.delta, *found.series.P))

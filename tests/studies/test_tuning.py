@@ -1,5 +1,6 @@
 """The study of tuned numbers: which are found, that varying them reaches the algorithm, and what is written."""
 
+import csv
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -54,6 +55,23 @@ def test_a_varied_number_reaches_all_who_hold_it(module: ModuleType, monkeypatch
 
 
 @pytest.mark.slow
+def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) -> None:
+    outcome = study("tuning", "made_up", "--quick", "--workers", 1)
+    assert (outcome.code, outcome.err) == (0, "")
+    with Path("tuning.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["constant"] for row in rows] == [
+        f"MADE_UP_{name}" for name in ("NODES", "NODES", "SHARE", "SHARE", "FEW", "FEW")
+    ]
+    assert {(row["algorithm"], row["body"], row["method"]) for row in rows} == {
+        ("methods.layered.made_up", "coating", "layered")
+    }
+    assert all(float(row["error"]) == float(row["shipped_error"]) < 1e-6 for row in rows)  # nothing depends on them
+    assert len(outcome.out.splitlines()) == 1 + len(rows)
+    assert study("tuning", "made_up", "--quick", "--workers", 1).code == 0  # its own file is replaced
+
+
+# ---------------------------------------------------------------------- chosen numbers
 def test_a_number_that_results_depend_on_is_told_with_where(monkeypatch: pytest.MonkeyPatch) -> None:
     cheap = {name: constants_results.RESULTS[name] for name in ("layer by layered", "table", "loads")}
     monkeypatch.setattr(constants, "RESULTS", cheap)

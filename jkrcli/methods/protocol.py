@@ -101,9 +101,8 @@ def method_class(name: str) -> Any:
 
 def refusal_of(name: str, method: Method, problem: Problem) -> str | None:
     """Why the ``method`` called ``name`` cannot represent the problem, and the remedy; None where it can."""
-    tense = name in METHODS and METHODS[name].tension
-    coated = name in METHODS and METHODS[name].coating
-    missing = (None if tense else without_tension(problem)) or (None if coated else without_coating(problem))
+    own = METHODS.get(name, Descriptor(name, "", type(method), math.inf))
+    missing = (None if own.tension else without_tension(problem)) or (None if own.coating else without_coating(problem))
     return missing or method.refusal(problem)
 
 
@@ -111,9 +110,8 @@ def without_tension(problem: Problem) -> str | None:
     """Why a method that knows no surface tension refuses the problem; None where it has none."""
     if not problem.specimen.surface_tension:
         return None
-    able = [method.name for method in METHODS.values() if method.tension]
-    if problem.specimen.radius is not None:
-        able.remove("layered")
+    wide = problem.specimen.radius is None
+    able = [method.name for method in METHODS.values() if method.tension and (wide or method.name != "layered")]
     return f"does not represent surface tension: use method {' or '.join(able)}, or leave specimen.surface_tension out"
 
 
@@ -282,7 +280,10 @@ def long_look(problem: Problem) -> str | None:
 def choose_method(problem: Problem, wanted: str | Method, build: Callable[[str], Method]) -> Choice:
     """The method ``wanted``, by name or itself; for "auto" the first of ``least_first`` that is accurate enough."""
     if wanted != "auto":
-        name, method = (wanted, build(wanted)) if isinstance(wanted, str) else (type(wanted).__name__, wanted)
+        method = build(wanted) if isinstance(wanted, str) else wanted
+        kind = type(method)
+        made = kind, f"{kind.__module__}:{kind.__name__}"
+        name = next((each.name for each in METHODS.values() if each.solver in made), kind.__name__)
         if reason := refusal_of(name, method, problem):
             raise Refusal(f"method {name}: {reason}")
         return Choice(name, method, "set in the case")

@@ -74,7 +74,7 @@ def test_a_problem_is_solved_as_its_case_is(tmp_path: Path) -> None:
     for other in (by_problem, jkr_python.transform(saved, w=0.05)):
         np.testing.assert_array_equal(other.curve.P, by_case.curve.P)
         assert other.problem == problem
-    with pytest.raises(jkr_python.Refusal, match="method ClosedForm: solves homogeneous half-spaces"):
+    with pytest.raises(jkr_python.Refusal, match="method closed-form: solves homogeneous half-spaces"):
         jkr_python.solve(problem, jkr_python.ClosedForm())
 
 

@@ -119,8 +119,8 @@ def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: floa
 
 
 def test_a_corner_without_a_jump_leaves_nothing_open() -> None:
-    """What a fit holds at its bounds, a jump of none above all, was left to either sign: 31 % were stated here, 93 % of
-    the force of a worn end, both known to a fiftieth of that."""
+    """What a fit holds at its bounds, a jump of none above all, was left to either sign: 31 % of the force were stated
+    here, which is right to 0.01 %."""
     off, stated = misses(range(1000, 1001), 100, 0.0, 0.5e-9)
     assert abs(off[0]) < 1
     assert stated[0] < 0.1

@@ -1,12 +1,16 @@
 """The notebooks of docs run from their first cell to their last and print what is kept in them; the site shows them."""
 
+import ast
 import base64
 import json
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import jkrcli
 from site_parts.notebooks import FOLDER, PNG, as_markdown, executed
 
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
@@ -33,6 +37,26 @@ def test_a_notebook_runs_and_prints_what_is_kept_in_it(path: Path) -> None:
     again = executed(held)
     assert printed(again) == printed(held)
     assert len(pictures(again)) == len(pictures(held))
+
+
+def names_used(tree: ast.AST) -> Iterator[tuple[str, str]]:
+    """Modules of jkrcli with the names that a script takes from them."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.ImportFrom(module=str(module)) if module.split(".")[0] == jkrcli.__name__:
+                yield from ((module, alias.name) for alias in node.names)
+            case ast.Attribute(value=ast.Name(id="jkr"), attr=name):
+                yield jkrcli.__name__, name
+
+
+def test_the_names_that_notebooks_and_examples_use_exist() -> None:
+    """A picture's module had moved below a notebook, which only a slow test runs."""
+    scripts = [path.read_text(encoding="utf-8") for path in (FOLDER.parent / "examples").rglob("*.py")]
+    cells = (cell for path in NOTEBOOKS for cell in read(path)["cells"] if cell["cell_type"] == "code")
+    scripts += ["".join(line for line in cell["source"] if not line.startswith("%")) for cell in cells]
+    used = {name for script in scripts for name in names_used(ast.parse(script))}
+    assert len(used) > 10
+    assert [name for name in used if not hasattr(import_module(name[0]), name[1])] == []
 
 
 def test_there_are_three_with_what_they_print_and_draw() -> None:

@@ -154,10 +154,11 @@ def test_bands_of_the_pull_off_force_hold_or_the_data_are_doubted(body, kind: st
 
 @pytest.mark.slow
 def test_the_band_of_few_rows_is_no_wider_than_it_need_be() -> None:
-    """It held in 97 and 98 % of 500 seeds by an allowance for smoothing bias three times as large."""
-    for kind, most in (("independent", 0.955), ("outliers", 0.965)):
+    """An allowance for smoothing bias three times as large made it 6 % wider; it holds always, since what the exact
+    solution of these bodies is off enters it."""
+    for kind, most in (("independent", 3.75), ("outliers", 3.35)):
         found = cell(HERTZ, 15, kind, 1e-3, range(500))
-        assert 0.86 < found.held < most  # 0.936, 0.950 measured, 0.966, 0.982 before
+        assert 2.9 < found.half_width / found.median < most  # 3.64, 3.26; 2.9 of normal errors
 
 
 @pytest.mark.slow

@@ -47,6 +47,6 @@ def export(
 
 
 def inside(found: Fit, name: str, true: float) -> bool:
-    """Whether an interval, which may have one end, holds the truth."""
+    """Whether an interval, which may have one end or none, holds the truth."""
     item = found.estimate(name)
-    return item.low <= true <= (np.inf if item.high is None else item.high)
+    return (-np.inf if item.low is None else item.low) <= true <= (np.inf if item.high is None else item.high)

@@ -71,11 +71,9 @@ def _of_model(fit: Fit, alternatives: TableAlternatives | None) -> Iterator[str]
         yield f"no JKR curve resembles the data: {jkr}"
     elif jkr is not None and law is not None:
         ratio = jkr.rms / jkr.rms_of_range
-        compared = (
-            f"{ratio:.4g} times worse" if ratio >= 1 else f"{1 / ratio:.4g} times better: this fit has not converged"
-        )
         misfit = (
-            f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, fits {compared}"
+            f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, leaves {ratio:.4g} "
+            f"times the residuals{'' if ratio >= 1 else ': this fit has not converged'}"
         )
         if law.free and fit.estimate(law.name).error is None:
             item = fit.estimate("range")

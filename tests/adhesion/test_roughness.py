@@ -230,11 +230,14 @@ def test_a_long_noisy_spectrum_of_profiles_is_averaged(tmp_path: Path) -> None:
     q = np.linspace(1, 2000, 2000) * 2 * math.pi / 20e-6
     C = 1e-16 * q**-1.2  # of which no few waves hold the energy
     scatter = np.random.default_rng(3).exponential(size=q.size)
+    scatter[7] = 0.0
     energies = []
     for values in (C, C * scatter):
         np.savetxt(tmp_path / "t.csv", np.c_[q, values], delimiter=",", header="q (1/m),C (m^3)", comments="")
         energies.append(python.Roughness(psd=tmp_path / "t.csv", convention="C_1D").on(problem()))
     smooth, noisy = energies
     assert noisy.spectrum.q.size < 160
+    assert noisy.spectrum.remarks == ("1 row without q > 0 and C > 0 left out",)
+    assert smooth.spectrum.remarks == ()
     assert smooth.error < 0.1 * smooth.energy
     assert abs(noisy.energy - smooth.energy) < noisy.error

@@ -97,6 +97,14 @@ def test_slopes_between_close_knots_do_not_hold_the_errors_of_values() -> None:
     assert quintic(x[0]) == pytest.approx(y[0], abs=1e-15)
 
 
+def test_between_close_knots_are_quartics_whatever_the_values() -> None:
+    x, y = np.array([-0.3, 0.9]), np.array([0.2, -7.0])
+    quintic = PiecewiseQuintic(x, y, 4 * x**3 - x, 12 * x**2 - 1, close=2.0)
+    inside = np.linspace(-0.3, 0.89, 7)
+    assert quintic(inside, 1) == pytest.approx(4 * inside**3 - inside, abs=1e-13)
+    assert quintic(inside, 2) == pytest.approx(12 * inside**2 - 1, abs=1e-12)
+
+
 HARD: dict[str, tuple[Callable[[Array], Array], float, float]] = {
     "smooth": (lambda x: np.cos(x) - x**3, 0.0, 5.0),
     "steep": (lambda x: np.exp(50 * x) - 3, -1.0, 1.3),

@@ -116,10 +116,10 @@ def test_the_paper_by_its_own_method(study, tmp_path: Path) -> None:
         key = row["case"], row["rule"]
         worst[key] = max(worst.get(key, 0.0), abs(float(row["error"])))
     for rule in ("loocv-kept", "loocv", "gcv"):
+        assert worst["half-space", rule] < 0.02  # measured: 1.2e-2, 1.6e-3, 1.0e-3
         assert worst["thin-layer", rule] < 0.01  # measured: 1.2e-3
         assert worst["gel", rule] < 0.03  # measured: 1.9e-2
         assert worst["gel, CAX4R", rule] < 0.05  # measured: 3.4e-2
-    assert worst["half-space", "loocv"] == pytest.approx(0.027, abs=0.003)  # elements of 0.005 R
     assert "639" in outcome.out
     assert "471" in outcome.out
 

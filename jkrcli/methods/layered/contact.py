@@ -218,8 +218,8 @@ class IndenterOnLayers(ABC):
         for _ in range(LAYERED_REFINEMENTS):
             try:
                 main = self.solved(radii, plan)
-                if (rounding := float(main.rounding.max())) > tolerance:
-                    best = rounding
+                if (rounding := main.rounding.max()) > tolerance:
+                    best = 2 * rounding  # the second discretisation's is as large
                     break
                 errors = _errors(main, other.solved(radii[some], check), some) + tolerance * NO_CLAIM
                 best = min(best, float(errors.max()))

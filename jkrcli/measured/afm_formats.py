@@ -812,6 +812,7 @@ def _column(where: str, data: Any, name: str) -> Array:
 def _stiffness(curve: Curve, data: Any, reading: Reading) -> float | None:
     """The spring constant [N/m] of the file, or the user's where it has none: loads were computed with it."""
     of_file, of_user = _metadata(data, "spring constant"), cast(Any, reading.stiffness)
+    of_file = cast(Any, of_file if _is_size(of_file or 0.0) else None)
     if of_user is None and reading.incomplete and of_file in (None, 1.0):
         return None
     if of_user is None and of_file is None:

@@ -33,7 +33,7 @@ WHOLE = WORDS["measured"]["also"]["t"]  # times of a record whose segments have 
 ENDS = 0.1  # choice: of a range, what is an end of the way, and up to which a load is free
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 # A number with its error; and a line for the error of what is named before
-WITH_ERROR = re.compile(rf"{NUMBER}\s*(?:±|\+/?-)\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%)?\s*")
+WITH_ERROR = re.compile(rf"(?<![\d.]){NUMBER}\s*(?:±|\+/?-)\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%)?\s*")
 OF_ERROR = re.compile(rf"\W*(.*?)[\s_-]*(?:error|uncertainty|std)\s*[:=]\s*{NUMBER}\s*(%|\S+/\S+)\s*\Z", re.IGNORECASE)
 # "# x: 1.5 um", "X Position [nm] = 3", and of JPK "# xPosition: 1.2e-06", which is SI
 OF_HEAD = re.compile(

@@ -320,6 +320,8 @@ WRONG_FILES: dict[str, tuple[Callable[[Path], Path], Reading, str]] = {
     "another spring constant than the file's": (
         lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(stiffness=0.05),
         "names a spring constant of 0.04 N/m, with which its loads were computed: leave out --stiffness 0.05"),
+    "no stiffness at all": (lambda path: written(path / "m.h5", data(spring_constant=0.0)), Reading(),
+                            "names no spring constant: give --stiffness"),
     "a lever that does not bend": (lambda path: written(path / "m.h5", data()), Reading(stiffness=math.inf),
                                    "whose cantilever bends: give its stiffness, not rigid"),
     "columns of a file that knows its own": (

@@ -207,9 +207,9 @@ def test_of_a_very_long_head_of_comments_both_ends_are_read(tmp_path: Path) -> N
 
 @pytest.mark.first(3)
 @pytest.mark.parametrize("line", [
-    "k" + " " * 30_000 + "x", "-" * 30_000, "(" * 30_000 + "N/m", "a" + "\t" * 30_000 + "b", "m" * 30_000,
-    "_" * 30_000, ":" * 30_000, "N/" * 15_000, "1" * 30_000 + "x",
-], ids=["blanks", "dashes", "brackets", "tabs", "letters", "underscores", "colons", "units", "digits"])  # fmt: skip
+    "k" + " " * 30_000 + "x", "1" * 30_000 + "x", "-" * 30_000, "(" * 30_000 + "N/m", "a" + "\t" * 30_000 + "b",
+    "m" * 30_000, "_" * 30_000, ":" * 30_000, "N/" * 15_000,
+], ids=["blanks", "digits", "dashes", "brackets", "tabs", "letters", "underscores", "colons", "units"])  # fmt: skip
 def test_long_lines_before_the_numbers_are_read_at_once(tmp_path: Path, line: str) -> None:
     """Patterns that backtrack took minutes of each of them."""
     (tmp_path / "head.txt").write_text(f"{line}\ndelta_m\tP_N\n{ROWS}")

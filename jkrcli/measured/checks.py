@@ -73,7 +73,7 @@ def _of_model(fit: Fit, alternatives: TableAlternatives | None) -> Iterator[str]
         ratio = jkr.rms / jkr.rms_of_range
         misfit = (
             f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, leaves {ratio:.4g} "
-            f"times the residuals{'' if ratio >= 1 else ': this fit has not converged'}"
+            f"times the residuals{'' if round(ratio, 3) >= 1 else ': this fit has not converged'}"
         )
         if law.free and fit.estimate(law.name).error is None:
             item = fit.estimate("range")

@@ -31,7 +31,6 @@ SLOW = {
       "below the first vertex", "displacements", "spacing beside a tolerance")),
     *("hybrid: " + name for name in ("no such tolerance", "cost", "rows",
       "accuracy", "side, by radius")),
-    "layered: accuracy",
 }  # fmt: skip
 
 

@@ -207,7 +207,7 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit, curve: Cur
     alternatives = yield from record_alternatives(record, with_size)
     over_time, answer = offered("relaxation under adhesion"), None
     if over_time:
-        alternatives, answer, words = over_time(record, curve, alternatives)
+        alternatives, answer, words = over_time(record, curve, alternatives, UNEXPLAINED in result.flags)
         remarks += [words] * bool(words)
     new = {name: sentence for name, sentence in _flags(alternatives, fit) if name not in result.flags}
     moves = left_out(record)

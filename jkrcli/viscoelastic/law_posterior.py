@@ -235,16 +235,16 @@ class Posterior:
         possible = ((shares > 0) & (shares < 1)).all(axis=1) & (weights.sum(axis=1) < 1)
         return np.where(possible, -np.sum(self.off(law) ** 2, axis=1) / 2, -np.inf)
 
-    def samples(self, march: Array) -> tuple[Array, Array]:
-        """A point in the middle of what is likely, and samples of all unknowns (n, unknowns); ``march``: what narrower
-        zones moved them, of which a part may be left over."""
+    def samples(self, shifts: Array) -> tuple[Array, Array]:
+        """A point in the middle of what is likely, and samples of all unknowns (n, unknowns); ``shifts``: what narrower
+        zones moved them, of which a part may be left over, and the ways to valleys that are as likely."""
         rng = np.random.default_rng(SEED)
         law = np.tile(self.near.x[self.near.own], (KEPT, 1))
         if law.size:
             law = rng.choice(self._walked(rng), KEPT, replace=False)
         found = self._whole(law, rng.standard_normal(KEPT))
         found[:, self.others] += rng.standard_normal((KEPT, len(self.mean))) @ self.spread.T
-        found += MARCH_ERROR * rng.standard_normal((KEPT, 1)) * march
+        found += MARCH_ERROR * rng.standard_normal((KEPT, len(shifts))) @ shifts
         shares = [i for i, name in enumerate(self.near.model.unknowns.names) if self.near.own[i] and not is_time(name)]
         found[:, shares] = np.clip(found[:, shares], SAME, 1 - SAME)
         logs = np.array([one.kind == "log" for one in self.near.model.unknowns.free])

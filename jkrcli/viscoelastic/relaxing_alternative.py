@@ -38,8 +38,6 @@ from ..measured.score_tests import (
 
 RELAXING = "relaxation under adhesion"
 RELAXING_ROWS = 4000  # choice: of even steps, from which the fit is made at most; the others count as these do
-# choice: of the mean square that the fit without leaves, what a few steps may leave; 1.1 in 19 records that relax
-RELAXING_ROUGHLY = 2.0
 # theory: Schwarz's criterion, what an unknown costs of chi^2 is the log of the rows; ratio, time and stress stand for
 # w of the approach
 RELAXING_MORE = 2
@@ -85,20 +83,20 @@ OF_ONE_MODULUS = ("w_approach",)  # estimates that a history has none of
 
 
 def with_relaxation(
-    record: FittedRecord, curve: Curve, found: RecordAlternatives
+    record: FittedRecord, curve: Curve, found: RecordAlternatives, unexplained: bool
 ) -> tuple[RecordAlternatives, RelaxingAnswer | None, str]:
     """The alternatives ``found`` by one step with that of a viscoelastic specimen that adheres among the named, the
-    first where it leaves no more than noise; its answer, and a sentence. As they are where none is named, the record
-    does not adhere, no time is read, or it leaves as much as they do."""
-    most = max((one.taken for one in found.named), default=math.inf)
+    first where it leaves no more than noise; its answer, and a sentence. As they are where none is named and no misfit
+    is ``unexplained``, the record does not adhere, no time is read, or it leaves as much as they do."""
+    most = max((one.taken for one in found.named), default=0.0)
     adheres = len(record.model.stretches) > 1 and record.model.stretches[-1].tension > 0
     told = record.model.positions or record.model.works or "ln_s" in record.model.known  # by the user, or w is 0
-    if not found.named or not adheres or curve.t is None or told:
+    if not (found.named or unexplained) or not adheres or curve.t is None or told:
         return found, None, ""
     from .relaxation_fit import relaxation_fit
     from .timed_record import relaxation_settings
 
-    most_left = RELAXING_ROUGHLY * max(found.misfit / found.dof, 1.0)
+    most_left = max((found.misfit - max(least_taken(most), SCORE_TIED)) / found.dof, 1.0)
     settings = relaxation_settings(
         "sls", [], ["w"], record.body.problem.E_star, level=record.known.level, most=most_left
     )

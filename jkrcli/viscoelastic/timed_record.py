@@ -207,6 +207,7 @@ MODULUS_STEP = 1e-5  # theory: of unknowns, for derivatives in closed form
 UNSETTLED = "the search did not converge"
 MISFIT = "the relaxation law or the specimen does not describe the force curve"
 BESIDE = "the power-law fit may be a local minimum: compare with --relaxation prony"
+LONG_RANGE = "attraction without contact is left out: E* and w may err by more than stated"
 AS_READ = (
     "neither instrument nor load moved at constant rates: the displacement of the tip is used as read, its noise is "
     "not in the intervals"
@@ -490,7 +491,7 @@ class RelaxationFit(Answer):
         lost = [word(item.name) for item in own if item.error is None or item.low is item.high is None]
         doubts = [f"{', '.join(lost)} not determined"] if lost else []
         doubts += self.vague([item.name for item in own if word(item.name) not in lost])
-        doubts += [said for said in (UNSETTLED, BESIDE) if any(said in line for line in self.warnings)]
+        doubts += [said for said in (UNSETTLED, BESIDE, LONG_RANGE) if any(said in line for line in self.warnings)]
         return doubts + ([MISFIT] if self.scatter > SEARCH_MISFIT else [])
 
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .api import *  # noqa: F403
+    from .fem.solver import FEM as FEM
     from .hybrid.solver import Hybrid as Hybrid
     from .many.inverse import find_value as find_value
     from .many.maps import study_map as study_map

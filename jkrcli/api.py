@@ -78,7 +78,6 @@ from .case.models import parse_case as _parse_case
 from .case.store import read_solution, write_solution
 from .case.store import solve as _solve
 from .methods.closed_form import ClosedForm
-from .methods.fem import FEM
 from .methods.layered.solver import Layered
 from .methods.protocol import METHODS, Limits, Method
 from .report.check import Check
@@ -96,7 +95,7 @@ from .resolve.analysis import Analysis, analyse, profile_columns, radius_under, 
 from .series import Solution
 
 __all__ = [
-    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "FlatPunch", "Graded", "GradedTransverselyIsotropic",
+    "ClosedForm", "Coated", "Elastic", "Exponential", "FlatPunch", "Graded", "GradedTransverselyIsotropic",
     "HalfSpace", "InputError", "JkrError", "KelvinVoigtSolid", "Layer", "Layered", "Limits", "Linear",
     "Loading", "Paraboloid", "Power", "PowerLaw", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid",
     "Refusal", "Rigid", "Roughness", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid",

@@ -22,11 +22,12 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.wings import PACKAGE, wings
 from jkrcli.cli import call
 
-NO_FEM = not all(find_spec(module) for module in ("gmsh", "skfem", "meshio"))
 ABSENT = {*tomllib.loads((PACKAGE / "wings.toml").read_text(encoding="utf-8"))} - {wing.name for wing in wings()}
+NO_PACKAGES = not all(find_spec(module) for module in ("gmsh", "skfem", "meshio"))
+NO_FEM = NO_PACKAGES or "fem" in ABSENT
 # What an error says of packages, or in ``make core`` of wings, that are missing here:
 MISSING = [
-    *["finite elements need packages"] * NO_FEM,
+    *["finite elements need packages"] * NO_PACKAGES,
     *["the optional package plotly"] * (find_spec("plotly") is None),
     *[f'needs the wing "{name}"' for name in ABSENT],
 ]
@@ -66,7 +67,7 @@ def _skip_what_is_missing() -> None:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Of a test marked ``first(n)`` the fast tests take the first n sets of parameters; those marked ``fem`` are
-    skipped where its packages are missing."""
+    skipped where its packages or its wing are missing."""
     taken: Counter[str] = Counter()
     for item in items:
         if NO_FEM and item.get_closest_marker("fem"):
@@ -197,7 +198,7 @@ def shown_at(browser: Any, width: int, media: str = "screen") -> None:
 @pytest.fixture(name="tuned")
 def _tuned(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, object], None]:
     """Set a module's constant for the length of a test, there and where it is imported, by its dotted name, as in
-    ``tuned("jkrcli.methods.fem.mesh.LAYOUT_MOST_CELLS", 4000)``."""
+    ``tuned("jkrcli.fem.mesh.LAYOUT_MOST_CELLS", 4000)``."""
 
     def change(name: str, value: object) -> None:
         usual, last = resolve_name(name), name.rpartition(".")[2]

@@ -6,15 +6,15 @@ import pytest
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Loading, Problem, Specimen
 from jkrcli.case.models import parse_case
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.protocol import method_class
 
 PARABOLOID = Paraboloid(100.0)
 
 
 def assert_finite_elements_agree(specimen: Specimen) -> None:
     """P and a at equal depth, at radii over a factor of ten, within the stated errors."""
-    solution = FEM()(Problem(PARABOLOID, specimen, Loading("radius", 1.0)))
+    solution = method_class("fem")()(Problem(PARABOLOID, specimen, Loading("radius", 1.0)))
     series = solution.series
     radii = tuple(series.a[series.a > 0.1 * series.a[-1]][::5])
     exact = Layered()(Problem(PARABOLOID, specimen, Loading.given("radius", radii))).series

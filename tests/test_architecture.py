@@ -19,27 +19,29 @@ PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # last are wings, which register (``base/wings.py``): nothing imports from them.
 ROOMS = (
     "base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "resolve", "report", "cli",
-    "hybrid", "measured", "viscoelastic", "many",
+    "fem", "hybrid", "measured", "viscoelastic", "many",
 )  # fmt: skip
 MOST_AT_TOP = 4
-WINGS = ("hybrid", "measured", "viscoelastic", "many")
+WINGS = ("fem", "hybrid", "measured", "viscoelastic", "many")
 # Libraries and the folders or modules that may import each.
 DOORS = {
     "afmformats": "measured/afm_formats.py",
     "click": (
-        "cli", "measured/verbs.py", "measured/readings.py", "viscoelastic/cycle.py", "viscoelastic/options.py",
-        "many/verbs.py",
+        "cli", "fem/verbs.py", "measured/verbs.py", "measured/readings.py", "viscoelastic/cycle.py",
+        "viscoelastic/options.py", "many/verbs.py",
     ),
-    "cvxopt": "methods/fem/elasticity.py",
+    "cvxopt": "fem/elasticity.py",
     "distributed": "base/executors.py",
     "h5py": "base/hdf5.py",
-    "gmsh": "methods/fem/mesh.py",
-    "matplotlib": ("report/plots", "measured/figures.py", "viscoelastic/figures.py", "many/figures.py"),
-    "meshio": "methods/fem/mesh.py",
+    "gmsh": "fem/mesh.py",
+    "matplotlib": (
+        "report/plots", "fem/figures.py", "measured/figures.py", "viscoelastic/figures.py", "many/figures.py",
+    ),
+    "meshio": "fem/mesh.py",
     "plotly": "many/explorer/__init__.py",
     "psutil": "base/process.py",
     "pydantic": ("case", "many/sweep_file.py"),
-    "skfem": "methods/fem/elasticity.py",
+    "skfem": "fem/elasticity.py",
 }  # fmt: skip
 
 

@@ -8,16 +8,17 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from jkrcli.base.errors import Estimate, InputError, JkrError, Unknown
 from jkrcli.base.files import read_bytes
 from jkrcli.bodies.problem import INCOMPRESSIBLE, Problem
 from jkrcli.case import store
-from jkrcli.case.models import Case, CaseModel, fem_of, method_of
+from jkrcli.case.models import Case, CaseModel, method_of
+from jkrcli.fem.solver import FEM
 from jkrcli.many.studies import Cost, process_cost
 from jkrcli.methods.layered.solver import largest_radius
-from jkrcli.methods.protocol import METHODS, choose_method, method_class
+from jkrcli.methods.protocol import METHODS, choose_method
 from jkrcli.resolve.analysis import Analysis, analyse
 
 from .chart_measure import timed, typical
@@ -55,7 +56,7 @@ DEFAULT = "default"
 def _recipe(model: CaseModel) -> CaseModel:
     """The case as the paper would solve it: uniform linear quadrilaterals over the contact (integrated at one point
     where they lock), even increments of depth, nothing estimated."""
-    problem, mesh = model.problem(), fem_of(model)
+    problem, mesh = model.problem(), cast(FEM, method_of(model, "fem"))
     size = largest_radius(problem) / 35  # ten times the paper's on its half-space, 0.005 R
     if problem.specimen.layers:
         size = min(size, problem.specimen.layers[0].thickness / 50)  # the paper's 0.02 h
@@ -124,7 +125,8 @@ def settings_of(model: CaseModel, methods: Sequence[str]) -> list[Setting]:
     found = [setting for setting in SETTINGS if not methods or setting.method in methods]
     known = {setting.method for setting in SETTINGS}
     found += [Setting(name, DEFAULT) for name in METHODS if name not in known and (not methods or name in methods)]
-    if replace(fem_of(model), contact="nested") != method_class("fem")() and (not methods or "fem" in methods):
+    own = replace(cast(FEM, method_of(model, "fem")), contact="nested")
+    if own != FEM() and (not methods or "fem" in methods):
         found.append(Setting("fem", "the case's own mesh"))
     return sorted(found, key=lambda setting: list(METHODS).index(setting.method))
 

@@ -25,6 +25,7 @@ from jkrcli.case.store import solve
 from jkrcli.cli import call as jkr
 from jkrcli.cli.cycle import TABLE_CYCLE_PER_POINT, TABLE_CYCLE_PER_ROW
 from jkrcli.cli.inputs import PER_FILE, TABLE_PER_ROW
+from jkrcli.fem.solver import FEM
 from jkrcli.hybrid.solver import Hybrid
 from jkrcli.many.maps import map_of
 from jkrcli.many.sweep import Means, sweep
@@ -33,7 +34,6 @@ from jkrcli.many.sweep_plan import load_plan
 from jkrcli.measured.afm_formats import estimate_rows
 from jkrcli.measured.files import each
 from jkrcli.measured.readings import TABLE_FIT_PER_ROW, TABLE_REFIT, TABLE_REFIT_PER_ROW, TABLE_WORK_PER_ROW
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.tables import curve_columns, summary
 from jkrcli.resolve.analysis import JKR, analyse, forecast

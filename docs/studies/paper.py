@@ -23,10 +23,10 @@ from jkrcli.base.numerics import Array
 from jkrcli.base.units import scale, show
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.case.models import load_case, method_of
+from jkrcli.fem.solver import FEM
 from jkrcli.many.figures import Line, Panel, panels_figure
 from jkrcli.many.studies import COLORS, converge, curves_panel, radius_panel
 from jkrcli.measured.files import read
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
 from jkrcli.report.result import PICTURES

@@ -67,7 +67,6 @@ from ..tables import split_name, unit_power
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..methods.fem import FEM
     from ..tables.text import TextTable
 
 # --------------------------------------------------------------------------------------------------
@@ -782,11 +781,6 @@ def method_of(model: CaseModel, name: str) -> Method:
     return method_class(name)(**options)
 
 
-def fem_of(model: CaseModel) -> "FEM":
-    """The finite-element method as the case's tables say."""
-    return method_class("fem")(**options_of(model, "fem"))
-
-
 def options_of(model: CaseModel, name: str) -> dict[str, Any]:
     """The options of the method called ``name`` that the case gives, or that have a default."""
     if name not in METHODS:
@@ -1007,7 +1001,7 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
             infinite = where.startswith("specimen.layers") and where.endswith(".thickness")
             return f"{where}: is required{'; a half-space is [specimen.half_space]' if infinite else ''}"
         case "extra_forbidden":
-            if lacking := absent(f"method {where}"):
+            if lacking := absent(f"method {where}") or absent(f"table {where}"):
                 return f"{where}: {lacking}"
             keys = _allowed(item["loc"], keys_at)
             hint = ELSEWHERE.get(where) or ELSEWHERE.get(str(item["loc"][-1])) or did_you_mean(item["loc"][-1], keys)

@@ -44,13 +44,11 @@ CORE = {
         "pull-off": "Pull-off force and stability; w from a measured force.",
     },
     "More of a case": {
-        "mesh": "Write and draw the finite-element mesh.",
         "compare": "Compare two results; exit code 1 where they differ.",
     },
     "More of an adhesive curve": {
         "cycle": "Force curve of an approach-retract cycle, over time too.",
         "profile": "Contact pressure, surface shape and gap at one state.",
-        "fields": "Displacement and stress in the body, for ParaView.",
         "export": "The contact law for particle codes: a C header and a table.",
     },
     "More of a measurement": {},
@@ -63,8 +61,8 @@ CORE = {
 MODULES = {  # where each verb is
     verb: f"cli.{module}"
     for module, verbs in {
-        "case_verbs": ("new", "check", "run", "import", "mesh"),
-        "curve_verbs": ("transform", "pull-off", "profile", "fields", "export"),
+        "case_verbs": ("new", "check", "run", "import"),
+        "curve_verbs": ("transform", "pull-off", "profile", "export"),
         "cycle": ("cycle",),
         "file_verbs": ("compare", "show", "doctor", "completion"),
     }.items()

@@ -1,4 +1,4 @@
-"""Verbs of cases: ``new``, ``check``, ``run`` and ``mesh``, and ``import`` of others' series."""
+"""Verbs of cases: ``new``, ``check`` and ``run``, and ``import`` of others' series."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import __version__
 from ..base.errors import InputError, counted, did_you_mean
-from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_bytes
+from ..base.files import check_series_target, check_target, read_bytes, write_bytes
 from ..methods.protocol import METHODS, Limits, long_look
 from ..report.result import Output
 from ..tables import quantities
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from ..resolve.foreign import SeriesReading
 
 # --------------------------------------------------------------------------------------------------
-# Verbs of cases: ``new``, ``run`` and ``mesh``, and ``import`` of others' series.
+# Verbs of cases: ``new`` and ``run``, and ``import`` of others' series.
 
 
 @options.verb("case")
@@ -216,43 +215,6 @@ def _case(path: Path | None, body: Flags) -> Case:
         if "loading" not in tomllib.loads(content.decode("utf-8")):
             return parse_case(content + SOME_LOADING, str(path), path.parent)
     return load_case(path)
-
-
-# --------------------------------------------------------------------------------------------------
-# ``jkr mesh``: the finite-element mesh of a case, for other programs and for the eye.
-
-# What tells jkr that it wrote a file, where the format keeps comments.
-MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
-
-
-@options.verb("case")
-@options.into_folder("Folder.", default=".", show_default=True)
-@options.limits_options
-@options.output_options(json="Print the summary as JSON.")
-def mesh(case: Path, limits: Limits, output: Output) -> None:
-    """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.
-
-    \b
-    jkr mesh cases/halfspace.toml
-    """
-    from ..case.models import fem_of, load_case
-    from ..methods.fem.mesh import write_msh, write_vtu
-    from ..report.solved import Meshed
-
-    model = load_case(case).model
-    problem = model.problem()
-    targets = output.files(output.folder(Path()) / f"{case.stem}-mesh", (*MARKS, ".png"), [case])
-    method = fem_of(model)
-    options.begin("method fem on this mesh", method.forecast(problem), limits)
-    result = Meshed(case, method.mesh(problem), method.reach(problem))
-    with together():
-        for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
-            with atomic(targets[ending]) as temporary:
-                write(result.mesh, temporary)
-                with temporary.open("a") as file:
-                    file.write(MARKS[ending])
-        targets.write(figure=result.figure())
-    give(result, output.json, f"  written   {targets}")
 
 
 # --------------------------------------------------------------------------------------------------

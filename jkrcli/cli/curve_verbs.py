@@ -1,4 +1,4 @@
-"""Verbs of computed curves: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``."""
+"""Verbs of computed curves: ``transform``, ``pull-off``, ``profile``, ``export``."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pathlib import Path
 import click
 
 from ..base.errors import InputError
-from ..base.files import atomic, together, write_text
+from ..base.files import together, write_text
 from ..base.wings import offered
 from ..methods.protocol import Limits
 from ..report.result import PICTURES, Files, Output, Results
 from . import inputs, options
-from .printing import announce, answer, give, present, warn
+from .printing import answer, give, present, warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..series import Solution
 
 # --------------------------------------------------------------------------------------------------
-# Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``.
+# Verbs of series: ``transform``, ``pull-off``, ``profile``, ``export``.
 
 
 @options.verb("files...")
@@ -260,10 +260,8 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
     stem = output.folder(file.parent) / f"{file.stem}-profile{ranged.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     seconds = 0.0
-    if solution.problem.sticks and not ranged:
-        from ..methods.fem.fields import seconds_of_state
-
-        seconds = seconds_of_state(solution.problem)
+    if solution.problem.sticks and not ranged and (of_state := offered("seconds of finite elements")):
+        seconds = of_state(solution.problem)
     inputs.begin_curves("profile", [solution], [(w,)], limits, [ranged] * (radius is None), beside=seconds)
     if radius is None:
         assert state.load is not None
@@ -271,52 +269,6 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
     result = Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
     targets.write(result.columns, figure=result.figure())
     give(result, output.json, f"  written {targets}")
-
-
-# --------------------------------------------------------------------------------------------------
-# ``jkr fields``: displacement and stress in the body at one state.
-
-COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
-
-
-@options.verb("file")
-@options.state_options
-@click.option("--component", type=click.Choice(COMPONENTS),
-              help="Stress in the picture [default: zz]; the .vtu holds all.")  # fmt: skip
-@options.into_folder()
-@options.output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
-def fields(file: Path, state: options.State, component: str | None, output: Output) -> None:
-    """Compute displacement and stress in the specimen of FILE, a case or a solution, at one state of adhesive contact,
-    by finite elements.
-
-    The adhesive field is the sum of nonadhesive contact and a flat punch of the same radius. The mesh is graded
-    towards the contact edge. The results are <stem>-fields.vtu (ParaView), .csv (tractions on the surface, every
-    interface and the base, with their errors), .png and .svg.
-
-    \b
-    jkr fields data.h5 --a "5 um"
-    jkr fields coating.h5 --load "-10 uN" --w "40 mJ/m^2" --component rr
-    """
-    state.refuse_wrong("fields")
-    if component is not None and not output.plots:
-        raise InputError("fields: --component has no effect with --no-plots, it says what is drawn: leave one out")
-    output.folder(Path())
-    file, solution, w = inputs.body_and_work("fields", file, state.work)
-    targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
-    from ..methods.fem.fields import seconds_of_state
-    from ..report.forward import Fields
-    from ..resolve.analysis import analyse, fem_behind
-    from .case_verbs import MARKS
-
-    announce("fields by finite elements", seconds_of_state(solution.problem))
-    curve, component = analyse(solution, [w])[0], component or "zz"
-    result = Fields.of(curve, fem_behind(solution), a=state.radius, load=state.load, component=component)
-    figure = targets.draw(result.figure)
-    with together():
-        with atomic(targets[".vtu"]) as temporary:
-            result.write_vtu(temporary, MARKS[".vtu"])
-        targets.write(result.columns, figure=figure)
-    give(result, output.json, f"  written      {targets}")
 
 
 # --------------------------------------------------------------------------------------------------

@@ -28,7 +28,6 @@ from ..base.units import show
 from ..bodies.problem import Problem
 from ..case.models import Case
 from ..case.store import solve, write_solution
-from ..methods.fem import FEM
 from ..methods.layered.solver import Layered
 from ..report import tables
 from ..report.plots import BLACK, BLUE, GREEN, ORANGE, axis_of
@@ -230,7 +229,7 @@ def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
 
 
 def converge(
-    problem: Problem, method: FEM, w: float, count: int, slopes_name: str = "auto", pool: Pool | None = None
+    problem: Problem, method: Any, w: float, count: int, slopes_name: str = "auto", pool: Pool | None = None
 ) -> Convergence:
     """Solve ``problem`` on ``count`` meshes, the finest being that of ``method``, and transform for ``w`` [J/m^2].
 
@@ -260,14 +259,14 @@ def converge(
     return Convergence(problem, w, depth, tuple(levels), exact)
 
 
-def _timed(problem: Problem, method: FEM) -> tuple[Solution, Array, float]:
+def _timed(problem: Problem, method: Any) -> tuple[Solution, Array, float]:
     """A solution, its mesh's surface radii [m] and the CPU seconds it took."""
     start = time.thread_time()  # of this mesh alone, whatever else the process works on
     run, solution = method.solve(problem)
     return solution, run.level.model.system.grid.surface_radii(), time.thread_time() - start
 
 
-def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
+def coarser(method: Any, problem: Problem, factor: float) -> Any:
     """The method with every element ``factor`` times as large, as far as the mesher's limits let it."""
     if factor == 1:
         return method
@@ -282,10 +281,10 @@ def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
         return replace(method, spacing=spacing, growth=growth)
     zones = tuple(factor * size for size in method.zone_sizes)
     size = method.element_size if method.element_size is not None else edge_size(method, problem, 0.0)
-    return replace(method, element_size=factor * size, zone_sizes=zones, growth=growth)  # type: ignore[arg-type]
+    return replace(method, element_size=factor * size, zone_sizes=zones, growth=growth)
 
 
-def edge_size(method: FEM, problem: Problem, a: float) -> float:
+def edge_size(method: Any, problem: Problem, a: float) -> float:
     """Distance between the surface vertices on either side of the radius ``a`` [m] in the method's mesh."""
     return spacing_at(method.mesh(problem).surface_radii(), a)
 

@@ -113,7 +113,6 @@ def study_converge(
     """
     from ..base.executors import executor
     from ..case.models import load_case, method_of
-    from ..methods.fem import FEM
     from .studies import converge
 
     loaded = load_case(case)
@@ -122,10 +121,9 @@ def study_converge(
         raise InputError(f"{case}: names no work of adhesion > 0: give --w")
     folder = output.folder(Path())
     files = output.files(folder / f"{case.stem}-convergence", (".csv", ".json", *PICTURES), [case])
-    method = method_of(loaded.model, "fem")
-    assert isinstance(method, FEM)
+    method: Any = method_of(loaded.model, "fem")
     if contact is not None:
-        method = replace(method, contact=contact)  # type: ignore[arg-type]
+        method = replace(method, contact=contact)
     problem = loaded.model.problem()
     with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
         study = converge(problem, method, w, levels, pool=pool)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import platform
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -18,6 +17,7 @@ from ..base.errors import Refusal, Unknown, installs
 from ..base.process import memory_words
 from ..base.registry import Result
 from ..base.units import reached, show
+from ..base.wings import offered
 from ..bodies.problem import Problem
 from ..case.models import Case, method_of
 from ..methods.protocol import Choice, Option, choose_method, survey
@@ -205,8 +205,9 @@ class Machine(Result):
     def examined(cls) -> Machine:
         """This machine: everything that is worth looking at, in the order of a report."""
         python = Finding("Python", "ok", f"{platform.python_version()} on {platform.platform(terse=True)}")
+        mesher = offered("the mesher")
         optional = (_package(package, extra, f" ({use})") for package, (extra, use) in OPTIONAL.items())
-        return cls([python, *map(_package, REQUIRED), _mesher(), *optional])
+        return cls([python, *map(_package, REQUIRED), *([] if mesher is None else [mesher()]), *optional])
 
     @property
     def is_sound(self) -> bool:
@@ -231,19 +232,3 @@ def _package(package: str, extra: str = "", use: str = "") -> Finding:
         return Finding(package, "ok", f"{version(package)}{use}")
     except PackageNotFoundError:
         return Finding(package, "optional" if use else "missing", f"not installed{use}", installs(extra))
-
-
-def _mesher() -> Finding:
-    """gmsh is installed as a package but needs libraries of the system, which only loading it tells."""
-    from ..methods.fem.mesh import SYSTEM_PACKAGES, how_to_install
-
-    try:
-        importlib.import_module("gmsh")
-        return Finding("gmsh", "ok", version("gmsh"))
-    except PackageNotFoundError:
-        return Finding("gmsh", "ok", "from the system")
-    except ImportError:
-        return Finding("gmsh", "optional", "not installed (finite elements)", how_to_install())
-    except OSError as error:
-        remedy = f"sudo apt-get install --no-install-recommends {SYSTEM_PACKAGES}"
-        return Finding("gmsh", "missing", f"cannot load: {error}; methods without a mesh work", remedy)

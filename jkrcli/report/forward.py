@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -27,10 +27,6 @@ from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
 from .result import Figure
 from .tables import Scales, format_state, is_refined, quantities, read_curve, transpose_rows
-
-if TYPE_CHECKING:
-    from ..methods.fem import FEM
-    from ..methods.fem.fields import ContactState
 
 
 @FIGURES.register(Analysis)
@@ -429,9 +425,6 @@ class Compared(Result):
 # --------------------------------------------------------------------------------------------------
 # One state of a contact as a result: pressure and shape of its surface, displacement and stress in the body.
 
-FIELD_COLUMNS = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa", "zz_error": "sigma_zz_err_Pa",
-           "rz_error": "sigma_rz_err_Pa", "area": "ring_area_m2"}  # fmt: skip
-
 
 @dataclass(frozen=True, eq=False)
 class Profile(Result):
@@ -458,113 +451,6 @@ class Profile(Result):
         from .plots.forward import profile_figure
 
         return profile_figure(self.columns, self.a, self.w)
-
-
-@dataclass(frozen=True, eq=False)
-class Fields(Result):
-    """A ``state`` of the bodies of a ``curve`` by finite elements; ``P`` [N]: the load of the series there;
-    ``component``: of the stress in the picture."""
-
-    curve: Analysis
-    P: float
-    state: ContactState
-    component: str = "zz"
-
-    @classmethod
-    def of(
-        cls, curve: Analysis, method: FEM, *, a: float | None = None, load: float | None = None, component: str = "zz"
-    ) -> Fields:
-        """The state at the contact radius ``a`` [m], or at a ``load`` [N] on the stable branch."""
-        from ..methods.fem.fields import contact_state
-
-        if a is None:
-            assert load is not None
-            a = device_path.stable_radius(curve.curve, load)
-        delta, P = (float(value) for value in curve.curve.at(np.array(a)))
-        # What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered;
-        # None where it is rigid, or acts by the modulus alone
-        surface, at = None, a
-        if curve.problem.indenter.material is not None and not curve.problem.is_half_space:
-            from ..methods.layered.solver import surface_profile
-
-            def surface(r: Array) -> Array:
-                return surface_profile(curve.problem, at, curve.w, r_surface=r).displacement
-
-        state = contact_state(method, curve.problem, a, delta, surface)
-        return cls(curve, P if load is None else load, state, component)  # but for round-off
-
-    @property
-    def columns(self) -> dict[str, Array]:  # type: ignore[override]
-        """One row for each point of each line."""
-        lines = self.state.lines.items()
-        return {
-            "line": np.concatenate([np.full(line.r.size, name) for name, line in lines]),
-            "depth_m": np.concatenate([np.full(line.r.size, line.depth) for _, line in lines]),
-            **{
-                column: np.concatenate([getattr(line, key) for _, line in lines])
-                for key, column in FIELD_COLUMNS.items()
-            },
-            "level": np.full(sum(line.r.size for _, line in lines), LEVEL),
-        }
-
-    def summary(self) -> dict[str, Any]:
-        state = self.state
-        return {
-            "file": str(self.curve.path),
-            "level": LEVEL,
-            **quantities(state, "a"),
-            **quantities(self.curve, "w"),
-            **quantities(state, "delta P"),
-            "P_series_N": self.P,
-            "difference": abs(state.P - self.P) / state.lines["surface"].size,
-            "elements": len(state.grid.cells),
-            "interpolation_error": dict(state.interpolation_error),
-            "lines": {
-                name: {"depth_m": line.depth, "load_N": line.load, "imbalance": state.imbalance[name],
-                       "error": state.error[name]}
-                for name, line in state.lines.items()
-            },
-        }  # fmt: skip
-
-    def words(self) -> list[str]:
-        state, summary = self.state, self.summary()
-        mises, r, depth = state.largest_mises
-        return [
-            f"{format_state(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
-            f"  load         of the solution {show(self.P, 'load')}: differs by {summary['difference']:.0e} of the "
-            f"contact forces; {summary['elements']} quadratic triangles",
-            f"  von Mises    at most {show(mises, 'modulus')} (a/20 off the edge), at r = {show(r, 'length')}, depth "
-            f"{show(depth, 'length')}",
-            f"  fields       interpolation error within {state.interpolation_error['displacement']:.0e} of the largest "
-            f"displacement, {state.interpolation_error['von_mises']:.0e} of the largest von Mises stress (r < 3 a, "
-            "a/20 off the edge)",
-            *(
-                f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e})"
-                f"; mean error of the tractions {line['error']:.0e}"
-                for name, line in summary["lines"].items()
-            ),
-        ]
-
-    def figure(self) -> Figure:
-        from .plots.forward import contact_zone_figure
-
-        return contact_zone_figure(self.state, self.curve.problem.indenter, self.curve.w, self.component)
-
-    def write_vtu(self, target: Path, mark: str = "") -> None:
-        """Displacement and stresses at the nodes of quadratic triangles for ParaView, with the errors of what is
-        interpolated in each of these, and ``mark`` behind it."""
-        from ..methods.fem.mesh import write_vtu
-
-        state, names = self.state, [f"sigma_{name}" for name in ("rr", "tt", "zz", "rz")]
-        data = {"displacement_m": np.column_stack([state.displacement, np.zeros(len(state.displacement))])}
-        data |= {f"{name}_Pa": values for name, values in zip(names, state.stress, strict=True)}
-        data |= {"von_mises_Pa": state.mises}
-        errors = {"displacement_err_m": np.hypot(*state.errors["displacement"].T)}
-        errors |= {f"{name}_err_Pa": values for name, values in zip(names, state.errors["stress"].T, strict=True)}
-        errors |= {"von_mises_err_Pa": state.errors["mises"]}
-        write_vtu(state.grid, target, data, errors, state.middles)
-        with target.open("a") as file:
-            file.write(mark)
 
 
 @dataclass(frozen=True)

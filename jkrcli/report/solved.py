@@ -1,27 +1,21 @@
-"""Solved cases, imported tables and meshes: how far they go, by what method, how exactly."""
+"""Solved cases and imported tables: how far they go, by what method, how exactly."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any
 
 from ..adhesion.validity import judge_solution
 from ..base.errors import AT_LEVEL, LEVEL, Estimate, Unknown, accuracy, counted
 from ..base.numerics import Array
 from ..base.registry import Result
-from ..base.units import reached, show
+from ..base.units import reached
 from ..bodies.problem import relaxing
 from ..methods.protocol import Choice
 from ..resolve.sticking import StickingEffect, sticking, sticking_warnings
 from ..series import COLUMNS, Series, Solution
-from .result import Figure
-
-if TYPE_CHECKING:
-    from ..methods.fem.mesh import Grid
 
 
 def end_of(series: Series) -> dict[str, Any]:
@@ -136,50 +130,3 @@ def missed(tolerance: float | None, error: Estimate) -> list[str]:
         return []
     words = error.reason if isinstance(error, Unknown) else f"{error:.1e}"
     return [f"--tolerance: {tolerance:g} was requested, and the error is {words}"]
-
-
-# --------------------------------------------------------------------------------------------------
-# The finite-element mesh of a case as a result: its size and quality, its picture.
-
-
-@dataclass(frozen=True, eq=False)
-class Meshed(Result):
-    """The ``mesh`` of the case in ``file``, fine within the ``reach`` [m] of the expected contact."""
-
-    file: Path
-    mesh: Grid
-    reach: float
-
-    def summary(self) -> dict[str, Any]:
-        mesh, quality = self.mesh, self.mesh.quality()
-        return {
-            "file": str(self.file),
-            "element": mesh.element,
-            "elements": len(mesh.cells),
-            "vertices": len(mesh.points),
-            "r_m": mesh.width,
-            "depth_m": mesh.depth,
-            "reach_m": self.reach,
-            "vertices_within_reach": int(np.sum(mesh.surface_radii() <= self.reach)),
-            "quality": {
-                "least": float(quality.min()),
-                "median": float(np.median(quality)),
-                "greatest": float(quality.max()),
-            },
-        }
-
-    def words(self) -> list[str]:
-        summary = self.summary()
-        low, middle, high = (summary["quality"][name] for name in ("least", "median", "greatest"))
-        return [
-            f"{summary['elements']} {summary['element']}s, {summary['vertices']} vertices: {self.file}",
-            f"  body      r <= {show(summary['r_m'], 'length')}, depth {show(summary['depth_m'], 'length')}; "
-            f"{summary['vertices_within_reach']} surface vertices within the expected contact of "
-            f"{show(self.reach, 'length')}",
-            f"  quality   {low:.3f} to {high:.3f}, median {middle:.3f} (1 is best)",
-        ]
-
-    def figure(self) -> Figure:
-        from .plots.forward import mesh_figure
-
-        return mesh_figure(self.mesh, self.reach)

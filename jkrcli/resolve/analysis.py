@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -51,8 +51,8 @@ from ..base.numerics import HALF_WIDTH, MOST_SOLVES, ROUNDED, ROWS, SAME, UNSEEN
 from ..base.process import PATIENCE
 from ..base.registry import Reported
 from ..base.units import LARGEST_SI, show
+from ..base.wings import absent, offered
 from ..bodies.problem import INCOMPRESSIBLE, Loading, Problem, relaxing
-from ..case.models import Case, fem_of
 from ..methods.integral.density import nonsmooth_part
 from ..methods.integral.finite_range import AttractedSurface, adhesive_surface, attracted_surface
 from ..methods.layered.solver import surface_profile
@@ -61,9 +61,6 @@ from ..series import ErrorBudget, Series, Solution, is_series
 from .node_radii import Compared, compared
 from .resolve import Comparison, compare_half_space, effect_of_range, own_solution, resolve_with
 from .sticking import StickingEffect, effect_on
-
-if TYPE_CHECKING:
-    from ..methods.fem import FEM
 
 JKR: RangeRequest = RangeRequest()
 EXPLAINED = 0.1  # choice: of what a force is off, the part of the loads from which they are its cause
@@ -540,14 +537,6 @@ def method_behind(solution: Solution) -> Method | None:
     return method if solution.kernel is None else replace(method, known=solution)
 
 
-def fem_behind(solution: Solution) -> FEM:
-    """The finite elements for fields in the body of ``solution``: those that made it, or as its case says."""
-    refuse_no_disc(solution.facts, "fields")
-    case = solution.record.case
-    made: FEM | None = solution.solver if solution.method == "fem" else None
-    return made or (fem_of(case.model) if isinstance(case, Case) else method_class("fem")())
-
-
 def solver_of(solution: Solution) -> Further | None:
     """How further radii of ``solution`` are solved; None where its radii are not exact. ``seconds_of_points`` forecasts
     what that costs."""
@@ -797,7 +786,7 @@ def radius_under(solution: Solution, load: float, w: float, request: RangeReques
 
 def profile_columns(solution: Solution, a: float, w: float, request: RangeRequest) -> dict[str, Array]:
     """Pressure inside, displacement and gap around a contact of radius ``a`` [m] on the body itself: by its kernel, or
-    by finite elements where the surfaces stick or the kernel of a cylinder does not give them."""
+    by finite elements (a wing) where the surfaces stick or the kernel of a cylinder does not give them."""
     problem = solution.problem
     refuse_no_disc(solution.facts, "profile")
     if problem.coatings:  # refused
@@ -812,7 +801,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
         surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
         return _of_surface(body.problem, r, surface)
     if problem.sticks:
-        return _meshed(solution, a, w)
+        return _by_elements(solution, a, w)
     if problem.specimen.radius is None:
         return _columns(problem, a, w)
     _check_within(solution, a)
@@ -829,7 +818,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
         attraction = body.attraction(min(3 * a, half_way, body.limit))
         r = _around(a, attraction.reach)
         return _of_surface(problem, r, adhesive_surface(attraction, a, w, r, body.scale))
-    return _meshed(solution, a, w)
+    return _by_elements(solution, a, w)
 
 
 def _check_within(solution: Solution, a: float) -> None:
@@ -856,29 +845,12 @@ def _inside(a: float) -> Array:
     return a * np.sin(np.linspace(0, np.pi / 2, ROWS + 2)[1:-1])
 
 
-def _meshed(solution: Solution, a: float, w: float) -> dict[str, Array]:
-    """Pressure at the nodes inside, displacement and gap at the vertices from the edge out to 3 a, by finite elements;
-    where the surfaces stick, shear too, outwards positive."""
-    from ..methods.fem.fields import STATE_ORDER, contact_state
-
-    curve = analyse(solution, [w])[0].curve
-    delta, _ = (float(value) for value in curve.at(np.array(a)))
-    state = contact_state(fem_behind(solution), solution.problem, a, delta)
-    points, line = state.grid.points, state.lines["surface"]
-    beyond = np.flatnonzero((np.abs(points[:, 1]) <= 1e-12 * a) & (a <= points[:, 0]) & (points[:, 0] <= 3 * a))
-    beyond = beyond[np.argsort(points[beyond, 0], kind="stable")][::STATE_ORDER]  # the elements' vertices
-    inside = line.r < a * (1 - ROUNDED)
-    r, none = np.concatenate([line.r[inside], points[beyond, 0]]), np.zeros(beyond.size)
-    f, lower = solution.problem.indenter.f(r), -state.displacement[beyond, 1]
-    displacement = np.concatenate([(delta - f)[: -none.size], lower])
-    shear = {"shear_Pa": np.concatenate([line.rz[inside], none])} if solution.problem.sticks else {}
-    return {
-        "r_m": r,
-        "pressure_Pa": np.concatenate([-line.zz[inside], none]),
-        **shear,
-        "displacement_m": displacement,
-        "gap_m": np.where(r < a, 0.0, f - delta + displacement),
-    }
+def _by_elements(solution: Solution, a: float, w: float) -> dict[str, Array]:
+    """The columns by finite elements; Refusal where that wing is not there."""
+    if (columns := offered("the surface by finite elements")) is None:
+        raise Refusal(f"profile: of this body by finite elements alone {absent('finite elements')}")
+    found: dict[str, Array] = columns(solution, a, w)
+    return found
 
 
 def _columns(problem: Problem, a: float, w: float) -> dict[str, Array]:

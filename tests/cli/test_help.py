@@ -19,8 +19,8 @@ from jkrcli.base.errors import installs
 from jkrcli.cli import GROUPS, RARE, VERBS
 from jkrcli.cli import jkr as root
 from jkrcli.cli.options import DESCRIBED, LINES
+from jkrcli.fem.mesh import SYSTEM_PACKAGES
 from jkrcli.many.verbs import STUDIES
-from jkrcli.methods.fem.mesh import SYSTEM_PACKAGES
 from jkrcli.report import check as doctor
 
 BIN = Path(sys.executable).parent
@@ -100,7 +100,7 @@ def test_doctor_names_the_remedy_of_what_is_missing(jkr: Callable, monkeypatch: 
         return real(name)
 
     assert SYSTEM_PACKAGES in (Path(__file__).parents[2] / ".ci" / "system-libraries").read_text()
-    monkeypatch.setattr(doctor.importlib, "import_module", without_gl)
+    monkeypatch.setattr(importlib, "import_module", without_gl)
     monkeypatch.setitem(doctor.OPTIONAL, "no-such-package", ("nothing", "a test"))
     done = jkr("doctor")
     assert done.code == 1

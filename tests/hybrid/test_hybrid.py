@@ -25,11 +25,11 @@ from jkrcli.bodies.problem import (
     TransverselyIsotropic,
     without_side_walls,
 )
+from jkrcli.fem.solver import FEM
 from jkrcli.hybrid import correction
 from jkrcli.hybrid.correction import Region
 from jkrcli.hybrid.kernel import KernelLevels, count_for
 from jkrcli.hybrid.solver import Hybrid
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.integral.fredholm import COLUMNS, rule
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayeredSpectrum

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Loading, Problem, Specimen
+from jkrcli.fem.solver import FEM
 from jkrcli.many.studies import coarser, converge, edge_size, richardson
-from jkrcli.methods.fem import FEM
 
 MATERIAL = Elastic(1.0, 0.3)
 HERTZ = Problem(Paraboloid(100.0), Specimen((), HalfSpace(MATERIAL)), Loading("radius", 1.0, 40))

@@ -9,7 +9,6 @@ from stopwatch import takes_less_than
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, Tabulated
-from jkrcli.methods.fem.mesh import SizeLaw, expected_triangles
 from jkrcli.methods.layered.solver import Layered, largest_radius
 from jkrcli.methods.protocol import long_look, method_class, survey
 
@@ -20,38 +19,7 @@ def stack(count: int, loading: Loading | None = None, top: float = 1e-4) -> Prob
     return Problem(Paraboloid(1e-3), Specimen(layers, HalfSpace(Elastic(1e7, 0.3))), loading or Loading("radius", 5e-5))
 
 
-def law(thicknesses: list[float], growth: float) -> SizeLaw:
-    tops = np.cumsum([0.0, *thicknesses[:-1]]).tolist()
-    layers = tuple((top, t, min(2 * growth, 0.5) * t, 100 * t) for top, t in zip(tops, thicknesses, strict=True))
-    return SizeLaw(1.0, growth, 0.2, 5.0, inner=0.1, slope=0.2, layers=layers)
-
-
-def brute_force(sizes: SizeLaw, width: float, depth: float) -> float:
-    r, z = (np.concatenate([[0], np.geomspace(1e-5, end, 1500)]) for end in (width, depth))
-    near = np.geomspace(1e-4, 0.5, 100)
-    across = np.array([top + t * part for top, t, *_ in sizes.layers for part in (near, 1 - near)]).ravel()
-    z = np.unique(np.concatenate([z, across]).clip(0, depth))
-    lines = [np.trapezoid(1 / sizes(np.full_like(z, radius), -z) ** 2, z) for radius in r]
-    return float(1.12 * 4 / np.sqrt(3) * np.trapezoid(lines, r))
-
-
-@pytest.mark.first(1)
-@pytest.mark.parametrize("thicknesses", [[1.0], [0.2] * 6, [0.02, 0.3] * 3, [0.5, 0.01, 2.0, 0.1]], ids=str)
-def test_expected_triangles_are_those_of_the_law(thicknesses: list[float]) -> None:
-    sizes = law(thicknesses, 0.15)
-    for depth in (sum(thicknesses), 50.0):
-        counted = expected_triangles(sizes, 40.0, depth)
-        assert counted == pytest.approx(brute_force(sizes, 40.0, depth), rel=0.02)  # measured: 0.007
-
-
-def test_sizes_on_a_grid_are_those_at_its_points() -> None:
-    chance = np.random.default_rng(3)
-    sizes = law((10 ** chance.uniform(-2, 0, 30)).tolist(), 0.1)
-    r, z = np.sort(chance.uniform(0, 20, 40)), np.sort(chance.uniform(0, 30, 300))
-    points = sizes(np.repeat(r[:, None], z.size, axis=1), np.repeat(-z[None, :], r.size, axis=0))
-    assert sizes.on_grid(r, z) == pytest.approx(points, rel=1e-12)
-
-
+@pytest.mark.fem
 @pytest.mark.first(1)
 @pytest.mark.parametrize("goal", [Loading("radius", 5e-5), Loading("load", 5e-4)])
 def test_three_hundred_layers_are_surveyed_at_once(goal: Loading) -> None:

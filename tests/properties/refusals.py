@@ -153,7 +153,7 @@ KINDS = {
     "fem: quadrilaterals": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or triangles",
         fem({"element": "quadrilateral"}), {"mesh": {"element": "triangle"}},
-        jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=1000),
+        jkrcli__fem__mesh__LAYOUT_MOST_CELLS=1000),
     "fem: zones": kind("method fem: " + TOO_MANY + "take a larger mesh.element_size, or a larger mesh.growth",
         {"method": "fem", "mesh": {**ZONES, "element_size": 1e-12}}, {"mesh": {"element_size": "1 um"}}),
     "fem: a tolerance of too many": kind("method fem: " + TOO_MANY + "use a larger mesh.tolerance, or use the "
@@ -190,7 +190,7 @@ KINDS = {
     "fem: tolerance with radii of vertices": kind(UNREACHED, {"method": "fem", "specimen": HALF_SPACE,
         "mesh": {"tolerance": 1e-3}, "contact": {"algorithm": "incremental"}},
         lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, LAYERED,
-        jkrcli__methods__fem__REFINEMENT_FINEST=0.02),
+        jkrcli__fem__REFINEMENT_FINEST=0.02),
     # ------------------------------------------------------------ hybrid
     "hybrid: half-space": kind(
         "method hybrid: a homogeneous half-space needs no correction: use method closed-form or layered",

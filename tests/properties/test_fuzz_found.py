@@ -198,7 +198,7 @@ def test_output_in_a_poor_encoding(tmp_path: Path, series: Path) -> None:
 
 def test_a_long_stretch_of_equal_elements_does_not_overflow() -> None:
     """Found by many_cases: more than 709 points of one size on a line."""
-    from jkrcli.methods.fem.mesh import graded_points
+    from jkrcli.fem.mesh import graded_points
 
     points = graded_points(0.0, 1.0, lambda x: np.full_like(x, 1e-3))
     assert points.size == 1001

@@ -19,8 +19,8 @@ from jkrcli.adhesion.rules import RULES
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, without_side_walls
+from jkrcli.fem.solver import FEM
 from jkrcli.hybrid.solver import Hybrid
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 
 PACKAGE = Path(__file__).parents[2] / "jkrcli"
@@ -221,6 +221,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "gain energy; give a smaller --stress",
     "cycle: the attraction of the surfaces extends without limit",
     "roughness: ",  # and tests of roughness
+    "profile: of this body by finite elements alone",  # and those of the core without its wing
 )
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from jkrcli.bodies.indenters import Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.fem.solver import FEM
 from jkrcli.formulas import shift
 from jkrcli.hybrid.solver import Hybrid
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse, nonadhesive
 

@@ -16,7 +16,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.models import load_case, parse_case
-from jkrcli.methods.fem import FEM
+from jkrcli.fem.solver import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Array
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jkrcli as jkr
-from jkrcli.methods.protocol import METHODS, Method
-from jkrcli.resolve.analysis import fem_behind, method_behind
+from jkrcli.methods.protocol import METHODS
+from jkrcli.resolve.analysis import method_behind
 from jkrcli.resolve.resolve import exact_methods, resolve_with
 
 GEL = jkr.Specimen((jkr.Layer(jkr.Elastic(1e4, 0.4), 1e-3),), jkr.Rigid())
@@ -17,7 +17,7 @@ RADII = np.array([1e-4, 2e-4])
 
 def test_methods_say_themselves_what_they_can() -> None:
     assert [type(method).__name__ for method in exact_methods()] == ["ClosedForm", "Layered"]
-    assert [name for name, method in METHODS.items() if not method.kernel] == ["fem"]
+    assert {name for name, method in METHODS.items() if not method.kernel} <= {"fem"}
 
 
 def test_the_least_exact_method_that_represents_the_body_is_taken() -> None:
@@ -47,11 +47,9 @@ FILM = jkr.Specimen((jkr.Layer(jkr.Elastic(E=1e6, nu=0.3), thickness=5e-6),), jk
 SLIDING = jkr.Problem(jkr.Paraboloid(R=10e-6), FILM, jkr.Loading("radius", 3e-6, 20))
 
 
-@pytest.mark.parametrize("method", [jkr.Layered(tolerance=1e-4), jkr.FEM(spacing=0.1)])
-def test_a_configured_method_is_the_one_behind_its_solution(method: Method) -> None:
-    solution = jkr.solve(SLIDING, method)
-    assert solution.solver == method
-    assert fem_behind(solution) == (method if isinstance(method, jkr.FEM) else jkr.FEM())
+def test_a_configured_method_is_the_one_behind_its_solution() -> None:
+    method = jkr.Layered(tolerance=1e-4)
+    assert jkr.solve(SLIDING, method).solver == method
 
 
 def test_a_file_gives_back_the_method_of_its_case(tmp_path: Path) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import jkrcli as jkr
+from jkrcli.fem.solver import FEM
 from jkrcli.hybrid.solver import Hybrid
 from jkrcli.methods.closed_form import ClosedForm
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 
 UNITS = [(1e-6, 3e-4), (2e4, 7e3)]

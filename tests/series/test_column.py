@@ -9,6 +9,11 @@ import jkrcli
 from jkrcli.base.wings import PACKAGE
 
 LINE = '    "q": Column("mean_pressure", "N/m^2", "load over contact area", 1, 1),\n}\nJUDGED'
+CASE = """
+indenter = { shape = "sphere", radius = "100 um" }
+specimen.half_space = { E = "5 GPa", nu = 0.4 }
+loading = { depth = "3 um" }
+"""
 LOOK = """
 import sys; sys.path.insert(0, sys.argv[1])
 import numpy as np, jkrcli as jkr
@@ -36,7 +41,7 @@ def test_a_column_of_the_series_is_added_in_two_files(tmp_path: Path) -> None:
         assert text.count(old) == 1
         path.write_text(text.replace(old, new), encoding="utf-8")
 
-    case = PACKAGE.parent / "cases" / "halfspace.toml"
+    (case := tmp_path / "half-space.toml").write_text(CASE, encoding="utf-8")
     words = [sys.executable, "-c", LOOK, tmp_path, case, tmp_path / "one.h5"]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     same, scaled, pulled = done.stdout.splitlines()[0].split()

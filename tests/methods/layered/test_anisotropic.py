@@ -9,7 +9,6 @@ from scipy.linalg import expm
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Rigid, Specimen, TransverselyIsotropic
 from jkrcli.case.models import parse_case
-from jkrcli.methods.fem.elasticity import Boussinesq, TransversePointForce
 from jkrcli.methods.layered.spectrum import LayerMedium, deviation
 
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
@@ -22,32 +21,6 @@ MATERIALS = [AS_FIVE, REAL, CONJUGATE, FIBRES, SHEAR_STIFF]
 def test_constants_of_no_material():
     with pytest.raises(InputError, match=r"^nu_zp: must lie between -0.5 and 0.5 for a positive strain energy"):
         TransverselyIsotropic(1.0, 1.0, 0.5, 0.5, 1.0)
-
-
-def test_the_point_force_with_isotropic_constants_is_boussinesqs():
-    r, z = np.array([0.0, 0.1, 1.0, 3.0]), np.array([-0.5, -1.0, -0.3, -2.0])
-    force = TransversePointForce(AS_FIVE)
-    for found, exact in zip(force.displacement(r, z), Boussinesq(ISOTROPIC).displacement(r, z), strict=True):
-        assert found == pytest.approx(exact, rel=1e-6)  # equal roots are taken 1e-4 apart
-    for found, exact in zip(force.side_traction(r, z), Boussinesq(ISOTROPIC).side_traction(r, z), strict=True):
-        assert found == pytest.approx(exact, rel=1e-5)
-
-
-@pytest.mark.parametrize("material", [REAL, CONJUGATE, FIBRES])
-def test_the_point_force_obeys_hookes_law_and_sinks_as_it_should(material):
-    r, z, step = np.array([0.1, 1.0, 3.0]), np.array([-1.0, -0.3, -2.0]), 1e-5
-    force = TransversePointForce(material)
-    assert force.displacement(r, 0 * r)[1] * np.pi * material.E_star * r == pytest.approx(-np.ones(3), rel=1e-12)
-    along_r = [np.subtract(*pair) / (2 * step) for pair in zip(
-        force.displacement(r + step, z), force.displacement(r - step, z), strict=True)]  # fmt: skip
-    along_z = [np.subtract(*pair) / (2 * step) for pair in zip(
-        force.displacement(r, z + step), force.displacement(r, z - step), strict=True)]  # fmt: skip
-    C11, C12, C13, _, C44 = material.stiffness
-    s_rr = C11 * along_r[0] + C12 * force.displacement(r, z)[0] / r + C13 * along_z[1]
-    s_rz = C44 * (along_z[0] + along_r[1])
-    found = force.side_traction(r, z)
-    assert found[0] == pytest.approx(s_rr, rel=1e-5, abs=1e-8)  # central differences
-    assert found[1] == pytest.approx(s_rz, rel=1e-5, abs=1e-8)
 
 
 @pytest.mark.parametrize("material", MATERIALS)

@@ -20,7 +20,6 @@ from jkrcli.bodies.problem import (
     Specimen,
     TransverselyIsotropic,
 )
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.integral.fredholm import Panels, Quadrature
 from jkrcli.methods.layered.no_slip import StuckDisc, StuckLayeredContact
 from jkrcli.methods.layered.solver import Layered
@@ -179,7 +178,7 @@ def test_the_list_of_radii_changes_nothing():
 @pytest.mark.parametrize("specimen", BODIES)
 def test_finite_elements_agree_within_their_stated_errors(specimen):
     problem = Problem(PARABOLOID, specimen, Loading("radius", 1.5), True)
-    fem = FEM()(problem)
+    fem = method_class("fem")()(problem)
     exact = Layered()(stuck(specimen, "depth", *fem.series.delta[-3:])).series
     errors = fem.budget.discretisation + fem.budget.truncation, fem.budget.radius
     assert np.abs(fem.series.P[-3:] / exact.P - 1).max() <= errors[0]

@@ -10,14 +10,17 @@ import numpy as np
 import pytest
 import stack_fields
 
+import jkrcli
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.fields import ContactState, contact_state, von_mises
-from jkrcli.methods.layered.solver import surface_profile
-from jkrcli.report.plots.forward import contact_zone_figure, magnification
+from jkrcli.fem.fields import ContactState, contact_state, von_mises
+from jkrcli.fem.figures import contact_zone_figure, magnification
+from jkrcli.fem.report import method_for
+from jkrcli.fem.solver import FEM
+from jkrcli.methods.layered.solver import Layered, surface_profile
+from jkrcli.methods.protocol import Method
 
 R, E, NU, W, A = 100e-6, 1e6, 0.3, 0.02, 10e-6
 E_STAR = E / (1 - NU**2)
@@ -310,3 +313,10 @@ def test_fields_under_an_elastic_indenter_carry_the_load_of_the_integral_equatio
 )
 def test_wrong_input_is_one_line(jkr: Callable, solved: Path, words: list[str], line: str) -> None:
     jkr("fields", "gel.h5", *words).refused(f"{line}")
+
+
+@pytest.mark.parametrize("method", [Layered(1e-4), FEM(spacing=0.1)])
+def test_fields_are_of_the_elements_that_made_the_solution_or_of_plain_ones(method: Method) -> None:
+    film = Specimen((Layer(Elastic(E, NU), 5e-6),), Rigid(bonded=True))
+    solution = jkrcli.solve(Problem(Paraboloid(R / 10), film, Loading("radius", 3e-6, 20)), method)
+    assert method_for(solution) == (method if isinstance(method, FEM) else FEM())

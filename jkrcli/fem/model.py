@@ -14,19 +14,19 @@ from numpy.polynomial import polynomial
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from ...base.errors import Estimate, InputError, JkrError, Refusal, SolveError, Unknown
-from ...base.numerics import MOST_SOLVES, MOST_STEPS, ROUNDED, SAME, SETTLED, Array, cubic_spline, pchip
-from ...base.process import StageClock
-from ...bodies.indenters import Indenter, Paraboloid
-from ...bodies.problem import INCOMPRESSIBLE, AnyGraded, HalfSpace, Loading, Material, Problem, Specimen
-from ...series import CoarseSeries, ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
-from ..layered.no_slip import coulomb_series, half_space_compliances, ring_transforms
-from ..layered.solver import largest_radius
-from ..layered.surface_tension import SurfaceTensionSolver
-from ..protocol import FEMOptions, Solver
-from ..radii import DENSE, ROOM, graded_radii
+from ..base.errors import Estimate, InputError, JkrError, Refusal, SolveError, Unknown
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, ROUNDED, SAME, SETTLED, Array, cubic_spline, pchip
+from ..base.process import StageClock
+from ..bodies.indenters import Indenter, Paraboloid
+from ..bodies.problem import INCOMPRESSIBLE, AnyGraded, HalfSpace, Loading, Material, Problem, Specimen
+from ..methods.layered.no_slip import coulomb_series, half_space_compliances, ring_transforms
+from ..methods.layered.solver import largest_radius
+from ..methods.layered.surface_tension import SurfaceTensionSolver
+from ..methods.radii import DENSE, ROOM, graded_radii
+from ..series import CoarseSeries, ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
 from . import mesh
 from .elasticity import ElasticSystem, StiffnessFactor, Surface, assemble, condense, factorise, missing_displacement
+from .options import FEMOptions, Solver
 
 # --------------------------------------------------------------------------------------------------
 # Unilateral contact on the condensed surface: nested (all contact radii at once, sliding or sticking) and by

@@ -23,13 +23,13 @@ from scipy.linalg import cho_solve
 from scipy.sparse import block_diag, bmat, csc_matrix, csr_matrix, tril
 from scipy.sparse.linalg import splu
 
-from ... import formulas
-from ...base.errors import InputError, Refusal, SolveError, installs
-from ...base.numerics import RESIDUAL_LIMIT, Array
-from ...base.process import one_thread
-from ...bodies.problem import AnyGraded, Elastic, GradedTransverselyIsotropic, Material, TransverselyIsotropic
-from ..protocol import Solver
+from .. import formulas
+from ..base.errors import InputError, Refusal, SolveError, installs
+from ..base.numerics import RESIDUAL_LIMIT, Array
+from ..base.process import one_thread
+from ..bodies.problem import AnyGraded, Elastic, GradedTransverselyIsotropic, Material, TransverselyIsotropic
 from .mesh import Grid, MeshedBody, require, sides
+from .options import Solver
 
 try:
     import skfem

@@ -7,10 +7,11 @@ from scipy.sparse import csc_matrix, diags
 
 from jkrcli.base.errors import Refusal, SolveError, installs
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import FEM, elasticity
-from jkrcli.methods.fem.elasticity import assemble, condense, factorise, sparse_factor
-from jkrcli.methods.fem.mesh import MeshedBody, make_grid, ringed_quads, triangles
+from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen, TransverselyIsotropic
+from jkrcli.fem import elasticity
+from jkrcli.fem.elasticity import Boussinesq, TransversePointForce, assemble, condense, factorise, sparse_factor
+from jkrcli.fem.mesh import MeshedBody, make_grid, ringed_quads, triangles
+from jkrcli.fem.solver import FEM
 
 HEIGHT, WIDTH = 1.5, 2.0
 CASES = [
@@ -161,5 +162,37 @@ def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_auto_takes_cholmod_where_it_pays(tuned) -> None:
     pytest.importorskip("cvxopt")
     assert sparse_factor(chain(50), 2, True, "auto").name == "SuperLU"
-    tuned("jkrcli.methods.fem.elasticity.FACTOR_SMALL", 10)
+    tuned("jkrcli.fem.elasticity.FACTOR_SMALL", 10)
     assert sparse_factor(chain(50), 2, True, "auto").name == "CHOLMOD"
+
+
+TRANSVERSE = [
+    TransverselyIsotropic(1.0, 3.0, 0.2, 0.3, 0.5), TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 3.0),
+    TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 0.3),
+]  # fmt: skip
+
+
+def test_the_point_force_with_isotropic_constants_is_boussinesqs():
+    r, z = np.array([0.0, 0.1, 1.0, 3.0]), np.array([-0.5, -1.0, -0.3, -2.0])
+    force = TransversePointForce(TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0))
+    for found, exact in zip(force.displacement(r, z), Boussinesq(Elastic(2.6, 0.3)).displacement(r, z), strict=True):
+        assert found == pytest.approx(exact, rel=1e-6)  # equal roots are taken 1e-4 apart
+    for found, exact in zip(force.side_traction(r, z), Boussinesq(Elastic(2.6, 0.3)).side_traction(r, z), strict=True):
+        assert found == pytest.approx(exact, rel=1e-5)
+
+
+@pytest.mark.parametrize("material", TRANSVERSE)
+def test_the_point_force_obeys_hookes_law_and_sinks_as_it_should(material):
+    r, z, step = np.array([0.1, 1.0, 3.0]), np.array([-1.0, -0.3, -2.0]), 1e-5
+    force = TransversePointForce(material)
+    assert force.displacement(r, 0 * r)[1] * np.pi * material.E_star * r == pytest.approx(-np.ones(3), rel=1e-12)
+    along_r = [np.subtract(*pair) / (2 * step) for pair in zip(
+        force.displacement(r + step, z), force.displacement(r - step, z), strict=True)]  # fmt: skip
+    along_z = [np.subtract(*pair) / (2 * step) for pair in zip(
+        force.displacement(r, z + step), force.displacement(r, z - step), strict=True)]  # fmt: skip
+    C11, C12, C13, _, C44 = material.stiffness
+    s_rr = C11 * along_r[0] + C12 * force.displacement(r, z)[0] / r + C13 * along_z[1]
+    s_rz = C44 * (along_z[0] + along_r[1])
+    found = force.side_traction(r, z)
+    assert found[0] == pytest.approx(s_rr, rel=1e-5, abs=1e-8)  # central differences
+    assert found[1] == pytest.approx(s_rz, rel=1e-5, abs=1e-8)

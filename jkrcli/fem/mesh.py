@@ -17,9 +17,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...base.errors import InputError, Refusal, SolveError, installs
-from ...base.numerics import AT_ONCE, ROUNDED, SAME, Array
-from ...bodies.problem import (
+from ..base.errors import InputError, Refusal, SolveError, installs
+from ..base.numerics import AT_ONCE, ROUNDED, SAME, Array
+from ..bodies.problem import (
     AnyGraded,
     AnyTransverse,
     Elastic,
@@ -30,9 +30,9 @@ from ...bodies.problem import (
     Specimen,
     TransverselyIsotropic,
 )
-from ..layered.no_slip import half_space_compliances
-from ..layered.solver import largest_radius
-from ..protocol import FEMOptions
+from ..methods.layered.no_slip import half_space_compliances
+from ..methods.layered.solver import largest_radius
+from .options import FEMOptions
 
 # --------------------------------------------------------------------------------------------------
 # Where a mesh is fine: one law of element size over the body, and graded points along a line.

@@ -10,14 +10,15 @@ from conftest import refused_by
 
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.mesh import (
+from jkrcli.fem.mesh import (
     SizeLaw,
+    expected_triangles,
     graded_points,
     triangles,
     write_msh,
     write_vtu,
 )
+from jkrcli.fem.solver import FEM
 
 SOFT, STIFF = Elastic(1.0, 0.3), Elastic(10.0, 0.2)
 LAW = SizeLaw(
@@ -145,3 +146,35 @@ def test_meshes_are_written_for_gmsh_and_paraview(tmp_path, element):
     assert cells == len(grid.cells)
     piece = ET.parse(tmp_path / "body.vtu").getroot().find(".//Piece")
     assert int(piece.attrib["NumberOfCells"]) == len(grid.cells)
+
+
+def law(thicknesses: list[float], growth: float) -> SizeLaw:
+    tops = np.cumsum([0.0, *thicknesses[:-1]]).tolist()
+    layers = tuple((top, t, min(2 * growth, 0.5) * t, 100 * t) for top, t in zip(tops, thicknesses, strict=True))
+    return SizeLaw(1.0, growth, 0.2, 5.0, inner=0.1, slope=0.2, layers=layers)
+
+
+def brute_force(sizes: SizeLaw, width: float, depth: float) -> float:
+    r, z = (np.concatenate([[0], np.geomspace(1e-5, end, 1500)]) for end in (width, depth))
+    near = np.geomspace(1e-4, 0.5, 100)
+    across = np.array([top + t * part for top, t, *_ in sizes.layers for part in (near, 1 - near)]).ravel()
+    z = np.unique(np.concatenate([z, across]).clip(0, depth))
+    lines = [np.trapezoid(1 / sizes(np.full_like(z, radius), -z) ** 2, z) for radius in r]
+    return float(1.12 * 4 / np.sqrt(3) * np.trapezoid(lines, r))
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize("thicknesses", [[1.0], [0.2] * 6, [0.02, 0.3] * 3, [0.5, 0.01, 2.0, 0.1]], ids=str)
+def test_expected_triangles_are_those_of_the_law(thicknesses: list[float]) -> None:
+    sizes = law(thicknesses, 0.15)
+    for depth in (sum(thicknesses), 50.0):
+        counted = expected_triangles(sizes, 40.0, depth)
+        assert counted == pytest.approx(brute_force(sizes, 40.0, depth), rel=0.02)  # measured: 0.007
+
+
+def test_sizes_on_a_grid_are_those_at_its_points() -> None:
+    chance = np.random.default_rng(3)
+    sizes = law((10 ** chance.uniform(-2, 0, 30)).tolist(), 0.1)
+    r, z = np.sort(chance.uniform(0, 20, 40)), np.sort(chance.uniform(0, 30, 300))
+    points = sizes(np.repeat(r[:, None], z.size, axis=1), np.repeat(-z[None, :], r.size, axis=0))
+    assert sizes.on_grid(r, z) == pytest.approx(points, rel=1e-12)

@@ -11,11 +11,11 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Indenter, Paraboloid, RoundedFlat
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.methods.fem import FEM
+from jkrcli.fem.solver import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Solution
 
-CASES = Path(__file__).parents[3] / "cases"
+CASES = Path(__file__).parents[2] / "cases"
 HALF_SPACE = Specimen((), HalfSpace(Elastic(1.0, 0.3)))
 
 
@@ -72,7 +72,7 @@ def test_six_bodies_at_three_tolerances(tolerance: float) -> None:
     "options", [{"depth": 20.0, "width": 12.0}, {"contact": "incremental"}], ids=["truncation", "radii of nodes"]
 )
 def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, tuned) -> None:
-    tuned("jkrcli.methods.fem.REFINEMENT_FINEST", 0.02)
+    tuned("jkrcli.fem.solver.REFINEMENT_FINEST", 0.02)
     with pytest.raises(Refusal, match=r"mesh.tolerance: 0.001 is not reached: with \d+ unknowns the estimated error"):
         FEM(tolerance=1e-3, **options)(PROBLEMS["half-space"])
 

@@ -12,8 +12,8 @@ from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, Sphere, TableProfile
 from jkrcli.bodies.problem import Elastic, Graded, HalfSpace, Layer, Loading, Power, Problem, Rigid, Specimen
 from jkrcli.case import store
+from jkrcli.fem.solver import FEM
 from jkrcli.formulas import jkr
-from jkrcli.methods.fem import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import method_class
 from jkrcli.report.tables import format_pull_off

@@ -10,11 +10,12 @@ from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.fem import elasticity
+from jkrcli.fem.elasticity import assemble, factorise
+from jkrcli.fem.mesh import MeshedBody, scaled_layout, triangles
+from jkrcli.fem.model import Discretisation, nested_events
+from jkrcli.fem.solver import FEM
 from jkrcli.formulas import hertz
-from jkrcli.methods.fem import FEM, elasticity
-from jkrcli.methods.fem.elasticity import assemble, factorise
-from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout, triangles
-from jkrcli.methods.fem.model import Discretisation, nested_events
 from jkrcli.methods.layered.solver import Layered
 
 SUBSTRATE = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
@@ -140,7 +141,7 @@ def test_contact_beyond_the_refined_zone_is_refused_with_the_value_to_give():
 
 
 def test_a_too_small_forecast_is_mended(monkeypatch):
-    monkeypatch.setattr("jkrcli.methods.fem.model.largest_radius", lambda problem: 1e-5)
+    monkeypatch.setattr("jkrcli.fem.model.largest_radius", lambda problem: 1e-5)
     P, _ = closed_form_errors(FEM(**QUICK)(PAPER), PAPER)
     assert np.abs(P).max() < 2e-4
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.problem import Elastic
-from jkrcli.methods.fem.elasticity import Surface
-from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout
-from jkrcli.methods.fem.model import Discretisation, SurfaceContact, nested_events, solve_depths
+from jkrcli.fem.elasticity import Surface
+from jkrcli.fem.mesh import MeshedBody, scaled_layout
+from jkrcli.fem.model import Discretisation, SurfaceContact, nested_events, solve_depths
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def test_increments_find_the_one_solution_of_any_positive_definite_problem(seed)
 def test_least_squares_find_the_contact_where_newton_s_method_does_not(models, order, monkeypatch):
     contact, depths = models[order].contact(Paraboloid(10.0)), np.linspace(0.01, 0.09, 5)
     loads = [step.P for step in solve_depths(contact, depths)]
-    monkeypatch.setattr("jkrcli.methods.fem.model.MOST_STEPS", 0)
+    monkeypatch.setattr("jkrcli.fem.model.MOST_STEPS", 0)
     np.testing.assert_allclose([step.P for step in solve_depths(contact, depths)], loads, rtol=1e-10)  # measured: 1e-13
 
 

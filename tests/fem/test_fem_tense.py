@@ -18,7 +18,7 @@ from jkrcli.bodies.problem import (
     Specimen,
     TransverselyIsotropic,
 )
-from jkrcli.methods.fem import FEM
+from jkrcli.fem.solver import FEM
 from jkrcli.methods.layered.solver import Layered
 
 SOFT, STIFF, RUBBER = Elastic(0.84, 0.4), Elastic(10.0, 0.25), Elastic(0.75, 0.5)

@@ -15,14 +15,14 @@ from scipy.linalg import cho_solve
 from scipy.sparse import csc_matrix, identity
 from scipy.sparse.linalg import spsolve
 
-from ...base.errors import InputError, Refusal
-from ...base.numerics import ROUNDED, Array
-from ...base.process import StageClock
-from ...bodies.problem import Problem
-from . import FEM
+from ..base.errors import InputError, Refusal
+from ..base.numerics import ROUNDED, Array
+from ..base.process import StageClock
+from ..bodies.problem import Problem
 from .elasticity import ElasticSystem, force_r, force_z, mass, measure, stiffness_constants
 from .mesh import Grid, finest_spacing, pressure_layers, scaled_layout, truncate
 from .model import Discretisation, Model
+from .solver import FEM
 
 # --------------------------------------------------------------------------------------------------
 # Stresses of a solution: at the nodes, and tractions along the lines of a body.

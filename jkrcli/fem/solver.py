@@ -1,4 +1,4 @@
-"""Axisymmetric finite elements: mesh, elasticity, surface compliance, contact; here the method ``FEM``."""
+"""The method ``FEM``: axisymmetric finite elements with contact on the condensed surface, sliding or sticking."""
 
 from __future__ import annotations
 
@@ -8,21 +8,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...base.errors import Estimate, Refusal, Unknown
-from ...base.numerics import MOST_SOLVES
-from ...base.process import StageClock, one_thread
-from ...bodies.problem import HalfSpace, Problem
-from ...series import ErrorBudget, Solution
-from ..protocol import DOUBLED, FEMOptions, Forecast, by_equation, without_coating
+from ..base.errors import Estimate, Refusal, Unknown
+from ..base.numerics import MOST_SOLVES
+from ..base.process import StageClock, one_thread
+from ..bodies.problem import HalfSpace, Problem
+from ..methods.protocol import Forecast, by_equation, without_coating
+from ..series import ErrorBudget, Solution
 from . import mesh
 from .mesh import Grid, Layout
+from .options import DOUBLED, FEMOptions
 
 if TYPE_CHECKING:
     from .model import Run
 
-
-# --------------------------------------------------------------------------------------------------
-# The method ``fem``: axisymmetric finite elements with contact on the condensed surface, sliding or sticking.
 
 # --------------------------------------------------------------------------------------------------
 # What a solve by ``fem`` costs and how accurate it is, before it is begun.

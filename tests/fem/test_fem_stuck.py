@@ -10,10 +10,10 @@ from jkrcli.base.errors import Refusal
 from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
 from jkrcli.bodies.problem import Elastic, Exponential, Graded, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.fields import contact_state
-from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout
-from jkrcli.methods.fem.model import Discretisation
+from jkrcli.fem.fields import contact_state
+from jkrcli.fem.mesh import MeshedBody, scaled_layout
+from jkrcli.fem.model import Discretisation
+from jkrcli.fem.solver import FEM
 from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)

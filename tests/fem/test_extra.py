@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 WITHOUT = """
 import contextlib, io, json, sys
 from importlib import machinery, metadata

@@ -9,9 +9,9 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution
-from jkrcli.methods.fem import FEM
-from jkrcli.methods.fem.mesh import Strip, homogenised_half_space, layout_for
-from jkrcli.methods.fem.model import _in_step
+from jkrcli.fem.mesh import Strip, homogenised_half_space, layout_for
+from jkrcli.fem.model import _in_step
+from jkrcli.fem.solver import FEM
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse
 

@@ -1,0 +1,1 @@
+"""Axisymmetric finite elements: mesh, elasticity, contact on the condensed surface, fields in the body."""

@@ -13,7 +13,7 @@ from ..base.arguments import OneOf, PerName, read, read_fields
 from ..base.errors import InputError
 from ..base.numerics import Array, numbers_of
 from ..base.units import AnyForce, AnyLength, Ranged, Sensitivity, Stiffness
-from ..series.vocabulary import VOCABULARIES, factors_of
+from ..series.vocabulary import NO_UNIT, VOCABULARIES, factors_of
 from ..tables import SEPARATORS
 
 NAMES = VOCABULARIES["measured"]
@@ -35,7 +35,8 @@ class Pixel:
 
 NOT_SUBTRACTED = "the deflection of the cantilever is not subtracted: give --stiffness"  # a flag of a curve
 GAPS = " without a number left out"  # in a flag
-# Another:
+# Others:
+SUBTRACTED_TWICE = "the displacement has its deflection subtracted already: leave --stiffness out"
 AS_DEPTH = "the displacement is taken as the depth of the tip: give --stiffness if it is that of the instrument"
 ARBITRARY = "arbitrary units, give"  # in a flag
 TURNED = ", sign changed"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
@@ -92,6 +93,18 @@ class Curve:
     def where(self) -> str:
         """File and name, for messages; a file of one curve gives it its name."""
         return self.name if self.origin is None else place(self.origin, self.name)
+
+    @property
+    def doubts(self) -> list[str]:
+        """Of its flags those that stand against what is made of its numbers."""
+        in_series = "E* is that of contact and instrument in series: "
+        parts = AS_DEPTH, SUBTRACTED_TWICE, NOT_SUBTRACTED, OVERRULED, NO_UNIT, GAPS
+        return [in_series * (flag == NOT_SUBTRACTED) + flag for flag in self.flags if any(one in flag for one in parts)]
+
+    @property
+    def likely(self) -> str:
+        """Behind the reason why it cannot be used: what of its reading is likely the cause; empty where nothing is."""
+        return "".join(f"; {flag}" for flag in self.flags if flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE))
 
     @property
     def measured(self) -> tuple[str, ...]:

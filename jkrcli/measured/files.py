@@ -18,14 +18,14 @@ from ..base.numerics import SHOWN, Array
 from ..base.units import show
 from . import afm_formats, formats, instruments, text_formats
 from . import instruments as archive
-from .curve import APPROACH, ARBITRARY, LEAST_ROWS, AsRead, Curve, Reading
-from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise, with_zero_points
+from .curve import APPROACH, ARBITRARY, LEAST_ROWS, SUBTRACTED_TWICE, AsRead, Curve, Reading
+from .segmentation import of_its_device, stiffness_of_noise, with_zero_points
 
 for _module in pkgutil.iter_modules([str(Path(__file__).parent)]):
     if _module.name.endswith("_format"):  # of one format, which it registers
         importlib.import_module(f"{__package__}.{_module.name}")
 
-__all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
+__all__ = ["APPROACH", "Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 MAP_ENDINGS = (".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".h5")

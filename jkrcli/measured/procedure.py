@@ -22,11 +22,10 @@ from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.problem import RADIUS, changed, checked_names
 from ..methods.radii import ROOM
 from ..resolve.sticking import sticking_effect, sticking_warnings
-from ..series.vocabulary import NO_UNIT
 from .batch import header_errors
 from .checks import warnings_of
 from .choices import Values
-from .curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
+from .curve import APPROACH, RETRACT, Curve, Pixel
 from .force_curve import FIT_ENOUGH, ForceCurveFit, fitting
 from .forward_model import ADVANCING, RECEDING, RESTING, DugdaleCurve, FittedBody, RestingMember
 from .least_squares import (
@@ -77,7 +76,7 @@ from .rows import (
 )
 from .score_tests import SCORE_TIED
 from .segmentation import PERMANENT_SET as SET
-from .segmentation import SUBTRACTED_TWICE, ForceCurve, segment_force_curve, with_zero_points
+from .segmentation import ForceCurve, segment_force_curve, with_zero_points
 from .settings import CALIBRATED, RANGES, TENSION, Settings
 
 # --------------------------------------------------------------------------------------------------
@@ -229,11 +228,6 @@ SIDE_BY_SIDE_KIB, KEPT_KIB = 1.1, 0.1  # choice: of memory, a row while it is fi
 STIFFEST = 50.0  # choice: of the device, a contact's stiffness beyond which no E* is told
 STIFFNESS_PART = 0.2  # choice: of the range of the load, from the largest on, over which a contact's stiffness is taken
 SYMBOLS = {"E_star": "E*"}
-WARNED = {  # flags of a curve that matter
-    NOT_SUBTRACTED: "E* is that of contact and instrument in series: ",
-    AS_DEPTH: "",
-    SUBTRACTED_TWICE: "",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,9 +348,8 @@ def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | No
         other = partial(with_other_profile, fitted, body, curve, settings, whole)
         return (yield from later(fitted, "the other profile of the same radius", other))
     except InputError as error:
-        likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
-        raise InputError([f"{line}{likely}" for line in lines]) from None
+        raise InputError([f"{line}{curve.likely}" for line in lines]) from None
     except SolveError as error:
         raise SolveError(f"{curve.where}: {error}") from None
     except (ArithmeticError, RuntimeWarning) as error:  # of one curve, which takes no others of a map with it
@@ -367,12 +360,7 @@ def _fitting(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | No
 
 def _completed(fitted: Fit, body: FittedBody, curve: Curve) -> Flow[Fit]:
     """The fit with what its readings, inputs and body say besides."""
-    flags = [
-        WARNED.get(flag, "") + flag
-        for flag in curve.flags
-        if flag in WARNED or any(part in flag for part in (OVERRULED, NO_UNIT, GAPS))
-    ]
-    warnings = (*flags, *fitted.warnings)
+    warnings = (*curve.doubts, *fitted.warnings)
     fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
     inputs = partial(with_inputs, fitted, body, curve.stiffness)
     fitted = yield from later(fitted, "inputs that no error holds", inputs)

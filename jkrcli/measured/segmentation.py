@@ -1079,9 +1079,6 @@ TIP_POSITION_SHARE = 0.5  # theory: of the variance of delta: more of it follows
 TIP_POSITION_USUAL = 4.0  # theory: medians, 2.7 standard deviations of normal noise: beyond is a jump or a turn
 
 
-SUBTRACTED_TWICE = "the displacement has its deflection subtracted already: leave --stiffness out"
-
-
 def of_its_device(curve: Curve) -> Curve:
     """The curve with the stiffness of its device where the noise of its displacement shows one."""
     if curve.delta is None or curve.P is None or curve.a is not None:

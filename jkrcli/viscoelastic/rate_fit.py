@@ -745,7 +745,7 @@ class _Problem:
 
 def _warnings(fit: RateFit) -> list[str]:
     """Warnings, each with its number."""
-    lines = []
+    lines = [f"{one.curve.where}: {line}" for one in fit.records for line in one.curve.doubts]
     low, high = fit.speeds
     of_law = [name for name in rate_parameters(fit.settings.law) if name in fit.free]
     if len(of_law) > 1 and high < WHOLE_DECADE * low:

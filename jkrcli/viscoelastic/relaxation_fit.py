@@ -65,11 +65,15 @@ def relaxation_fit(
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             part = curve if settings.segment in (None, "both") else curve.only(settings.segment)
-            return _fit(body, part, settings, like)
+            fit = _fit(body, part, settings, like)
+    except InputError as error:
+        raise InputError([f"{line}{curve.likely}" for line in error.lines]) from None
     except SolveError as error:
-        raise SolveError(f"{curve.where}: {error}") from None
+        raise SolveError(f"{curve.where}: {error}{curve.likely}") from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
-        raise SolveError(f"{curve.where}: {RANGE} ({error}); are all sizes and units right?") from error
+        reason = f"{RANGE} ({error}); are all sizes and units right?{curve.likely}"
+        raise SolveError(f"{curve.where}: {reason}") from error
+    return replace(fit, warnings=(*curve.doubts, *fit.warnings))
 
 
 def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings, like: RelaxationFit | None) -> RelaxationFit:

@@ -286,7 +286,10 @@ def _answer(records: Records, least: Least, shift: Array, doubts: Sequence[str])
             relaxation=settings.relaxation(unknowns.values(x[places])), record=model.cycle.record(),
             imposed=model.cycle.z, response=np.where(part != 0, model.cycle.P + part * model.sigma, np.nan),
             settings=settings, scatter=misfit,
-            warnings=(*doubts, *model.cycle.record().flags, *([own_line] if misfit > SEARCH_MISFIT else [])),
+            warnings=(
+                *doubts, *model.cycle.curve.doubts, *model.cycle.record().flags,
+                *([own_line] if misfit > SEARCH_MISFIT else []),
+            ),
         ))  # fmt: skip
     first = fits[0]
     values = {item.name: item.value for item in first.estimates}

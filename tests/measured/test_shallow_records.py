@@ -10,14 +10,14 @@ from force_curves import Instrument, equilibrium, record
 from raw_records import BODY, R, body, inside, read, usual
 
 from jkrcli.base.errors import InputError, JkrError
-from jkrcli.measured.curve import RETRACT, Curve, Reading
+from jkrcli.measured.curve import RETRACT, SUBTRACTED_TWICE, Curve, Reading
 from jkrcli.measured.files import from_columns
 from jkrcli.measured.files import read as read_file
 from jkrcli.measured.force_curve import radii_at
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.record import whole_fit
 from jkrcli.measured.result import Fit
-from jkrcli.measured.segmentation import SUBTRACTED_TWICE, segment_force_curve
+from jkrcli.measured.segmentation import segment_force_curve
 from jkrcli.measured.settings import settings_of
 
 K, E_STAR, W = 0.1, 2e5, 1e-3  # the pull-off force is 23.6 nN

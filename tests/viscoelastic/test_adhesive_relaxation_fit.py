@@ -21,7 +21,7 @@ import jkrcli as jkr
 from jkrcli.adhesion.finite_range import AttractedBody, RangeRequest
 from jkrcli.base.errors import InputError, SolveError
 from jkrcli.bodies.problem import Modes
-from jkrcli.measured.curve import Curve
+from jkrcli.measured.curve import SUBTRACTED_TWICE, Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.measured.procedure import fit
 from jkrcli.measured.report import alternatives_table, verdict_words
@@ -266,13 +266,14 @@ def test_marches_that_find_no_state(body: FittedBody, monkeypatch: pytest.Monkey
 @pytest.fixture(scope="module", name="fit")
 def _fit(body: FittedBody) -> RelaxationFit:
     """Of a whole force curve with free rows, on a lever, with a hold: all in one."""
-    made = readings(usual(), 0.3, 0.3, k=2.0)
+    made = replace(readings(usual(), 0.3, 0.3, k=2.0), flags=(SUBTRACTED_TWICE,))
     return relaxation_fit(body, made, relaxation_settings("sls", free=["w"]))
 
 
 def test_a_whole_force_curve_with_free_rows(fit: RelaxationFit) -> None:
     assert off(fit, E_star=1.0, ratio=0.3, time=1.0, w=W, stress=STRESS, delta0=0.03) < 3.5
     assert 0.8 < fit.scatter < 1.2
+    assert fit.warnings == (SUBTRACTED_TWICE,)  # of how it was read
     E, true = fit.modulus(t := np.array([0.1, 0.5, 2.0])), SOLID(t)
     assert (E[:, 1] < true).all()
     assert (true < E[:, 2]).all()

@@ -12,7 +12,7 @@ from retractions import COATING, GEL, body, clean, record
 from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.adhesion.device_path import Program
 from jkrcli.base.errors import InputError
-from jkrcli.measured.curve import Curve
+from jkrcli.measured.curve import SUBTRACTED_TWICE, Curve
 from jkrcli.measured.work import work_along
 from jkrcli.viscoelastic.law_fits import through_words
 from jkrcli.viscoelastic.rate import PowerRate
@@ -101,7 +101,9 @@ def test_a_prediction_is_that_of_another_integrator_and_so_are_its_derivatives()
 def test_four_speeds_tell_everything() -> None:
     rng = np.random.default_rng(5)
     curves = [record("gel", V, 400, rng, 5e-6) for V in SPEEDS]
+    curves[0] = replace(curves[0], flags=(SUBTRACTED_TWICE,))
     fit = rate_fit(body("gel"), curves, rate_settings(body("gel"), "power"))
+    assert fit.warnings[0] == f"{curves[0].where}: {SUBTRACTED_TWICE}"
     for name, truth in zip(("w0", "v0", "n", "modulus", "delta0"), (*GEL, 1.0, 5e-6), strict=True):
         item = fit.estimate(name)
         off = item.value * math.log(item.value / truth) if name != "delta0" else item.value - truth

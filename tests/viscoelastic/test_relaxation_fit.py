@@ -11,9 +11,9 @@ from scipy.special import beta, betainc
 import jkrcli as jkr
 from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.adhesion.device_path import Program
-from jkrcli.base.errors import InputError
+from jkrcli.base.errors import InputError, JkrError
 from jkrcli.base.numerics import Array
-from jkrcli.measured.curve import Curve
+from jkrcli.measured.curve import NOT_SUBTRACTED, Curve
 from jkrcli.measured.forward_model import FittedBody, body_of
 from jkrcli.viscoelastic.law_fits import RelaxationFits
 from jkrcli.viscoelastic.relaxation import Depths, RelaxedHistory, RelaxingContact
@@ -135,9 +135,14 @@ def test_a_motion_that_is_not_straight_is_followed(body: FittedBody) -> None:
     history = history_of(body, t, x)
     load = history.states(t)[2]
     load += 0.003 * np.ptp(load) * np.random.default_rng(1).standard_normal(t.size)
-    fit = relaxation_fit(body, Curve("made", t=t, delta=x + 1e-5 * np.sin(1e3 * t), P=load), relaxation_settings("sls"))
+    curve = Curve("made", t=t, delta=x + 1e-5 * np.sin(1e3 * t), P=load, flags=(NOT_SUBTRACTED,))
+    fit = relaxation_fit(body, curve, relaxation_settings("sls"))
     assert fit.record.read
-    assert "the displacement of the tip is used as read" in fit.warnings[0]
+    assert fit.warnings[0].startswith("E* is that of contact and instrument in series")
+    assert "the displacement of the tip is used as read" in fit.warnings[1]
+    for law, free in (("sls", []), ("sls", ["w"])):
+        with pytest.raises(JkrError, match=NOT_SUBTRACTED):
+            relaxation_fit(body, curve.rows(np.arange(4)), relaxation_settings(law, free=free))
     assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.0).values())) < 3.5
 
 

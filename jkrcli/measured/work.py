@@ -218,11 +218,11 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array, least: float) ->
     if not len(curve):
         raise InputError(
             f"{curve.where}: on the body of the solution the contact's edge moves on none of its rows: does the "
-            "modulus belong to the force curve? jkr fit finds E* (--modulus-factor)"
+            f"modulus belong to the force curve? jkr fit finds E* (--modulus-factor){curve.likely}"
         )
     raise InputError(
         f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(counts)}; are contact "
-        "point and force offset (--zero), signs (--flip), units and modulus right?"
+        f"point and force offset (--zero), signs (--flip), units and modulus right?{curve.likely}"
     )
 
 

@@ -26,7 +26,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import FlatPunch, Paraboloid
 from jkrcli.bodies.problem import Elastic, HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.measured.curve import Curve
+from jkrcli.measured.curve import NOT_SUBTRACTED, Curve
 from jkrcli.measured.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, work_along
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.resolve.analysis import analyse
@@ -144,8 +144,8 @@ def test_rows_that_have_none_are_told_apart() -> None:
 
 def test_curves_that_tell_no_w_are_refused() -> None:
     held = body("half-space")
-    curve = Curve("c", delta=np.array([1e-6, 1.0, 1.0]), P=np.array([1.0, 0.0, 0.0]))
-    said = "none of its 3 rows gives .*: 1 at or above the nonadhesive load, 2 at contact radii above 200 um"
+    curve = Curve("c", delta=np.array([1e-6, 1.0, 1.0]), P=np.array([1.0, 0.0, 0.0]), flags=(NOT_SUBTRACTED,))
+    said = f"none of its 3 rows gives .*: 1 at or above .*, 2 at contact radii above 200 um.*; {NOT_SUBTRACTED}$"
     with pytest.raises(InputError, match=said):
         work_along(held, curve)
     with pytest.raises(InputError, match=r"^c: w follows from a and P, it holds delta, P$"):

@@ -260,7 +260,7 @@ def profile(file: Path, state: options.State, attraction: options.RangeOptions, 
     stem = output.folder(file.parent) / f"{file.stem}-profile{ranged.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     seconds = 0.0
-    if solution.problem.sticks and not ranged and (of_state := offered("seconds of finite elements")):
+    if solution.problem.sticks and not ranged and (of_state := offered("seconds of a state by finite elements")):
         seconds = of_state(solution.problem)
     inputs.begin_curves("profile", [solution], [(w,)], limits, [ranged] * (radius is None), beside=seconds)
     if radius is None:

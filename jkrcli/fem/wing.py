@@ -14,7 +14,7 @@ WING = Wing(
     uses=("finite elements", "table mesh", "table contact"),
     offers={
         "the surface by finite elements": "fem.report:surface_columns",
-        "seconds of finite elements": "fem.fields:seconds_of_state",
+        "seconds of a state by finite elements": "fem.fields:seconds_of_state",
         "the mesher": "fem.report:mesher",
     },
 )

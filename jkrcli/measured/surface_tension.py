@@ -253,7 +253,8 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     )  # fmt: skip
 
     # The two unknowns that correlate most with the tension, as one radius does not separate them, and how much
-    mixed, warnings = dict[str, float](), list[str]()
+    mixed = dict[str, float]()
+    warnings = [f"{record.where}: {line}" for record in model.records for line in record.doubts]
     if TENSION in fit.free and fit.correlation is not None and not several:
         i = fit.free.index(TENSION)
         others = sorted((-abs(float(c)), name) for c, name in zip(fit.correlation[i], fit.free, strict=True))[1:3]

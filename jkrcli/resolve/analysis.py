@@ -848,7 +848,7 @@ def _inside(a: float) -> Array:
 def _by_elements(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """The columns by finite elements; Refusal where that wing is not there."""
     if (columns := offered("the surface by finite elements")) is None:
-        raise Refusal(f"profile: of this body by finite elements alone {absent('finite elements')}")
+        raise Refusal(f"profile: method fem, which alone gives it here, {absent('finite elements')}")
     found: dict[str, Array] = columns(solution, a, w)
     return found
 

@@ -1,7 +1,6 @@
 """Without the wing: its method, its tables and what needs it are refused by its name, exact methods solve the rest."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from conftest import refused_by
@@ -39,10 +38,10 @@ def test_a_profile_without_slip_is_refused_by_its_name_and_the_rest_is_solved() 
     solution = jkrcli.solve(jkrcli.parse_case(LAYER))
     assert solution.method == "layered"
     assert jkrcli.pull_off(solution, 0.05)
-    with pytest.raises(Refusal, match=f"^profile: of this body by finite elements alone {LACKING}"):
+    with pytest.raises(Refusal, match=f"^profile: method fem, which alone gives it here, {LACKING}"):
         jkrcli.profile(solution, a=5e-6)
 
 
-def test_the_doctor_looks_for_no_mesher(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_doctor_looks_for_no_mesher(capsys: pytest.CaptureFixture[str]) -> None:
     assert call(["doctor", "-v"]) == 0
     assert "gmsh" not in capsys.readouterr().out

@@ -221,7 +221,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "gain energy; give a smaller --stress",
     "cycle: the attraction of the surfaces extends without limit",
     "roughness: ",  # and tests of roughness
-    "profile: of this body by finite elements alone",  # and those of the core without its wing
+    "profile: method fem, which alone gives it here",  # and those of the core without its wing
 )
 
 
